@@ -1,5 +1,6 @@
 //! Commands: everything the user can do.
 
+use crate::app::Example;
 use crate::bake::{BakeSettings, LightmapFile};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::first_pass::LightSettings;
@@ -19,6 +20,8 @@ pub enum Command {
     New,
     /// Loads files into a new document.
     Open(Vec<PathBuf>),
+    /// Opens an example, which has no file.
+    OpenExample(Example),
     /// Loads files into the current document.
     Add(Vec<PathBuf>),
     /// Saves the document to its own file.
@@ -122,8 +125,14 @@ pub enum Command {
         /// Final number of paths per pixel; `None` for the number in the preferences.
         paths: Option<u32>,
     },
-    /// Closes the rendered image.
+    /// Stops rendering; the image stays as it is.
     StopRender,
+    /// Continues to render an image that was stopped.
+    ResumeRender,
+    /// Closes the rendered image: the viewport shows the model again.
+    CloseRender,
+    /// Asks for the file of an image that is not finished.
+    SaveUnfinishedRender,
 
     /// Changes the settings of the next lightmap.
     SetBake(BakeSettings),
@@ -140,6 +149,8 @@ pub enum Command {
     SetPreferences(Box<Preferences>),
     /// Clears the message list.
     ClearMessages,
+    /// The user has seen the last error.
+    DismissFailure,
 }
 
 /// The base of a prism.

@@ -241,6 +241,7 @@ mod tests {
         let dirs = UserDirs {
             preferences: None,
             recovery: Some(folder.clone()),
+            thumbnails: None,
         };
         let mut app = App::new(Preferences::default(), dirs, Arc::new(|| ()));
         app.execute(Command::AddShape(NewShapeKind::Cuboid));

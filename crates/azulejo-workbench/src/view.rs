@@ -28,6 +28,8 @@ pub enum Shading {
     Irradiance,
     /// Irradiance in false colours.
     FalseColor,
+    /// The relative standard error of the irradiance in false colours.
+    Error,
     /// The patches of the solver.
     Patches,
     /// Form factors of a picked patch.
@@ -38,7 +40,7 @@ pub enum Shading {
 
 impl Shading {
     /// All modes in the order of the menu.
-    pub const ALL: [Shading; 11] = [
+    pub const ALL: [Shading; 12] = [
         Shading::Points,
         Shading::Lines,
         Shading::HiddenLines,
@@ -47,6 +49,7 @@ impl Shading {
         Shading::Textured,
         Shading::Irradiance,
         Shading::FalseColor,
+        Shading::Error,
         Shading::Patches,
         Shading::FormFactors,
         Shading::Normals,
@@ -63,6 +66,7 @@ impl Shading {
             Shading::Textured => "textured",
             Shading::Irradiance => "irradiance",
             Shading::FalseColor => "false-color",
+            Shading::Error => "error",
             Shading::Patches => "patches",
             Shading::FormFactors => "form-factors",
             Shading::Normals => "normals",
@@ -73,9 +77,74 @@ impl Shading {
     pub fn shows_light(self) -> bool {
         matches!(
             self,
-            Shading::Irradiance | Shading::FalseColor | Shading::Patches
+            Shading::Irradiance | Shading::FalseColor | Shading::Error | Shading::Patches
         )
     }
+}
+
+/// The unit in which light is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightUnit {
+    /// That of the document's numbers.
+    #[default]
+    Document,
+    /// Watts.
+    Radiometric,
+    /// Lumens.
+    Photometric,
+}
+
+impl LightUnit {
+    /// All units.
+    pub const ALL: [LightUnit; 3] = [
+        LightUnit::Document,
+        LightUnit::Radiometric,
+        LightUnit::Photometric,
+    ];
+}
+
+/// A plane that cuts the model open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionPlane {
+    /// The axis that it is perpendicular to: 0, 1 or 2 for x, y or z.
+    pub axis: usize,
+    /// Where it cuts, 0 at the lower end of the model to 1 at the upper one.
+    pub at: f64,
+    /// Whether the lower side is cut away instead of the upper one.
+    pub is_flipped: bool,
+}
+
+impl SectionPlane {
+    /// Normal and offset of the plane n · x = d in a model of these bounds; n · x > d is cut away.
+    pub fn plane(&self, bounds: Aabb) -> (DVec3, f64) {
+        let axis = self.axis.min(2);
+        let at = bounds.min[axis] + self.at * (bounds.max[axis] - bounds.min[axis]);
+        let sign = if self.is_flipped { -1.0 } else { 1.0 };
+        (sign * DVec3::AXES[axis], sign * at)
+    }
+
+    /// The section that takes the ceiling off.
+    pub fn below_ceiling(up: Up) -> SectionPlane {
+        let axis = match up {
+            Up::Y => 1,
+            Up::Z => 2,
+        };
+        SectionPlane {
+            axis,
+            at: 0.85,
+            is_flipped: false,
+        }
+    }
+}
+
+/// Two shading modes side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// What is shown at the right.
+    pub with: Shading,
+    /// Where the halves meet, 0 at the left edge to 1.
+    pub at: f32,
 }
 
 /// Colour maps suitable for all kinds of colour vision.
@@ -228,6 +297,14 @@ pub struct ModelView {
     pub exposure: Option<f64>,
     /// The settings of false colours.
     pub false_color: FalseColor,
+    /// The unit in which light is shown.
+    pub light_unit: LightUnit,
+    /// Another shading mode at the right of the view.
+    pub comparison: Option<Comparison>,
+    /// Whether back faces are hidden, which shows the inside of rooms from outside.
+    pub hides_backs: bool,
+    /// A plane that cuts the model open.
+    pub section: Option<SectionPlane>,
     /// The background.
     pub backdrop: Backdrop,
     /// Whether markers of lights and cameras are drawn.
@@ -245,6 +322,10 @@ impl Default for ModelView {
             shading: Shading::default(),
             exposure: None,
             false_color: FalseColor::default(),
+            light_unit: LightUnit::default(),
+            comparison: None,
+            hides_backs: false,
+            section: None,
             backdrop: Backdrop::default(),
             shows_markers: true,
             shows_grid: false,
@@ -366,19 +447,30 @@ pub fn linear_from_srgb(color: [u8; 3]) -> Rgb {
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))
 }
 
+/// Whether a camera sees all corners of a box, in a square image.
+pub fn sees_all(camera: &Camera, bounds: Aabb) -> bool {
+    let view = Projection::new(camera, [100, 100]);
+    (0..8).all(|k| {
+        let at = view.project(corner(bounds, k));
+        at.is_some_and(|at| at.min_element() >= 0.0 && at.max_element() <= 100.0)
+    })
+}
+
+/// Corner `k`, 0..8, of a box.
+fn corner(bounds: Aabb, k: u32) -> DVec3 {
+    let pick = |bit: u32, low: f64, high: f64| if k & bit == 0 { low } else { high };
+    DVec3::new(
+        pick(1, bounds.min.x, bounds.max.x),
+        pick(2, bounds.min.y, bounds.max.y),
+        pick(4, bounds.min.z, bounds.max.z),
+    )
+}
+
 /// Whether a camera sees most of a box; many files contain cameras that do not.
 pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
     let view = Projection::new(camera, [100, 100]);
-    let corner = |k: u32| {
-        let pick = |bit: u32, low: f64, high: f64| if k & bit == 0 { low } else { high };
-        DVec3::new(
-            pick(1, bounds.min.x, bounds.max.x),
-            pick(2, bounds.min.y, bounds.max.y),
-            pick(4, bounds.min.z, bounds.max.z),
-        )
-    };
     // The middle of each half diagonal: the corners themselves are often outside of a good view.
-    let points = (0..8).map(|k| 0.5 * (corner(k) + bounds.centre()));
+    let points = (0..8).map(|k| 0.5 * (corner(bounds, k) + bounds.centre()));
     let shown = points.filter(|&p| {
         let at = view.project(p);
         at.is_some_and(|at| at.min_element() >= -25.0 && at.max_element() <= 125.0)

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 
 mod app;
 mod brdf;
+mod cards;
 mod dialogs;
 mod inspector;
 mod light;
@@ -20,6 +21,7 @@ mod tests;
 mod tree;
 mod view_tab;
 mod viewport;
+mod views;
 
 /// A language of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,7 +40,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 11] = [
+const TABLES: [&[Translation]; 13] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -46,9 +48,11 @@ const TABLES: [&[Translation]; 11] = [
     inspector::TABLE,
     surroundings::TABLE,
     brdf::TABLE,
+    cards::TABLE,
     light::TABLE,
     lightmap::TABLE,
     view_tab::TABLE,
+    views::TABLE,
     dialogs::TABLE,
 ];
 

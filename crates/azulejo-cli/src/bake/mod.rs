@@ -18,6 +18,7 @@ use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, InstancesArg, Ligh
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake, bake_occlusion};
 use azulejo::output::Output;
+use azulejo::surroundings::STUDIO_FLOOR;
 use azulejo_scene::Scene;
 use source::BakeSource;
 pub use source::read_file;
@@ -30,8 +31,7 @@ const MOST_SIZE: u32 = 8192;
 /// Distance up to which things occlude, as a share of the size of the model.
 const OCCLUSION_DISTANCE: f64 = 0.1;
 
-/// The floor of a studio, and its texels per length: it is far larger than the model.
-const STUDIO_FLOOR: &str = "studio floor";
+/// Texels per length of the floor of a studio, relative to those of the model: it is far larger.
 const STUDIO_DENSITY: f64 = 0.25;
 
 /// Error beside the requested one up to which that counts as reached.

@@ -53,7 +53,8 @@ pub struct SurroundingsArgs {
     /// Irradiance of weather and clear skies as total solar radiation in W/m², not as light
     #[arg(long)]
     pub solar: bool,
-    /// Light a scene in which nothing shines: a floor and three lamps around the model
+    /// Light a scene in which nothing shines: a floor and three lamps around the model, or a lamp
+    /// under the ceiling of a room (where one sees the fronts of walls all around)
     #[arg(long)]
     pub studio: bool,
 }

@@ -16,6 +16,7 @@ use azulejo_scene::sky::{
 use azulejo_scene::{
     Environment, EnvironmentSource, Light, LightKind, Rgb, Scene, SceneBackground, TextureId,
 };
+use azulejo_trace::Tracer;
 use glam::DVec3;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
@@ -72,7 +73,7 @@ pub fn add(
 
 /// Puts the scene into a studio; its camera is for scenes that have none.
 fn add_studio(scene: &mut Scene) {
-    if let Some(mut around) = studio(scene.bounds(), scene.units) {
+    if let Some(mut around) = studio(&Tracer::new(scene), scene.units) {
         if !scene.cameras.is_empty() {
             around.cameras.clear();
         }

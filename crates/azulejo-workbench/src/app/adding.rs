@@ -5,20 +5,17 @@ use crate::command::PrismBase;
 use crate::document::{
     Edit, NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout,
 };
-use crate::gpu::{DrawnMesh, display_mesh, pick};
-use azulejo::scene::math::Ray;
-use azulejo::scene::{Mesh, Shape};
+use azulejo::surroundings::Room;
+use azulejo::trace::Tracer;
 use glam::DVec3;
-use std::borrow::Cow;
 use std::path::PathBuf;
 
 impl App {
     /// Adds a shape on the ground, or an area light under the ceiling or above the model.
     pub(super) fn add_shape(&mut self, kind: NewShapeKind) {
-        let size = self.default_size();
-        let at = match kind {
-            NewShapeKind::AreaLight => self.lamp_position(size),
-            _ => self.ground(),
+        let (at, size) = match kind {
+            NewShapeKind::AreaLight => self.lamp_place(),
+            _ => (self.ground(), self.default_size()),
         };
         let new = NewShape {
             kind,
@@ -32,7 +29,7 @@ impl App {
     pub(super) fn add_light(&mut self, kind: NewLightKind) {
         let new = NewLight {
             kind,
-            at: self.lamp_position(self.default_size()),
+            at: self.lamp_place().0,
             toward: self.ground(),
         };
         self.edit(&Edit::AddLight(new), None);
@@ -93,14 +90,14 @@ impl App {
 
     /// The middle of the model's ground, where new objects are placed.
     pub fn ground(&self) -> DVec3 {
-        let bounds = self.document.bounds(None);
+        let bounds = self.document.model_bounds();
         let up = self.document.units.up.axis();
         bounds.centre() - up * (0.5 * bounds.size().dot(up))
     }
 
     /// A default size for new objects, in world units.
     pub fn default_size(&self) -> f64 {
-        let bounds = self.document.bounds(None);
+        let bounds = self.document.model_bounds();
         if bounds.is_empty() || bounds.diagonal() <= 0.0 {
             1.0
         } else {
@@ -108,52 +105,19 @@ impl App {
         }
     }
 
-    /// Position of a new light: a little below the ceiling of a room, well above anything else.
-    fn lamp_position(&self, size: f64) -> DVec3 {
-        let bounds = self.document.bounds(None);
+    /// Centre and edge of a new lamp: under the ceiling of a room, well above anything else.
+    fn lamp_place(&self) -> (DVec3, f64) {
+        let size = self.default_size();
+        let bounds = self.document.model_bounds();
         let up = self.document.units.up.axis();
         if bounds.is_empty() {
-            return size * up;
+            return (size * up, size);
+        }
+        let tracer = Tracer::new(&self.document.scene());
+        if let Some(room) = Room::find(&tracer, self.document.units) {
+            return room.lamp;
         }
         let half = 0.5 * bounds.size().dot(up);
-        let height = if self.is_room() {
-            0.96 * half
-        } else {
-            half + size
-        };
-        bounds.centre() + height * up
-    }
-
-    /// Whether the model is a room: from its centre, rays hit a floor and a ceiling at the ends of
-    /// the model, and walls on most sides.
-    pub(super) fn is_room(&self) -> bool {
-        let bounds = self.document.bounds(None);
-        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.objects.iter())
-            .map(|item| {
-                let error = 0.02 * bounds.diagonal().max(f64::MIN_POSITIVE);
-                let mesh = match &*item.shape {
-                    Shape::Mesh(mesh) => Cow::Borrowed(mesh),
-                    other => display_mesh(other, error, false),
-                };
-                (mesh, item.placement)
-            })
-            .collect();
-        let drawn: Vec<DrawnMesh> = (meshes.iter())
-            .map(|(mesh, placement)| DrawnMesh {
-                world_from_object: *placement,
-                ..DrawnMesh::new(0, mesh)
-            })
-            .collect();
-        let up = self.document.units.up.axis();
-        let (side, front) = up.any_orthonormal_pair();
-        let ends_there = |direction: DVec3| {
-            let ray = Ray::new(bounds.centre(), direction);
-            let reach = 0.5 * bounds.size().dot(direction.abs());
-            pick(&drawn, &ray, false).is_some_and(|hit| hit.distance > 0.9 * reach)
-        };
-        let walls = [side, -side, front, -front];
-        ends_there(up)
-            && ends_there(-up)
-            && walls.into_iter().filter(|&w| ends_there(w)).count() >= 3
+        (bounds.centre() + (half + size) * up, size)
     }
 }

@@ -99,10 +99,25 @@ impl App {
             | Edit::AddEnvironment(..)
             | Edit::ExtractSun(_)
             | Edit::AddCamera(_) => {
+                // A camera of the view that shows the model need not be seen itself.
+                if !matches!(edit, Edit::AddCamera(_)) {
+                    self.reveal(&ids);
+                }
                 self.select(Selection {
                     ids,
                     ..Selection::default()
                 });
+            }
+            Edit::AddStudio => {
+                // Its camera sees the model under its lamps; a file's own view is kept.
+                let camera = self
+                    .document
+                    .cameras
+                    .iter()
+                    .find(|c| c.source_file.is_none());
+                if let Some(view) = camera.filter(|c| c.camera.name == "studio") {
+                    self.view.camera = view.camera.clone();
+                }
             }
             _ => {}
         }
@@ -124,7 +139,7 @@ impl App {
             self.light_changed();
         }
         self.refresh_probes();
-        self.stop_render();
+        self.close_render();
         self.update_recipe_notes();
     }
 

@@ -3,7 +3,7 @@
 use super::recipes::ImportedRecipes;
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
-use crate::command::Command;
+use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId, SceneDocument, SourceFile};
 use crate::jobs::{Job, JobKind};
 use crate::words::Language;
@@ -31,6 +31,8 @@ pub struct LoadedModel {
 pub(super) struct Loading {
     /// Whether the first of them replaces the document.
     replaces: bool,
+    /// Whether they are opened, not added: then all of them are framed.
+    opens: bool,
     /// Whether it is a recovery copy.
     recovered: bool,
     /// The state when loading began, whose loss the user has accepted.
@@ -83,6 +85,7 @@ impl App {
         let then = waiting.filter(|(copy, _)| recovered && *copy == paths[0]);
         self.loading = Some(Loading {
             replaces,
+            opens: replaces,
             recovered,
             accepted: self.accept_loss(),
             command,
@@ -131,6 +134,8 @@ impl App {
             return;
         };
         let (replaces, recovered) = (loading.replaces, loading.recovered);
+        // Several files that are opened together are one scene.
+        let opens = loading.opens;
         if replaces && self.loses_unaccepted(loading.accepted) {
             // The user has not agreed to lose the changes made while the file was being read.
             self.jobs.cancel(job.id);
@@ -164,10 +169,21 @@ impl App {
             if was_empty {
                 self.take_light_of_file();
                 self.show_lightmap_of_file();
+            }
+            if was_empty || opens {
                 self.frame_all();
+            } else {
+                let added = self.document.objects.get(before..).unwrap_or_default();
+                let ids: Vec<ItemId> = added.iter().map(|item| item.id).collect();
+                self.reveal(&ids);
+                self.select(Selection {
+                    ids,
+                    ..Selection::default()
+                });
             }
         }
         if !recovered {
+            self.thumbnail_wanted = replaces.then(|| path.clone());
             self.preferences.note_recent(&path);
             self.store_preferences();
         }

@@ -11,7 +11,7 @@ use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, sol
 use crate::jobs::{Job, JobKind, in_thread_pool};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
-use azulejo::trace::Measured;
+use azulejo::trace::{Measure, Measured};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -36,6 +36,8 @@ pub struct Lighting {
     pub stage: Option<(String, Duration)>,
     /// Range of the displayed irradiance.
     pub range: Option<IrradianceRange>,
+    /// Range of its relative standard errors, where they are known.
+    pub error_range: Option<IrradianceRange>,
     /// Form factors of the picked patch.
     pub form_factors: Option<PatchFormFactors>,
     /// A solution for another document state, which arrived while the displayed one was current.
@@ -125,6 +127,35 @@ impl Lighting {
         (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
 
+    /// The error that the running solver has reached, relative.
+    pub fn reached_error(&self) -> Option<f64> {
+        let errors = self.measures.iter().rev();
+        let mut errors = errors.filter_map(|m| match m.measure {
+            Measure::Error(error) => Some(error),
+            _ => None,
+        });
+        errors.next().filter(|error| error.is_finite())
+    }
+
+    /// Estimated time until the target error is reached, at most until the time limit. The error of
+    /// random estimates falls with the square root of the time.
+    pub fn time_to_target(&self) -> Option<Duration> {
+        let worked = self.stopwatch.elapsed();
+        let limit = self.settings.time.map(|limit| {
+            let limit = Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
+            limit.saturating_sub(worked)
+        });
+        let error = self.reached_error().filter(|e| *e > self.settings.error);
+        let to_target = error.and_then(|error| {
+            let factor = (error / self.settings.error).powi(2) - 1.0;
+            Duration::try_from_secs_f64(worked.as_secs_f64() * factor).ok()
+        });
+        match (to_target, limit) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        }
+    }
+
     /// Takes a new solution; returns whether it is displayed. A solution for another state never
     /// replaces a current one: it is set aside until that state is restored by undo or redo.
     pub(super) fn set(&mut self, solution: Solution, document: &SceneDocument) -> bool {
@@ -140,6 +171,7 @@ impl Lighting {
     fn show(&mut self, solution: Arc<Solution>, document: &SceneDocument) {
         self.is_current = solution.is_of(document);
         self.range = range(document, &solution);
+        self.error_range = error_range(document, &solution);
         self.solution = Some(solution);
     }
 }
@@ -155,6 +187,26 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
             Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
             Some(Shape::Exact(exact)) => exact.proxy.iter().for_each(|m| push(&m.irradiance)),
             None => {}
+        }
+    }
+    range_of(values)
+}
+
+/// Range of the relative standard errors; black surfaces have none.
+fn error_range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRange> {
+    let mut values: Vec<f64> = Vec::new();
+    let mut push = |light: &[Rgb], error: &[Rgb]| {
+        let lit = light.iter().zip(error).filter(|(e, _)| e.luminance() > 0.0);
+        values.extend(lit.map(|(e, error)| error.luminance() / e.luminance()));
+    };
+    for item in &document.objects {
+        match solution.shape(item.id).map(|s| &**s) {
+            Some(Shape::Mesh(mesh)) => push(&mesh.irradiance, &mesh.irradiance_error),
+            Some(Shape::Exact(exact)) => {
+                let proxies = exact.proxy.iter();
+                proxies.for_each(|m| push(&m.irradiance, &m.irradiance_error));
+            }
+            _ => {}
         }
     }
     range_of(values)
@@ -291,7 +343,7 @@ impl App {
         self.lighting.aside = None;
         if self.lighting.solution.take().is_some() {
             self.lighting.is_current = false;
-            self.lighting.range = None;
+            (self.lighting.range, self.lighting.error_range) = (None, None);
             self.lighting.measures.clear();
             self.refresh_probes();
             self.light_changed();

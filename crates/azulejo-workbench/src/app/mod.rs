@@ -7,6 +7,7 @@ mod adding;
 mod autosave;
 mod bake;
 mod editing;
+mod examples;
 mod files;
 mod lighting;
 mod materials;
@@ -16,12 +17,15 @@ mod render;
 mod saving;
 #[cfg(test)]
 mod tests;
+mod thumbnails;
 
 pub use bake::{LightmapState, ViewportLightmap};
+pub use examples::Example;
 pub use lighting::{IrradianceRange, Lighting, Stopwatch};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
 pub use render::{RenderedImage, shown};
 pub use saving::{OnDisk, PendingQuestion};
+pub use thumbnails::{THUMBNAIL, Thumbnails};
 
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{ItemId, SceneDocument};
@@ -29,9 +33,10 @@ use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, ModelView, camera_around, sees_most};
+use crate::view::{Backdrop, ModelView, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
-use azulejo::scene::Image;
+use azulejo::scene::{Camera, Image};
+use azulejo::trace::Tracer;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -87,13 +92,15 @@ pub struct Message {
     pub about: Option<ItemId>,
 }
 
-/// Per-user files and folders; both are `None` in tests.
+/// Per-user files and folders; all are `None` in tests.
 #[derive(Clone, Debug, Default)]
 pub struct UserDirs {
     /// The preferences file.
     pub preferences: Option<PathBuf>,
     /// The folder for recovery copies.
     pub recovery: Option<PathBuf>,
+    /// The folder for small pictures of recent files.
+    pub thumbnails: Option<PathBuf>,
 }
 
 impl UserDirs {
@@ -102,6 +109,7 @@ impl UserDirs {
         let dirs = directories::ProjectDirs::from("", "", "azulejo");
         UserDirs {
             preferences: (dirs.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
+            thumbnails: dirs.as_ref().map(|p| p.cache_dir().join("thumbnails")),
             recovery: dirs.map(|p| p.data_local_dir().join("recovery")),
         }
     }
@@ -129,6 +137,8 @@ pub struct App {
     pub messages: Vec<Message>,
     /// Number of errors reported so far.
     pub errors: u64,
+    /// The last error, until the user has seen it.
+    pub failure: Option<String>,
     /// A question that the user must answer first.
     pub question: Option<PendingQuestion>,
     /// The purpose of the open file dialog, if there is one.
@@ -137,6 +147,10 @@ pub struct App {
     pub preferences: Preferences,
     /// Whether the window should close.
     pub closing: bool,
+    /// Small pictures of recent files.
+    pub thumbnails: Thumbnails,
+    /// The file whose thumbnail the viewport makes once it has drawn the model.
+    pub thumbnail_wanted: Option<PathBuf>,
     /// Revision of the document: a new number for every change, restored by undo. Cached data
     /// stores it as its key.
     revision: u64,
@@ -203,10 +217,13 @@ impl App {
             file: None,
             messages: Vec::new(),
             errors: 0,
+            failure: None,
             question: None,
             asking: None,
             preferences,
             closing: false,
+            thumbnails: Thumbnails::new(dirs.thumbnails),
+            thumbnail_wanted: None,
             revision: 0,
             light: 0,
             saved: DocumentState::default(),
@@ -249,10 +266,18 @@ impl App {
 
     /// Executes a command. Failures are reported in [`App::messages`].
     pub fn execute(&mut self, command: Command) {
+        // What is done next is the answer to a failure, unless it only looks around.
+        if !matches!(command, Command::SetView(_) | Command::Select(_)) {
+            self.failure = None;
+        }
         #[cfg(test)]
         self.executed.0.push(command.clone());
         match command {
-            Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
+            Command::New
+            | Command::Open(_)
+            | Command::OpenExample(_)
+            | Command::Quit
+            | Command::Recover(_)
                 if self.is_changed() =>
             {
                 self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
@@ -266,12 +291,16 @@ impl App {
         match command {
             Command::New => self.clear(),
             Command::Open(paths) => self.load(paths, true),
+            Command::OpenExample(example) => self.open_example(example),
             Command::Add(paths) => self.load(paths, false),
             Command::Save => self.save(false),
             Command::SaveAnyway => self.save(true),
             Command::SaveAs(path) => self.save_as(path),
             Command::Export(path) => self.export(path),
             Command::SaveRender(path) => self.save_render(path),
+            Command::RequestFile(FileRequest::SaveRender) if self.is_busy(JobKind::Render) => {
+                self.question = Some(PendingQuestion::UnfinishedRender);
+            }
             Command::RequestFile(what) => self.asking = Some(what),
             Command::DialogClosed => self.asking = None,
             Command::Quit => self.allow_close(),
@@ -316,6 +345,11 @@ impl App {
                 self.start_render((width, height), most);
             }
             Command::StopRender => self.stop_render(),
+            Command::ResumeRender => self.resume_render(),
+            Command::CloseRender => self.close_render(),
+            Command::SaveUnfinishedRender => {
+                (self.question, self.asking) = (None, Some(FileRequest::SaveRender));
+            }
             Command::SetBake(settings) => self.lightmap.settings = settings,
             Command::Bake => self.bake(),
             Command::ShowLightmap(is_shown) => self.show_lightmap(is_shown),
@@ -323,6 +357,7 @@ impl App {
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
             Command::ClearMessages => self.messages.clear(),
+            Command::DismissFailure => self.failure = None,
         }
     }
 
@@ -379,6 +414,7 @@ impl App {
         match job.kind {
             JobKind::Load => self.end_loading(),
             JobKind::Solve => self.end_solving(),
+            JobKind::Render => self.end_render(),
             // Whatever happened to this copy, remaining changes are written by the next one.
             JobKind::Autosave if self.is_changed() => {
                 self.changed_at.get_or_insert_with(Instant::now);
@@ -399,9 +435,13 @@ impl App {
         if self.messages.len() >= MAX_MESSAGES {
             self.messages.remove(0);
         }
+        let text = text.into();
+        if level == Severity::Error {
+            self.failure = Some(text.clone());
+        }
         self.messages.push(Message {
             level,
-            text: text.into(),
+            text,
             about: None,
         });
     }
@@ -434,6 +474,11 @@ impl App {
     /// Revision of the document: changes with every edit and is restored by undo.
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Whether there is nothing yet, and nothing being loaded.
+    pub fn is_blank(&self) -> bool {
+        self.document.is_empty() && !self.is_busy(JobKind::Load) && self.render.is_none()
     }
 
     /// The running jobs.
@@ -503,11 +548,37 @@ impl App {
     /// Shows the whole model: from the file's own camera if it sees most of the model, otherwise
     /// from a default one.
     fn frame_all(&mut self) {
-        let bounds = self.document.bounds(None);
+        let bounds = self.document.model_bounds();
         let own = self.document.cameras.first().map(|c| c.camera.clone());
-        let own = own.filter(|camera| sees_most(camera, bounds) || self.is_room());
+        let own = own.filter(|camera| sees_most(camera, bounds) || self.is_within(camera));
         let framing = || camera_around(bounds, self.document.units.up);
         self.view.camera = own.unwrap_or_else(framing);
+    }
+
+    /// Whether a camera stands within the model and looks at some of it: the view of a room that
+    /// its author has chosen.
+    fn is_within(&self, camera: &Camera) -> bool {
+        let (eye, bounds) = (camera.eye, self.document.bounds(None));
+        if !(bounds.min.cmple(eye) & eye.cmple(bounds.max)).all() {
+            return false;
+        }
+        let tracer = Tracer::new(&self.document.scene());
+        let places = [(0.5, 0.5), (0.2, 0.3), (0.8, 0.3), (0.2, 0.8), (0.8, 0.8)];
+        let seen = places.iter().filter(|(x, y)| {
+            let ray = camera.ray(*x, *y, 1.0);
+            tracer.hit(&ray).is_some_and(|hit| hit.entering)
+        });
+        seen.count() >= 3
+    }
+
+    /// Moves the view back until it shows these items, if some of them is not in it.
+    fn reveal(&mut self, ids: &[ItemId]) {
+        let bounds = self.document.frame_of(ids);
+        if bounds.is_empty() || sees_all(&self.view.camera, bounds) {
+            return;
+        }
+        let all = self.document.model_bounds().union(bounds);
+        self.view.frame(all);
     }
 
     fn cancel(&mut self, id: u64) {
@@ -521,7 +592,7 @@ impl App {
         match kind {
             Some(JobKind::Load) => self.end_loading(),
             Some(JobKind::Solve) => self.end_solving(),
-            Some(JobKind::Render) => self.render = None,
+            Some(JobKind::Render) => self.stop_render(),
             _ => {}
         }
     }
@@ -564,7 +635,7 @@ impl App {
     /// Replaces the document together with its history and light.
     fn replace(&mut self, document: SceneDocument, file: Option<OnDisk>) {
         self.stop_solving();
-        self.stop_render();
+        self.close_render();
         self.jobs.cancel_kind(JobKind::FormFactors);
         self.drop_probes();
         self.document = document;

@@ -1,7 +1,9 @@
 //! Progressive rendering of the current view by path tracing.
 
 use super::files::absolute;
-use super::{App, JobResult, Severity};
+use super::saving::PendingQuestion;
+use super::{App, JobResult, Severity, Stopwatch};
+use crate::command::FileRequest;
 use crate::document::{SceneDocument, Solution};
 use crate::jobs::{JobKind, JobSender, in_thread_pool};
 use azulejo::formats::picture::{exr, png};
@@ -24,6 +26,17 @@ pub struct RenderedImage {
     pub samples: u32,
     /// Paths per pixel of the finished image.
     pub most: u32,
+    /// Time spent rendering.
+    pub passes: Stopwatch,
+}
+
+impl RenderedImage {
+    /// Estimated time to the finished image, from the time of the paths so far.
+    pub fn time_left(&self) -> Option<Duration> {
+        let missing = self.most.checked_sub(self.samples).filter(|&n| n > 0)?;
+        let share = f64::from(missing) / f64::from(self.samples);
+        Duration::try_from_secs_f64(self.passes.elapsed().as_secs_f64() * share).ok()
+    }
 }
 
 /// Limit on the number of pixels of an interactive render.
@@ -59,13 +72,24 @@ impl App {
             image: last.and_then(|p| p.image),
             samples: 0,
             most,
+            passes: Stopwatch::default(),
         });
+        self.run_render(None);
+    }
+
+    /// Renders the paths that are still missing; `before` is the image of those that are not.
+    fn run_render(&mut self, before: Option<(Image, u32)>) {
+        let Some(render) = &mut self.render else {
+            return;
+        };
+        render.passes.resume();
         let work = RenderJob {
             document: self.document.clone(),
             solution: self.lighting.solution.clone(),
             camera: self.view.camera.clone(),
-            size,
-            most,
+            size: render.size,
+            most: render.most,
+            before,
             gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
         };
         let threads = self.preferences.threads;
@@ -82,9 +106,45 @@ impl App {
             });
     }
 
+    /// Stops rendering and keeps the image, if there is one yet.
     pub(super) fn stop_render(&mut self) {
         self.jobs.cancel_kind(JobKind::Render);
+        match &mut self.render {
+            Some(render) if render.image.is_some() => render.passes.pause(),
+            _ => self.render = None,
+        }
+    }
+
+    /// Continues with an image that was stopped. The model and the view are still those of the
+    /// image: a change of either closes it or starts it again.
+    pub(super) fn resume_render(&mut self) {
+        if self.is_busy(JobKind::Render) {
+            return;
+        }
+        let Some(render) = self.render.as_ref().filter(|r| r.samples < r.most) else {
+            return;
+        };
+        let image = render.image.as_deref().filter(|_| render.samples > 0);
+        let before = image.cloned().map(|image| (image, render.samples));
+        self.run_render(before);
+    }
+
+    pub(super) fn close_render(&mut self) {
+        self.jobs.cancel_kind(JobKind::Render);
         self.render = None;
+        if self.question == Some(PendingQuestion::UnfinishedRender) {
+            self.question = None;
+        }
+    }
+
+    /// Called when the render job has ended.
+    pub(super) fn end_render(&mut self) {
+        if let Some(render) = &mut self.render {
+            render.passes.pause();
+        }
+        if self.question == Some(PendingQuestion::UnfinishedRender) {
+            (self.question, self.asking) = (None, Some(FileRequest::SaveRender));
+        }
     }
 
     pub(super) fn take_render(&mut self, image: Image, samples: u32) {
@@ -159,6 +219,8 @@ struct RenderJob {
     camera: Camera,
     size: (u32, u32),
     most: u32,
+    /// The image of the paths already traced, with their number.
+    before: Option<(Image, u32)>,
     /// Rays of the final gather.
     gather: Option<u32>,
 }
@@ -185,13 +247,18 @@ impl RenderJob {
             };
             self.draw(&scene, &tracer, &options, progress)
         };
-        let coarse = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
-        let Some(first) = draw(coarse, 1, 0) else {
-            return;
+        let (mut sum, mut done) = match &self.before {
+            Some((image, samples)) => (Some(image.clone()), *samples),
+            None => {
+                let coarse = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
+                let Some(first) = draw(coarse, 1, 0) else {
+                    return;
+                };
+                outbox.send(JobResult::Render(Box::new(first), 0));
+                (None, 0)
+            }
         };
-        outbox.send(JobResult::Render(Box::new(first), 0));
-        let mut sum: Option<Image> = None;
-        let (mut done, mut next) = (0, 1);
+        let mut next = done.max(1);
         while done < self.most {
             let samples = next.min(self.most - done);
             let Some(image) = draw(self.size, samples, u64::from(done) + 1) else {

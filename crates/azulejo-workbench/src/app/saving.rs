@@ -17,13 +17,15 @@ pub enum PendingQuestion {
     Unsaved(Box<Command>),
     /// Another program has changed the file since it was read.
     ChangedOnDisk(PathBuf),
+    /// The image to save is still being rendered.
+    UnfinishedRender,
 }
 
 impl PendingQuestion {
     /// Whether the question still makes sense after a job failed: a command that waits for a save
     /// is dropped if the save fails.
     pub(super) fn survives_job_failure(&self) -> bool {
-        matches!(self, PendingQuestion::ChangedOnDisk(_))
+        !matches!(self, PendingQuestion::Unsaved(_))
     }
 }
 
@@ -184,6 +186,7 @@ impl App {
     pub(super) fn take_saved(&mut self, saved: SavedModel) {
         let path = saved.on_disk.path.clone();
         self.report_saved(&saved);
+        self.thumbnail_wanted = saved.state.is_some().then(|| path.clone());
         self.preferences.note_recent(&path);
         self.store_preferences();
         // A document that was opened meanwhile does not belong to this file.
@@ -236,7 +239,7 @@ impl App {
             // The current document is not lost until the other one is loaded.
             Some(PendingQuestion::Unsaved(command)) => self.perform(*command),
             Some(PendingQuestion::ChangedOnDisk(path)) => self.load(vec![path], true),
-            None => {}
+            Some(PendingQuestion::UnfinishedRender) | None => {}
         }
     }
 

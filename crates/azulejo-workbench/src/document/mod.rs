@@ -177,6 +177,15 @@ impl SceneObject {
         placed_bounds(self.facts.bounds, &self.placement)
     }
 
+    /// Centre of the shape's bounding box in object space.
+    pub fn pivot(&self) -> DVec3 {
+        if self.facts.bounds.is_empty() {
+            DVec3::ZERO
+        } else {
+            self.facts.bounds.centre()
+        }
+    }
+
     /// The materials used, without duplicates, in the order of the faces.
     pub fn materials(&self) -> &[MaterialId] {
         &self.facts.materials
@@ -510,6 +519,20 @@ impl SceneDocument {
         }
     }
 
+    /// The bounding box of the model: of all objects but the floor and the lamps of a studio, which
+    /// stand far around it, unless there is nothing else.
+    pub fn model_bounds(&self) -> Aabb {
+        let of_model = self.objects.iter().filter(|item| {
+            item.source_file.is_some() || !azulejo::surroundings::is_studio_part(&item.name)
+        });
+        let bounds = of_model.fold(Aabb::EMPTY, |all, item| all.union(item.bounds()));
+        if bounds.is_empty() {
+            self.bounds(None)
+        } else {
+            bounds
+        }
+    }
+
     /// Number of polygons, counting each exact shape as one.
     pub fn face_count(&self) -> usize {
         let faces = |item: &SceneObject| match &*item.shape {
@@ -519,6 +542,14 @@ impl SceneDocument {
             Shape::Exact(exact) => exact.leaves().len(),
         };
         self.objects.iter().map(|item| faces(item)).sum()
+    }
+
+    /// Whether an object emits light.
+    pub fn shines(&self, item: &SceneObject) -> bool {
+        item.materials().iter().any(|&m| {
+            let material = self.materials.get(m as usize);
+            material.is_some_and(|m| m.is_emitter())
+        })
     }
 
     /// Whether anything emits light.

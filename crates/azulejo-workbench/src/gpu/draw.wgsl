@@ -28,9 +28,9 @@ struct Frame {
     // Ends of the colour scale; their logarithms if it is logarithmic.
     low: f32,
     high: f32,
-    bands: f32,
+    // Distance of isolines, or 1 or 0.3 on a logarithmic scale; 0 for none.
+    interval: f32,
     line: vec4f,
-    selection: vec4f,
     // World from view for directions, columns.
     world_x: vec4f,
     world_y: vec4f,
@@ -42,6 +42,10 @@ struct Frame {
     fog_scale: f32,
     // Irradiance that the stored value 1 of the lightmap stands for.
     lightmap_scale: f32,
+    // Factor from stored to displayed values.
+    display: f32,
+    // Plane in view space beyond which everything is cut away: normal and distance.
+    section: vec4f,
 }
 
 struct Object {
@@ -49,7 +53,7 @@ struct Object {
     view_from_object: mat4x4f,
     // The inverse transpose, for normals.
     view_from_normal: mat4x4f,
-    // sRGB colour and weight of the selection tint.
+    // sRGB colour and weight of the selection, for edges and points.
     tint: vec4f,
     light_scale: f32,
     is_solved: f32,
@@ -118,28 +122,42 @@ fn surface(
     return out;
 }
 
-@vertex
-fn edge(@location(0) position: vec3f) -> @builtin(position) @invariant vec4f {
-    var clip = object.clip_from_object * vec4f(position, 1.0);
-    // A little nearer than the faces that share the edge.
-    clip.z *= 1.0002;
-    return clip;
+struct Placed {
+    @builtin(position) @invariant clip: vec4f,
+    // In view space.
+    @location(0) place: vec3f,
+}
+
+fn placed(position: vec3f) -> Placed {
+    var out: Placed;
+    out.clip = object.clip_from_object * vec4f(position, 1.0);
+    out.place = (object.view_from_object * vec4f(position, 1.0)).xyz;
+    return out;
 }
 
 @vertex
-fn same_place(@location(0) position: vec3f) -> @builtin(position) @invariant vec4f {
-    return object.clip_from_object * vec4f(position, 1.0);
+fn edge(@location(0) position: vec3f) -> Placed {
+    var out = placed(position);
+    // A little nearer than the faces that share the edge.
+    out.clip.z *= 1.0002;
+    return out;
+}
+
+@vertex
+fn same_place(@location(0) position: vec3f) -> Placed {
+    return placed(position);
 }
 
 @vertex
 fn dot_corner(
     @builtin(vertex_index) corner: u32,
     @location(0) position: vec3f,
-) -> @builtin(position) vec4f {
-    var clip = object.clip_from_object * vec4f(position, 1.0);
+) -> Placed {
+    var out = placed(position);
     let side = vec2f(f32(corner & 1u), f32(corner >> 1u)) - 0.5;
-    clip = vec4f(clip.xy + side * 6.0 / frame.size * clip.w, clip.z, clip.w);
-    return clip;
+    let clip = out.clip;
+    out.clip = vec4f(clip.xy + side * 6.0 / frame.size * clip.w, clip.z, clip.w);
+    return out;
 }
 
 @vertex
@@ -260,16 +278,22 @@ fn hatched(color: vec3f, clip: vec4f) -> vec3f {
     return pale * select(1.0, 0.6, stripe < 0.25);
 }
 
-// Tints selected surfaces, more strongly near the silhouette.
-fn tinted(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
-    let rim = 1.0 - abs(dot(n, normalize(place)));
-    let weight = object.tint.a * (0.3 + 0.7 * rim * rim);
-    return vec4f(mix(color, object.tint.rgb, weight), material.opacity);
+// Discards what lies beyond the section. At the end of a shader, as derivatives need all pixels.
+fn cut(place: vec3f) {
+    if dot(frame.section.xyz, place) > frame.section.w {
+        discard;
+    }
+}
+
+fn seen(color: vec3f, place: vec3f) -> vec4f {
+    cut(place);
+    return vec4f(color, material.opacity);
 }
 
 // In modes that display values, glass is opaque.
-fn opaque(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
-    return vec4f(tinted(color, n, place).rgb, 1.0);
+fn opaque(color: vec3f, place: vec3f) -> vec4f {
+    cut(place);
+    return vec4f(color, 1.0);
 }
 
 fn number_of(light: vec3f) -> f32 {
@@ -288,12 +312,20 @@ fn mapped(t: f32) -> vec3f {
     return textureSample(color_map, color_map_sampler, vec2f(u, 0.5)).rgb;
 }
 
-fn with_isolines(color: vec3f, t: f32) -> vec3f {
-    let x = t * frame.bands;
+// Isolines at round values: at multiples of the interval, or at powers of ten, or at 1, 2 and 5
+// times powers of ten.
+fn with_isolines(color: vec3f, value: f32, t: f32) -> vec3f {
+    let is_log = frame.is_logarithmic > 0.5;
+    let decades = log(max(value * frame.display, 1e-37)) * 0.4342944819;
+    let x = select(value / max(frame.interval, 1e-37), decades, is_log);
     // Dividing by the screen-space derivative of x gives lines of constant width.
     let width = max(fwidth(x), 1e-12);
-    let distance = abs(x - round(x)) / width;
-    let is_inside = frame.bands > 0.5 && x > 0.5 && x < frame.bands - 0.5;
+    let part = fract(x);
+    let whole = min(part, 1.0 - part);
+    let between = min(abs(part - 0.30103), abs(part - 0.69897));
+    let has_between = is_log && frame.interval < 0.9;
+    let distance = select(whole, min(whole, between), has_between) / width;
+    let is_inside = frame.interval > 0.0 && t > 0.005 && t < 0.995;
     let weight = select(0.0, 1.0 - smoothstep(0.6, 1.4, distance), is_inside && width < 0.5);
     let contrast = select(vec3f(1.0), vec3f(0.0), luminance(color) > 0.35);
     return mix(color, contrast, 0.8 * weight);
@@ -323,7 +355,7 @@ fn background(@builtin(position) clip: vec4f) -> @location(0) vec4f {
 fn flat_shade(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
     let n = facet_normal(in.place);
     let c = lamp_at_eye(material.diffuse * in.color, n, in.place, is_front(facing));
-    return tinted(srgb(in_fog(c, in.place)), n, in.place);
+    return seen(srgb(in_fog(c, in.place)), in.place);
 }
 
 @fragment
@@ -331,7 +363,7 @@ fn gouraud(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec
     let front = is_front(facing);
     let n = smooth_normal(in, front);
     let c = lamp_at_eye(material.diffuse * in.color, n, in.place, front);
-    return tinted(srgb(in_fog(c, in.place)), n, in.place);
+    return seen(srgb(in_fog(c, in.place)), in.place);
 }
 
 @fragment
@@ -340,7 +372,7 @@ fn textured(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) ve
     let n = smooth_normal(in, front);
     let paint = textureSample(surface_texture, surface_sampler, in.uv).rgb;
     let c = lamp_at_eye(material.diffuse * in.color * paint, n, in.place, front);
-    return tinted(srgb(in_fog(c, in.place)), n, in.place);
+    return seen(srgb(in_fog(c, in.place)), in.place);
 }
 
 struct Light {
@@ -379,29 +411,39 @@ fn irradiance(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) 
     let front = is_front(facing);
     let n = smooth_normal(in, front);
     let paint = textureSample(surface_texture, surface_sampler, in.uv).rgb;
-    return tinted(lit(in, paint, n, front), n, in.place);
+    return seen(lit(in, paint, n, front), in.place);
 }
 
 // Faces with one value each: no normals, no textures.
 @fragment
 fn patches(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
     let n = facet_normal(in.place);
-    return opaque(lit(in, vec3f(1.0), n, is_front(facing)), n, in.place);
+    return opaque(lit(in, vec3f(1.0), n, is_front(facing)), in.place);
 }
 
 fn scaled(in: Varying, x: f32, known: bool, has_lines: bool) -> vec4f {
     let n = facet_normal(in.place);
     let t = place_on_scale(x);
     let plain = mapped(t);
-    let lined = with_isolines(plain, t);
+    let lined = with_isolines(plain, x, t);
     let grey = hatched(srgb(lamp_at_eye(vec3f(0.6), n, in.place, false)), in.clip);
-    return opaque(select(grey, select(plain, lined, has_lines), known), n, in.place);
+    return opaque(select(grey, select(plain, lined, has_lines), known), in.place);
 }
 
 @fragment
 fn false_color(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
     let light = light_of(in, is_front(facing));
     return scaled(in, number_of(light.irradiance), light.is_known, true);
+}
+
+// The position on the scale in 16 bits, red and green, and in blue whether there is light.
+@fragment
+fn packed(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
+    let light = light_of(in, is_front(facing));
+    let t = round(clamp(place_on_scale(number_of(light.irradiance)), 0.0, 1.0) * 65535.0);
+    let high = floor(t / 256.0);
+    let color = vec3f(high, t - 256.0 * high, select(0.0, 255.0, light.is_known)) / 255.0;
+    return opaque(color, in.place);
 }
 
 // Values of faces apply to both sides.
@@ -417,22 +459,27 @@ fn directions(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) 
     let world = frame.world_x.xyz * n.x + frame.world_y.xyz * n.y + frame.world_z.xyz * n.z;
     let shade = 0.4 + 0.6 * max(dot(n, normalize(-in.place)), 0.0);
     let color = select(vec3f(0.85, 0.08, 0.08) * shade, 0.5 + 0.5 * world, front);
-    return opaque(color, n, in.place);
+    return opaque(color, in.place);
 }
 
 @fragment
-fn hidden(@builtin(position) clip: vec4f) -> @location(0) vec4f {
-    return vec4f(background_at(clip.xy), 1.0);
+fn hidden(in: Placed) -> @location(0) vec4f {
+    let color = background_at(in.clip.xy);
+    cut(in.place);
+    return vec4f(color, 1.0);
 }
 
 @fragment
-fn line() -> @location(0) vec4f {
+fn line(in: Placed) -> @location(0) vec4f {
+    cut(in.place);
     return vec4f(mix(frame.line.rgb, object.tint.rgb, object.tint.a), frame.line.a);
 }
 
+// The mask of the selection.
 @fragment
-fn chosen() -> @location(0) vec4f {
-    return vec4f(frame.selection.rgb, 0.5);
+fn marked(in: Placed) -> @location(0) vec4f {
+    cut(in.place);
+    return vec4f(1.0);
 }
 
 @fragment

@@ -5,7 +5,7 @@ use crate::view::{BackgroundFit, ColorMap, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// One frame of the viewport.
@@ -41,10 +41,15 @@ pub struct ViewportFrame<'a> {
     pub line_color: [u8; 3],
     /// sRGB colour of the selection.
     pub selection_color: [u8; 3],
+    /// Whether positions on the colour scale are drawn in place of its colours, packed into bytes:
+    /// see [`Renderer::values`](super::Renderer::values).
+    pub is_values: bool,
     /// Whether edges are antialiased, if the driver supports it.
     pub antialiasing: bool,
     /// Whether back faces are culled, which shows the inside of rooms from outside.
     pub hides_backs: bool,
+    /// A plane, n · x = d in world space, beyond which everything is cut away.
+    pub section: Option<(DVec3, f64)>,
 }
 
 impl<'a> ViewportFrame<'a> {
@@ -71,8 +76,10 @@ impl<'a> ViewportFrame<'a> {
             scale: ColorScale::default(),
             line_color: [225, 228, 232],
             selection_color: [255, 150, 30],
+            is_values: false,
             antialiasing: true,
             hides_backs: false,
+            section: None,
         }
     }
 }
@@ -163,8 +170,10 @@ pub struct ColorScale {
     pub high: f64,
     /// Whether the scale is logarithmic, which requires 0 < low < high.
     pub is_logarithmic: bool,
-    /// Number of bands separated by isolines; 0 for no isolines.
+    /// About how many bands isolines separate, which lie at round values; 0 for no isolines.
     pub bands: u32,
+    /// Factor from the stored unit to the one in which values are shown, > 0.
+    pub display: f64,
 }
 
 impl Default for ColorScale {
@@ -176,6 +185,7 @@ impl Default for ColorScale {
             high: 1.0,
             is_logarithmic: false,
             bands: 0,
+            display: 1.0,
         }
     }
 }

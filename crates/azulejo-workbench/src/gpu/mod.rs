@@ -23,6 +23,7 @@ mod frame;
 mod geometry;
 mod lightmap;
 mod mesh_pieces;
+mod outline;
 mod overlay;
 mod pass;
 mod pick;
@@ -34,6 +35,7 @@ mod tessellate;
 #[cfg(test)]
 mod tests;
 mod textures;
+mod ticks;
 mod uniforms;
 
 pub use device::HeadlessDevice;
@@ -43,7 +45,7 @@ pub use frame::{
 };
 pub use lightmap::LightmapPages;
 pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
-pub use pick::{PickHit, pick, pick_rectangle};
+pub use pick::{Cutaway, PickHit, pick, pick_rectangle};
 pub use projection::Projection;
 pub use renderer::{DrawnFrame, RenderStatistics, Renderer};
 pub use target::PixelBuffer;

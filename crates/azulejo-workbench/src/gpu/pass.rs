@@ -78,7 +78,7 @@ impl DrawPlan {
                 };
                 surface("irradiance", streams)
             }
-            Shading::FalseColor => {
+            Shading::FalseColor | Shading::Error => {
                 let streams = VertexStreams {
                     light: true,
                     ..VertexStreams::default()
@@ -94,6 +94,16 @@ impl DrawPlan {
                     ..smooth
                 },
             ),
+        }
+    }
+}
+
+impl DrawPlan {
+    /// The plan that draws values in place of colours.
+    pub fn packed(self) -> DrawPlan {
+        DrawPlan {
+            shade: self.shade.map(|_| "packed"),
+            ..self
         }
     }
 }
@@ -145,7 +155,6 @@ impl PassEncoder<'_> {
             self.pipeline_key(DrawStage::Background, None),
             self.pipeline_key(DrawStage::OverlayStyle { on_top: false }, None),
             self.pipeline_key(DrawStage::OverlayStyle { on_top: true }, None),
-            self.pipeline_key(DrawStage::Chosen, None),
         ];
         for one in self.object_draws() {
             ways.extend(
@@ -169,9 +178,6 @@ impl PassEncoder<'_> {
         }
         for one in self.object_draws() {
             self.lines_and_points(&mut pass, &one);
-        }
-        for one in self.object_draws() {
-            self.chosen(&mut pass, &one);
         }
         let corners = (self.ink.size() / (4 * WORDS as u64)) as u32;
         let parts = [
@@ -217,7 +223,7 @@ impl PassEncoder<'_> {
         PipelineKey {
             stage,
             samples: self.samples,
-            culled: culled.filter(|_| is_faces && stage != DrawStage::Chosen),
+            culled: culled.filter(|_| is_faces),
         }
     }
 
@@ -369,14 +375,35 @@ impl PassEncoder<'_> {
         }
     }
 
-    fn chosen(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
-        if let (Some(chosen), false) =
-            (&one.geometry.selection, one.drawn.selected_faces.is_empty())
-        {
-            self.set(pass, DrawStage::Chosen, None);
-            self.set_object(pass, one);
-            pass.set_vertex_buffer(0, chosen.positions.slice(..));
-            pass.draw(0..chosen.vertex_count, 0..1);
+    /// Whether anything is selected whose surfaces are drawn; edges and points change their colour.
+    pub fn has_marks(&self) -> bool {
+        let is_marked =
+            |one: ObjectDraw| one.drawn.is_selected || !one.drawn.selected_faces.is_empty();
+        let is_drawn = self.plan.shade.is_some() && !self.frame.is_values;
+        is_drawn && self.object_draws().any(is_marked)
+    }
+
+    /// Draws the mask of the selection, with the pipeline that the pass has.
+    pub fn encode_marks(&self, mut pass: wgpu::RenderPass) {
+        pass.set_bind_group(0, self.frame_group, &[]);
+        for one in self.object_draws() {
+            if one.drawn.is_selected {
+                self.set_object(&mut pass, &one);
+                for piece in self.pieces(&one) {
+                    pass.set_vertex_buffer(0, piece.positions.slice(..));
+                    pass.set_index_buffer(piece.triangles.slice(..), wgpu::IndexFormat::Uint32);
+                    if let Some((_, last)) = piece.ranges.last() {
+                        pass.draw_indexed(0..last.end, 0, 0..1);
+                    }
+                }
+            }
+            if let (Some(chosen), false) =
+                (&one.geometry.selection, one.drawn.selected_faces.is_empty())
+            {
+                self.set_object(&mut pass, &one);
+                pass.set_vertex_buffer(0, chosen.positions.slice(..));
+                pass.draw(0..chosen.vertex_count, 0..1);
+            }
         }
     }
 }

@@ -31,6 +31,44 @@ pub struct PickHit {
     pub is_front: bool,
 }
 
+/// What of a model is not shown, so that one sees into it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cutaway {
+    /// Whether back faces are culled, which shows the inside of rooms from outside.
+    pub hides_backs: bool,
+    /// A plane, n · x = d: what lies beyond it, n · x > d, is cut away.
+    pub section: Option<(DVec3, f64)>,
+}
+
+impl Cutaway {
+    /// The nearest intersection with a face that is shown.
+    pub fn pick(&self, objects: &[DrawnMesh], ray: &Ray) -> Option<PickHit> {
+        let Some((normal, offset)) = self.section else {
+            return pick(objects, ray, self.hides_backs);
+        };
+        // The part that is shown is convex: a ray enters it and leaves it once.
+        let (height, slope) = (normal.dot(ray.origin) - offset, normal.dot(ray.direction));
+        let start = if height <= 0.0 {
+            0.0
+        } else if slope < 0.0 {
+            -height / slope
+        } else {
+            return None;
+        };
+        let inner = Ray {
+            origin: ray.at(start),
+            ..*ray
+        };
+        let hit = pick(objects, &inner, self.hides_backs)?;
+        let slack = 1e-9 * (1.0 + offset.abs());
+        let is_shown = normal.dot(hit.position) <= offset + slack;
+        is_shown.then_some(PickHit {
+            distance: start + hit.distance,
+            ..hit
+        })
+    }
+}
+
 /// The nearest intersection with a face, or `None`. With `hides_backs`, back faces are ignored.
 pub fn pick(objects: &[DrawnMesh], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let mut nearest: Option<PickHit> = None;

@@ -37,7 +37,6 @@ pub enum DrawStage {
         is_faint: bool,
     },
     Points,
-    Chosen,
     OverlayStyle {
         on_top: bool,
     },
@@ -54,12 +53,13 @@ pub struct VertexAttributes {
 }
 
 pub struct RenderPipelines {
-    shader: wgpu::ShaderModule,
+    pub shader: wgpu::ShaderModule,
     pub frame: wgpu::BindGroupLayout,
     /// One uniform block at a dynamic offset: objects and materials.
     pub block: wgpu::BindGroupLayout,
     with_all: wgpu::PipelineLayout,
-    with_object: wgpu::PipelineLayout,
+    /// Groups of the frame and of an object.
+    pub with_object: wgpu::PipelineLayout,
     with_frame: wgpu::PipelineLayout,
     made: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
@@ -226,14 +226,6 @@ impl PipelineState {
                 corner: "dot_corner",
                 topology: Topology::TriangleStrip,
                 buffers: vec![Some(position(wgpu::VertexStepMode::Instance))],
-                ..usual
-            },
-            DrawStage::Chosen => PipelineState {
-                corner: "edge",
-                shade: "chosen",
-                compare: GreaterEqual,
-                writes_depth: false,
-                blends: true,
                 ..usual
             },
             DrawStage::OverlayStyle { on_top } => PipelineState {

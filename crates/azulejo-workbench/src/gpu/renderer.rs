@@ -5,6 +5,7 @@ use super::device::{DeviceErrors, catch_errors};
 use super::frame::{Background, DrawnMesh, TextureSource, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
 use super::lightmap::LightmapTexture;
+use super::outline::SelectionOutline;
 use super::overlay;
 use super::pass::{DrawPlan, PassEncoder, VisibleObject};
 use super::pipelines::RenderPipelines;
@@ -29,6 +30,7 @@ pub struct Renderer {
     listener: DeviceErrors,
     can_smooth: bool,
     pipelines: RenderPipelines,
+    outline: SelectionOutline,
     textures: TextureCache,
     geometries: HashMap<u64, GpuMesh>,
     target: Option<RenderTarget>,
@@ -103,6 +105,7 @@ impl Renderer {
             mapped_at_creation: false,
         });
         Renderer {
+            outline: SelectionOutline::new(&device, &pipelines.shader, &pipelines.with_object),
             object_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             material_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             color_map: load_map(&device, &queue, ColorMap::default()),
@@ -154,6 +157,23 @@ impl Renderer {
         let view = self.target.as_ref().map(|t| &t.view);
         let view = view.ok_or(GpuError::OutOfMemory)?;
         Ok(DrawnFrame { view, is_new })
+    }
+
+    /// Draws a frame of [values](ViewportFrame::is_values) and reads it back: the position on the
+    /// colour scale, 0 to 1, in 16 bits, red and green, and in blue 255 where there is light. The
+    /// last image stays.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`draw`](Self::draw).
+    pub fn values(&mut self, frame: &ViewportFrame) -> Result<PixelBuffer, GpuError> {
+        let shown = self.target.take();
+        let read = match self.draw(frame) {
+            Ok(_) => self.read(),
+            Err(error) => Err(error),
+        };
+        self.target = shown;
+        read
     }
 
     /// Reads the last image back.
@@ -213,6 +233,7 @@ impl Renderer {
         self.number += 1;
         let is_new = self.resize(frame, size);
         let plan = DrawPlan::of(frame.shading);
+        let plan = if frame.is_values { plan.packed() } else { plan };
         if self.color_map.0 != frame.scale.map {
             self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
         }
@@ -259,6 +280,14 @@ impl Renderer {
         encoder.prepare();
         let mut commands = self.device.create_command_encoder(&Default::default());
         encoder.encode(target.begin(&mut commands));
+        if encoder.has_marks() {
+            let outline = &mut self.outline;
+            outline.prepare(&self.device, &self.queue, size, frame.selection_color);
+            if let Some(pass) = outline.begin_mask(&mut commands) {
+                encoder.encode_marks(pass);
+            }
+            outline.draw(&self.device, &mut commands, &target.view);
+        }
         self.queue.submit([commands.finish()]);
         self.free(&plan);
         Ok(is_new)

@@ -576,12 +576,12 @@ fn backs_are_red_or_left_out_also_in_a_mirror() {
 }
 
 #[test]
-fn what_is_selected_stands_out() {
+fn what_is_selected_has_a_line_around_it_and_keeps_its_colour() {
     let white = Material::diffuse("", Rgb::WHITE);
     let mesh = sphere();
     let camera = camera(4.0);
     on_each_driver(|renderer| {
-        let mut centre = |selected: bool, faces: &[u32]| {
+        let mut drawn = |selected: bool, faces: &[u32]| {
             let mut drawn = DrawnMesh::new(1, &mesh);
             (drawn.is_selected, drawn.selected_faces) = (selected, faces);
             let drawn = [drawn];
@@ -589,16 +589,22 @@ fn what_is_selected_stands_out() {
                 renderer,
                 &ViewportFrame::new(SIZE, &camera, &drawn, &[&white]),
             )
-            .color(33, 33)
         };
         let all: Vec<u32> = (0..mesh.faces.len() as u32).collect();
-        let [r, g, b] = centre(false, &[]);
-        assert!(r == g && g == b);
-        for [r, _, b] in [centre(true, &[]), centre(false, &all)] {
-            assert!(r > b + 30, "{r} {b}");
+        let plain = drawn(false, &[]);
+        let orange = |pixels: &PixelBuffer| {
+            let pixels = pixels.rgba.chunks_exact(4);
+            pixels.filter(|p| p[0] > 240 && p[2] < 40).count()
+        };
+        assert_eq!(orange(&plain), 0);
+        for marked in [drawn(true, &[]), drawn(false, &all)] {
+            assert_eq!(marked.color(33, 33), plain.color(33, 33));
+            let count = orange(&marked);
+            // Two pixels wide around a ball.
+            assert!((150..500).contains(&count), "{count}");
         }
         // Indices of missing faces are ignored.
-        centre(false, &[u32::MAX]);
+        assert_eq!(orange(&drawn(false, &[u32::MAX])), 0);
     });
 }
 

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3, Mat4};
 /// Size in 32-bit words of the largest block, that of an object.
 pub const WORDS: usize = 56;
 /// Size in words of the frame's block.
-pub const FRAME_WORDS: usize = 56;
+pub const FRAME_WORDS: usize = 60;
 
 /// Uniform blocks side by side in one buffer.
 pub struct UniformBlocks {
@@ -153,16 +153,29 @@ pub fn frame(
         ))
         .light(fog_color, fog_kind)
         .put(&[fog.map_or(1.0, |f| f.visibility) as f32, end(scale.low)])
-        .put(&[end(scale.high), scale.bands as f32])
+        .put(&[end(scale.high), scale.interval() as f32])
         .color(frame.line_color, line_opacity(frame))
-        .color(frame.selection_color, 1.0)
         .vector(world.x_axis, 0.0)
         .vector(world.y_axis, 0.0)
         .vector(world.z_axis, 0.0)
         .put(&[flag(scale.is_logarithmic)])
         .put(&[flag(scale.quantity == ColorScalar::Luminance)])
         .put(&[fog_color.max_channel().max(1.0) as f32, lightmap_scale])
+        .put(&[scale.display as f32, 0.0, 0.0, 0.0])
+        .put(&section(frame, view))
         .words
+}
+
+/// The plane of a section in view space: normal and distance, n · x > d is cut away. Nothing is
+/// beyond the plane of a null normal.
+fn section(frame: &ViewportFrame, view: &Projection) -> [f32; 4] {
+    let Some((normal, offset)) = frame.section else {
+        return [0.0; 4];
+    };
+    let turned = view.rotation() * normal;
+    let height = offset - normal.dot(frame.camera.eye);
+    let [x, y, z] = turned.as_vec3().to_array();
+    [x, y, z, height as f32]
 }
 
 /// Edges drawn over shaded surfaces are faint, so that they do not hide the shading.

@@ -7,6 +7,7 @@ use super::material::{self, MaterialStep};
 use super::scene::{self, SceneStep};
 use super::solver::{self, SolverStep};
 use super::view::{self, ViewStep};
+use crate::app::Example;
 use crate::ui::PanelTab;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -20,6 +21,8 @@ pub enum ScriptStep {
     Open(PathBuf),
     /// See [`ScriptStep::Open`].
     Add(PathBuf),
+    /// `example NAME`: opens an example.
+    Example(Example),
     /// `recipe FILE`: applies a recipe.
     Recipe(PathBuf),
     /// `environment FILE`: adds a picture of the surroundings.
@@ -56,8 +59,12 @@ pub enum ScriptStep {
     RemoveProbe(u32),
     /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
-    /// `stop-render`: closes the rendered image.
+    /// `stop-render`: stops rendering and keeps the image.
     StopRender,
+    /// `resume-render`: continues to render it.
+    ResumeRender,
+    /// `close-render`: closes the rendered image.
+    CloseRender,
     /// `save FILE`, `export FILE`, `save-render FILE` or `save-picture FILE`.
     Save(PathBuf),
     /// See [`ScriptStep::Save`].
@@ -119,6 +126,10 @@ fn step(line: &str) -> Result<ScriptStep, String> {
         }
         "open" => ScriptStep::Open(path()?),
         "add" => ScriptStep::Add(path()?),
+        "example" => {
+            let name = |example: Example| example.script_name().to_owned();
+            ScriptStep::Example(one_of("example", rest, &Example::ALL, name)?)
+        }
         "recipe" => ScriptStep::Recipe(path()?),
         "environment" => ScriptStep::Environment(path()?),
         "action" => ScriptStep::Action(action(rest)?),
@@ -136,6 +147,8 @@ fn step(line: &str) -> Result<ScriptStep, String> {
         "remove-probe" => ScriptStep::RemoveProbe(whole(rest, u32::MAX)?),
         "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
         "stop-render" => ScriptStep::StopRender,
+        "resume-render" => ScriptStep::ResumeRender,
+        "close-render" => ScriptStep::CloseRender,
         "save" => ScriptStep::Save(path()?),
         "export" => ScriptStep::Export(path()?),
         "save-render" | "save-picture" => ScriptStep::SaveRender(path()?),
@@ -160,10 +173,11 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 57] = [
+pub(super) const STEPS: [&str; 64] = [
     "size",
     "open",
     "add",
+    "example",
     "recipe",
     "environment",
     "save",
@@ -199,6 +213,10 @@ pub(super) const STEPS: [&str; 57] = [
     "logarithmic",
     "isolines",
     "backdrop",
+    "show-in",
+    "compare",
+    "hide-backs",
+    "section",
     "tab",
     "engine",
     "patches",
@@ -210,6 +228,8 @@ pub(super) const STEPS: [&str; 57] = [
     "form-factors",
     "render",
     "stop-render",
+    "resume-render",
+    "close-render",
     "bake",
     "lightmap",
     "save-lightmap",
@@ -304,6 +324,12 @@ mod tests {
             ("exposure bright", "is not a number, nor \"auto\""),
             ("backdrop 1 2", "is not a colour"),
             ("backdrop 1 2 256", "is not a colour"),
+            ("example teapot", "no example \"teapot\""),
+            ("show-in candles", "no unit of light \"candles\""),
+            ("compare pink", "no shading \"pink\""),
+            ("compare flat 2", "expected 0 to 1"),
+            ("section w 0.5", "no axis \"w\""),
+            ("section x 0.5 up", "expected flipped"),
             ("fov 0", "expected 1 to 170"),
             ("engine steam", "no engine \"steam\""),
             ("time 0", "expected 0.1"),

@@ -253,6 +253,7 @@ fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
     match step {
         ScriptStep::Open(path) => one(Command::Open(vec![path])),
         ScriptStep::Add(path) => one(Command::Add(vec![path])),
+        ScriptStep::Example(example) => one(Command::OpenExample(example)),
         ScriptStep::Recipe(path) => one(Command::ApplyRecipe(path)),
         ScriptStep::Environment(path) => one(Command::LoadEnvironment(path, None)),
         ScriptStep::Save(path) => one(Command::SaveAs(path)),
@@ -281,6 +282,8 @@ fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
         ScriptStep::Bake(step) => step.commands(app),
         ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
         ScriptStep::StopRender => one(Command::StopRender),
+        ScriptStep::ResumeRender => one(Command::ResumeRender),
+        ScriptStep::CloseRender => one(Command::CloseRender),
         ScriptStep::Preference(key, value) => {
             let preferences = app.preferences.with(&key, &value)?;
             one(Command::SetPreferences(Box::new(preferences)))

@@ -15,7 +15,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Commands without a step, and why they need none.
-const WITHOUT_STEP: [(&str, &str); 12] = [
+const WITHOUT_STEP: [(&str, &str); 14] = [
+    ("DismissFailure", "closes a message, which fails the script"),
+    (
+        "SaveUnfinishedRender",
+        "answers a question, which fails the script",
+    ),
     ("SaveAnyway", "answers a question, which fails the script"),
     ("Discard", "answers a question, which fails the script"),
     (
@@ -61,10 +66,12 @@ const SCRIPTS: [&str; 4] = [
      logarithmic on\n isolines 4\n backdrop 10 20 30\n backdrop DIR/grey.png\n\
      engine rays\n patches 40\n time 20\n bounces 2\n tab light\n solve 90%\n\
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
-     remove-probe 1\n render 1\n save-render DIR/r.png\n stop-render\n action Clear light\n\
+     remove-probe 1\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
+     show-in lumens\n compare false-color 0.3\n hide-backs on\n section y 0.8 flipped\n\
+     section none\n action Clear light\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",
     // What belongs to an imported model.
-    "open DIR/plate.obj\n action Studio\n recipe DIR/dark.toml\n action Forget recipes\n\
+    "example cornell-box\n open DIR/plate.obj\n action Studio\n recipe DIR/dark.toml\n action Forget recipes\n\
      save DIR/plate.grf\n action Quit\n",
     // Lightmaps.
     "open DIR/plate.obj\n action Studio\n bake size=32 error=100% light=direct\n lightmap error\n\

@@ -1,9 +1,13 @@
 //! Steps that change how the scene is shown, by their first word.
 
-use super::fields::{finite, number, numbers, one_of, path, switch, two_points, unless, whole};
+use super::fields::{
+    finite, number, numbers, one_of, path, split, switch, two_points, unless, whole,
+};
 use crate::app::App;
 use crate::command::Command;
-use crate::view::{Backdrop, ColorMap, ModelView, Shading, ViewDirection};
+use crate::view::{
+    Backdrop, ColorMap, Comparison, LightUnit, ModelView, SectionPlane, Shading, ViewDirection,
+};
 use azulejo::scene::Camera;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -33,6 +37,15 @@ pub enum ViewStep {
     Backdrop(Option<[u8; 3]>),
     /// `backdrop FILE`: an image.
     BackdropImage(PathBuf),
+    /// `show-in file`, `watts`, `lumens`: the unit in which light is shown.
+    LightUnit(LightUnit),
+    /// `compare NAME`, `compare NAME SHARE`, `compare none`: another shading mode at the right.
+    Compare(Option<Comparison>),
+    /// `hide-backs on`, `off`.
+    HideBacks(bool),
+    /// `section AXIS SHARE`, with `flipped` after it, `section none`: a plane that cuts the model
+    /// open.
+    Section(Option<SectionPlane>),
 }
 
 /// The step of this first word; `None` if it is not one of the view.
@@ -59,6 +72,10 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<Result<ViewStep, String>> 
         "isolines" if rest == "0" => Ok(ViewStep::Isolines(0)),
         "isolines" => whole(rest, 64).map(ViewStep::Isolines),
         "backdrop" => backdrop(rest),
+        "show-in" => light_unit(rest).map(ViewStep::LightUnit),
+        "compare" => unless("none", rest, comparison).map(ViewStep::Compare),
+        "hide-backs" => switch(rest).map(ViewStep::HideBacks),
+        "section" => unless("none", rest, section).map(ViewStep::Section),
         _ => return None,
     })
 }
@@ -96,6 +113,52 @@ fn backdrop(text: &str) -> Result<ViewStep, String> {
     }
 }
 
+fn light_unit(text: &str) -> Result<LightUnit, String> {
+    one_of("unit of light", text, &LightUnit::ALL, |unit| {
+        let name = match unit {
+            LightUnit::Document => "file",
+            LightUnit::Radiometric => "watts",
+            LightUnit::Photometric => "lumens",
+        };
+        name.to_owned()
+    })
+}
+
+fn comparison(text: &str) -> Result<Comparison, String> {
+    let (name, at) = split(text);
+    let with = one_of("shading", name, &Shading::ALL, |s| s.script_name().into())?;
+    let at = if at.is_empty() { 0.5 } else { share(at)? };
+    Ok(Comparison {
+        with,
+        at: at as f32,
+    })
+}
+
+fn section(text: &str) -> Result<SectionPlane, String> {
+    let (axis, rest) = split(text);
+    let (at, side) = split(rest);
+    let axis = one_of("axis", axis, &[0, 1, 2], |k| ["x", "y", "z"][k].to_owned())?;
+    let is_flipped = match side {
+        "" => false,
+        "flipped" => true,
+        other => return Err(format!("\"{other}\" after the share, expected flipped")),
+    };
+    Ok(SectionPlane {
+        axis,
+        at: share(at)?,
+        is_flipped,
+    })
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = number(text)?;
+    let wrong = || format!("a share of {share}, expected 0 to 1");
+    (0.0..=1.0)
+        .contains(&share)
+        .then_some(share)
+        .ok_or_else(wrong)
+}
+
 impl ViewStep {
     /// The command of the step.
     pub(super) fn command(self, app: &App) -> Command {
@@ -111,7 +174,7 @@ impl ViewStep {
         match self {
             ViewStep::Shading(shading) => view.shading = shading,
             ViewStep::From(side) => {
-                let (bounds, up) = (app.document.bounds(None), app.document.units.up);
+                let (bounds, up) = (app.document.model_bounds(), app.document.units.up);
                 match side {
                     Some(side) => view.view_from(side, bounds, up),
                     None => view.frame(bounds),
@@ -134,6 +197,10 @@ impl ViewStep {
                 view.backdrop = color.map_or(Backdrop::Scene, Backdrop::Color);
             }
             ViewStep::BackdropImage(_) => {}
+            ViewStep::LightUnit(unit) => view.light_unit = unit,
+            ViewStep::Compare(comparison) => view.comparison = comparison,
+            ViewStep::HideBacks(hides) => view.hides_backs = hides,
+            ViewStep::Section(section) => view.section = section,
         }
     }
 }

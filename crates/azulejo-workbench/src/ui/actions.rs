@@ -5,7 +5,7 @@ use crate::app::App;
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::jobs::JobKind;
-use crate::view::{Shading, ViewDirection};
+use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
 use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -19,6 +19,15 @@ pub struct Action {
     pub key: Option<KeyboardShortcut>,
     /// What it does in the current state; `None` if it is disabled.
     pub target: fn(&App) -> Option<ActionTarget>,
+    /// Whether it is on, for what is switched on and off.
+    pub is_on: Option<fn(&App) -> bool>,
+}
+
+impl Action {
+    const fn ticked(mut self, is_on: fn(&App) -> bool) -> Action {
+        self.is_on = Some(is_on);
+        self
+    }
 }
 
 /// The target of an action.
@@ -140,6 +149,7 @@ const fn action(
         label,
         key,
         target,
+        is_on: None,
     }
 }
 
@@ -187,9 +197,17 @@ fn shade(app: &App, shading: Shading) -> Option<ActionTarget> {
 }
 
 fn from(app: &App, side: ViewDirection) -> Option<ActionTarget> {
-    let bounds = app.document.bounds(None);
+    let bounds = app.document.model_bounds();
     let up = app.document.units.up;
     change_view(app, |view| view.view_from(side, bounds, up))
+}
+
+/// The menu entry of a shading mode.
+pub fn of_shading(app: &App, shading: Shading) -> Option<&'static Action> {
+    (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
+        let target = (action.target)(app);
+        matches!(target, Some(ActionTarget::Command(Command::SetView(view))) if view.shading == shading)
+    })
 }
 
 /// All actions in the order of the menus.
@@ -323,7 +341,7 @@ pub const ACTIONS: &[Action] = &[
         edit(Edit::AddMaterial(white))
     }),
     action(Menu::View, "Frame all", key(Key::Home), |a| {
-        let bounds = a.document.bounds(None);
+        let bounds = a.document.model_bounds();
         change_view(a, |view| view.frame(bounds))
     }),
     action(Menu::View, "Frame selection", key(Key::Period), |a| {
@@ -357,15 +375,43 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::View, "Lights and cameras", key(Key::L), |a| {
         change_view(a, |view| view.shows_markers = !view.shows_markers)
-    }),
+    })
+    .ticked(|a| a.view.shows_markers),
     action(Menu::View, "Grid", key(Key::G), |a| {
         change_view(a, |view| view.shows_grid = !view.shows_grid)
-    }),
+    })
+    .ticked(|a| a.view.shows_grid),
     action(Menu::View, "Fog", None, |a| {
         change_view(a, |view| view.shows_fog = !view.shows_fog)
-    }),
+    })
+    .ticked(|a| a.view.shows_fog),
+    action(Menu::View, "Hide back faces", key(Key::B), |a| {
+        change_view(a, |view| view.hides_backs = !view.hides_backs)
+    })
+    .ticked(|a| a.view.hides_backs),
+    action(Menu::View, "Cut away the ceiling", key(Key::X), |a| {
+        let section = SectionPlane::below_ceiling(a.document.units.up);
+        change_view(a, |view| {
+            view.section = view.section.is_none().then_some(section);
+        })
+    })
+    .ticked(|a| a.view.section.is_some()),
+    action(Menu::View, "Compare", key(Key::C), |a| {
+        let with = match a.view.shading {
+            Shading::Textured => Shading::Irradiance,
+            _ => Shading::Textured,
+        };
+        change_view(a, |view| {
+            let comparison = Comparison { with, at: 0.5 };
+            view.comparison = view.comparison.is_none().then_some(comparison);
+        })
+    })
+    .ticked(|a| a.view.comparison.is_some()),
     action(Menu::View, "Render image", key(Key::F12), |_| {
         Some(ActionTarget::Window(WindowAction::ToggleRender))
+    }),
+    action(Menu::View, "Back to the model", key(Key::Escape), |a| {
+        enabled_if(a.render.is_some(), Command::CloseRender)
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
         shade(a, Shading::Points)
@@ -390,6 +436,9 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Shading, "False colours", ctrl(Key::Num8), |a| {
         shade(a, Shading::FalseColor)
+    }),
+    action(Menu::Shading, "Standard error", None, |a| {
+        shade(a, Shading::Error)
     }),
     action(Menu::Shading, "Patches", ctrl(Key::Num9), |a| {
         shade(a, Shading::Patches)

@@ -1,7 +1,7 @@
 //! Properties of the selection.
 
 use super::panel_context::PanelContext;
-use super::{group_transform, inputs, lamps};
+use super::{emitter, group_transform, inputs, lamps};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneObject};
 use azulejo::scene::{Camera, MaterialId, Mesh, PrimitiveKind, Shape};
@@ -45,7 +45,9 @@ fn nothing(ui: &mut Ui, cx: &mut PanelContext) {
         };
         row(cx.tr("Objects"), document.objects.len().to_string());
         row(cx.tr("Faces"), document.face_count().to_string());
-        row(cx.tr("Lights"), document.lights.len().to_string());
+        let emitters = document.objects.iter().filter(|item| document.shines(item));
+        let lights = document.lights.len() + emitters.count();
+        row(cx.tr("Lights"), lights.to_string());
         let size = document.bounds(None).size();
         row(
             cx.tr("Size"),
@@ -74,7 +76,7 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
     ui.horizontal(|ui| {
-        ui.label(cx.tr("Light is in"));
+        ui.label(cx.tr("Numbers of the file are in"));
         ui.selectable_value(&mut units.photometric, false, cx.tr("watts"));
         ui.selectable_value(&mut units.photometric, true, cx.tr("lumens"));
     });
@@ -104,6 +106,7 @@ fn object(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
             cx.edit(Edit::SetShape(item.id, Arc::new(Shape::Primitive(cone))));
         }
     }
+    emitter::show(ui, cx, item);
     ui.separator();
     assign(ui, cx);
 }
@@ -184,45 +187,97 @@ pub(super) fn speed(document: &SceneDocument) -> f64 {
     (document.bounds(None).diagonal() * 1e-3).max(1e-6)
 }
 
+/// Position, rotation and scale of an object about its own centre.
 fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
-    let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
-    // Adding 0 removes the sign of a negative zero.
-    let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
-    let mut turned = angles;
-    let is_plain = {
-        let again = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-        again.abs_diff_eq(item.placement, 1e-9 * (1.0 + scale.length()))
-    };
-    let mut changed = false;
+    let mut numbers = PlacementNumbers::of(item);
+    let before = numbers;
+    let id = ui.scope_id().with("keeps proportions");
+    let mut is_locked = ui.data(|d| d.get_temp::<bool>(id)).unwrap_or(true);
     Grid::new("placement").num_columns(2).show(ui, |ui| {
         let speed = speed(&cx.app.document);
-        changed |= vector(ui, cx.tr("Position"), &mut translation, speed);
-        if is_plain {
-            changed |= vector(ui, cx.tr("Rotation °"), &mut turned, 0.5);
-            changed |= vector(ui, cx.tr("Scale"), &mut scale, 0.01);
+        vector(ui, cx.tr("Position"), &mut numbers.centre, speed);
+        if numbers.is_plain {
+            vector(ui, cx.tr("Rotation °"), &mut numbers.degrees, 0.5);
+            vector(ui, cx.tr("Scale"), &mut numbers.scale, 0.01);
+            ui.label("");
+            ui.checkbox(&mut is_locked, cx.tr("Keep proportions"));
+            ui.end_row();
         }
+        ui.label(cx.tr("Size"));
+        let size = item.bounds().size();
+        ui.weak(format!("{:.4} × {:.4} × {:.4}", size.x, size.y, size.z));
+        ui.end_row();
     });
+    ui.data_mut(|d| d.insert_temp(id, is_locked));
     if ui.button(cx.tr("Reset transform")).clicked() {
         cx.edit(Edit::SetPlacement(item.id, DAffine3::IDENTITY));
     }
-    if !changed {
-        return;
+    if is_locked {
+        numbers.keep_proportions(&before);
     }
-    let placement = if is_plain {
-        let t = turned.map(f64::to_radians);
-        let q = if turned == angles {
-            rotation
-        } else {
-            DQuat::from_euler(EulerRot::XYZ, t.x, t.y, t.z)
-        };
-        DAffine3::from_scale_rotation_translation(scale, q, translation)
-    } else {
-        DAffine3 {
-            translation,
-            ..item.placement
+    if numbers != before {
+        cx.edit(Edit::SetPlacement(
+            item.id,
+            numbers.placement(&before, item),
+        ));
+    }
+}
+
+/// The placement of an object as numbers: its centre in the world, and rotation and scale about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlacementNumbers {
+    /// Centre of the bounding box of the shape, world units.
+    centre: DVec3,
+    /// The same in object space.
+    pivot: DVec3,
+    /// Angles about x, then y, then z.
+    degrees: DVec3,
+    scale: DVec3,
+    /// Whether the placement is made of rotation and scale; a shear is not.
+    is_plain: bool,
+}
+
+impl PlacementNumbers {
+    fn of(item: &SceneObject) -> PlacementNumbers {
+        let (scale, rotation, translation) = item.placement.to_scale_rotation_translation();
+        let again = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+        let pivot = item.pivot();
+        // Adding 0 removes the sign of a negative zero.
+        let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
+        PlacementNumbers {
+            centre: item.placement.transform_point3(pivot),
+            pivot,
+            degrees: angles,
+            scale,
+            is_plain: again.abs_diff_eq(item.placement, 1e-9 * (1.0 + scale.length())),
         }
-    };
-    cx.edit(Edit::SetPlacement(item.id, placement));
+    }
+
+    /// Scales all axes by the factor by which one of them was changed.
+    fn keep_proportions(&mut self, before: &PlacementNumbers) {
+        let changed = (0..3).find(|&k| self.scale[k] != before.scale[k]);
+        if let Some(axis) = changed
+            && before.scale[axis] != 0.0
+        {
+            self.scale = before.scale * (self.scale[axis] / before.scale[axis]);
+        }
+    }
+
+    /// The placement that has these numbers, and otherwise those from before.
+    fn placement(&self, before: &PlacementNumbers, item: &SceneObject) -> DAffine3 {
+        if !self.is_plain || (self.degrees, self.scale) == (before.degrees, before.scale) {
+            let moved = DAffine3::from_translation(self.centre - before.centre);
+            return moved * item.placement;
+        }
+        let turn = if self.degrees == before.degrees {
+            item.placement.to_scale_rotation_translation().1
+        } else {
+            let [x, y, z] = self.degrees.to_array().map(f64::to_radians);
+            DQuat::from_euler(EulerRot::XYZ, x, y, z)
+        };
+        DAffine3::from_scale_rotation_translation(self.scale, turn, self.centre)
+            * DAffine3::from_translation(-self.pivot)
+    }
 }
 
 /// The materials of the selection, and the choice of another.
@@ -330,5 +385,51 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
     });
     if changed {
         cx.edit(Edit::SetCamera(view.id, camera));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::App;
+    use crate::command::Command;
+    use crate::document::NewShapeKind;
+
+    /// A box whose corner is at (2, 0, 0), with the identity as its placement.
+    fn item() -> SceneObject {
+        let mut app = App::quiet();
+        app.execute(Command::AddShape(NewShapeKind::Cuboid));
+        let id = app.document.objects[0].id;
+        let map = DAffine3::from_translation(DVec3::new(2.0, 0.0, 0.0));
+        app.execute(Command::Edit(Edit::Transform(vec![id], map), None));
+        app.document.objects[0].as_ref().clone()
+    }
+
+    #[test]
+    fn the_position_is_where_the_object_is() {
+        let item = item();
+        let numbers = PlacementNumbers::of(&item);
+        let expected = item.bounds().centre();
+        assert!((numbers.centre - expected).length() < 1e-12, "{numbers:?}");
+    }
+
+    #[test]
+    fn an_object_is_scaled_and_turned_about_its_own_centre() {
+        let item = item();
+        let before = PlacementNumbers::of(&item);
+        let mut wanted = before;
+        wanted.scale.y *= 3.0;
+        wanted.keep_proportions(&before);
+        assert_eq!(wanted.scale, before.scale * 3.0);
+        wanted.degrees.y += 90.0;
+        let placement = wanted.placement(&before, &item);
+        let centre = placement.transform_point3(before.pivot);
+        assert!((centre - before.centre).length() < 1e-12, "{centre}");
+        let mut moved = before;
+        moved.centre += DVec3::X;
+        let placement = moved.placement(&before, &item);
+        assert_eq!(placement.matrix3, item.placement.matrix3);
+        let shift = placement.translation - item.placement.translation;
+        assert!((shift - DVec3::X).length() < 1e-12);
     }
 }

@@ -2,11 +2,13 @@
 
 use super::inspector::{name, speed, vector};
 use super::panel_context::PanelContext;
-use super::{inputs, surroundings};
+use super::viewport::number;
+use super::{emitter, inputs, surroundings};
 use crate::document::{Edit, ItemId, SceneLight};
 use azulejo::scene::{EnvironmentSource, Light, LightKind, Rgb, Units};
 use egui::{Grid, Ui};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Draws the properties.
 pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
@@ -32,7 +34,9 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
         } => {
             let moved = vector(ui, cx.tr("Position"), position, step);
             let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
-            moved | light_color(ui, cx, lamp, name, unit, intensity)
+            let dimmed = light_color(ui, cx, lamp, name, unit, intensity);
+            total(ui, cx, 4.0 * PI * intensity.luminance());
+            moved | dimmed
         }
         LightKind::Spot {
             position,
@@ -67,6 +71,15 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
             changed | light_color(ui, cx, lamp, name, "×", &mut environment.scale)
         }
     }
+}
+
+/// A row with the flux of a light in watts and in lumens.
+fn total(ui: &mut Ui, cx: &PanelContext, flux: f64) {
+    let is_photometric = cx.app.document.units.photometric;
+    let [watts, lumens] = emitter::watts_and_lumens(flux, is_photometric);
+    ui.label(cx.tr("Flux"));
+    ui.label(format!("{} W, {} lm", number(watts), number(lumens)));
+    ui.end_row();
 }
 
 /// The unit of a quantity, radiometric or photometric.
@@ -104,6 +117,10 @@ fn light_color(
         ui.add(drag).accessible_name(name);
     });
     ui.end_row();
+    if let Some(warm) = emitter::temperature_row(ui, cx, lamp, *light) {
+        *light = warm;
+        return true;
+    }
     if (strength, hue) == old {
         return false;
     }

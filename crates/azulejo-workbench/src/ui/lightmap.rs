@@ -5,8 +5,9 @@ mod page;
 
 pub use page::{LightmapView, PageView};
 
+use super::light_unit::ShownUnit;
 use super::panel_context::PanelContext;
-use super::viewport::{irradiance_unit, number, paint_legend};
+use super::viewport::{LegendText, number, paint_legend};
 use crate::bake::{BakedDocument, LightmapFile};
 use crate::command::{Command, FileRequest};
 use crate::gpu::ColorScale;
@@ -202,9 +203,20 @@ impl LightmapWindow {
         let unit = match self.view.quantity {
             LightmapView::Error => cx.tr("% of the mean"),
             LightmapView::Density => cx.tr("texels per metre"),
-            _ => irradiance_unit(cx.app),
+            _ => ShownUnit::of(cx.app).irradiance(),
         };
-        paint_legend(ui.painter(), rect, scale, unit);
+        let text = LegendText {
+            unit,
+            beyond: (false, true),
+        };
+        let scale = match self.view.quantity {
+            LightmapView::FalseColor => ColorScale {
+                display: ShownUnit::of(cx.app).factor,
+                ..*scale
+            },
+            _ => *scale,
+        };
+        paint_legend(ui.painter(), rect, &scale, text);
     }
 }
 

@@ -1,7 +1,8 @@
 //! The menu bar and the toolbar.
 
-use super::actions::{ACTIONS, Action, ActionTarget, Menu};
+use super::actions::{ACTIONS, Action, ActionTarget, Menu, of_shading};
 use super::panel_context::PanelContext;
+use super::viewport::action_button as tool;
 use crate::app::App;
 use crate::command::Command;
 use crate::jobs::JobKind;
@@ -39,7 +40,12 @@ fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionT
 
 fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget> {
     let target = (action.target)(cx.app);
-    let label = label(cx, action);
+    let mut label = label(cx, action);
+    let is_chosen = || current(cx.app).is_some_and(|c| c.label == action.label);
+    if action.is_on.is_some() || action.menu == Menu::Shading {
+        let is_on = action.is_on.map_or_else(is_chosen, |is_on| is_on(cx.app));
+        label = format!("{} {label}", if is_on { "✔" } else { "    " });
+    }
     let mut button = Button::new(label);
     if let Some(key) = action.key {
         button = button.shortcut_text(ui.ctx().format_shortcut(&key));
@@ -93,6 +99,7 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
             targets.extend(tool(ui, cx, label));
         }
         ui.separator();
+        targets.extend(tool(ui, cx, "Studio"));
         targets.extend(tool(ui, cx, "Area light"));
         ui.separator();
         shading(ui, cx, &mut targets);
@@ -114,17 +121,6 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     targets
 }
 
-fn tool(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<ActionTarget> {
-    let action = ACTIONS.iter().find(|a| a.label == label)?;
-    let target = (action.target)(cx.app);
-    let button = ui.add_enabled(target.is_some(), Button::new(cx.tr(action.label)));
-    let button = match action.key {
-        Some(key) => button.on_hover_text(ui.ctx().format_shortcut(&key)),
-        None => button,
-    };
-    target.filter(|_| button.clicked())
-}
-
 fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
     ComboBox::new("shading", "")
         .selected_text(current(cx.app).map_or("", |a| cx.tr(a.label)))
@@ -143,8 +139,5 @@ fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
 
 /// The action of the current shading mode.
 fn current(app: &App) -> Option<&'static Action> {
-    (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
-        let target = (action.target)(app);
-        matches!(target, Some(ActionTarget::Command(Command::SetView(view))) if view.shading == app.view.shading)
-    })
+    of_shading(app, app.view.shading)
 }

@@ -6,14 +6,17 @@
 
 pub mod actions;
 pub mod brdf;
+mod color_temperature;
 pub mod colors;
 pub mod dialogs;
+mod emitter;
 mod focus;
 mod group_transform;
 mod inputs;
 pub mod inspector;
 mod lamps;
 pub mod light;
+mod light_unit;
 pub mod lightmap;
 mod material;
 mod material_actions;

@@ -1,11 +1,16 @@
 //! The View tab: shading, false colours, background, fog.
 
+use super::actions::of_shading;
 use super::dialogs::map_name;
 use super::inputs;
+use super::light_unit::{EFFICACY, ShownUnit};
 use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
-use crate::view::{Backdrop, BackgroundFit, COLORS, ColorMap, ModelView, linear_from_srgb};
+use crate::view::{
+    Backdrop, BackgroundFit, COLORS, ColorMap, Comparison, LightUnit, ModelView, SectionPlane,
+    Shading, linear_from_srgb,
+};
 use azulejo::scene::Fog;
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
@@ -14,6 +19,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let old = &cx.app.view;
     let mut view = old.clone();
     exposure(ui, cx, &mut view);
+    light_unit(ui, cx, &mut view);
     ui.separator();
     false_colors(ui, cx, &mut view);
     ui.separator();
@@ -23,6 +29,8 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     ui.separator();
     ui.checkbox(&mut view.shows_markers, cx.tr("Lights and cameras"));
     ui.checkbox(&mut view.shows_grid, cx.tr("Grid"));
+    cutaway(ui, cx, &mut view);
+    comparison(ui, cx, &mut view);
     let mut degrees = view.camera.vertical_fov.to_degrees();
     ui.horizontal(|ui| {
         let label = ui.label(cx.tr("Field of view"));
@@ -35,6 +43,26 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     });
     if view != *old {
         cx.send(Command::SetView(Box::new(view)));
+    }
+}
+
+/// The unit in which light is shown, whatever that of the file is.
+fn light_unit(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
+    let name = |unit| match unit {
+        LightUnit::Document => cx.tr("as in the file"),
+        LightUnit::Radiometric => "W/m²",
+        LightUnit::Photometric => "lx",
+    };
+    ComboBox::new("light unit", cx.tr("Show light in"))
+        .selected_text(name(view.light_unit))
+        .show_ui(ui, |ui| {
+            for unit in LightUnit::ALL {
+                ui.selectable_value(&mut view.light_unit, unit, name(unit));
+            }
+        });
+    if ShownUnit::of(cx.app).factor != 1.0 {
+        let words = cx.tr("Converted by a luminous efficacy of");
+        ui.weak(format!("{words} {EFFICACY} lm/W."));
     }
 }
 
@@ -70,16 +98,23 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
         colors.range = (!auto).then_some(now);
     }
+    let unit = ShownUnit::of(cx.app);
     if let Some((low, high)) = &mut colors.range {
+        // Typed in the unit that is shown, stored in that of the document.
+        let mut shown = [unit.factor * *low, unit.factor * *high];
+        let before = shown;
         ui.horizontal(|ui| {
-            let speed = (0.01 * (*high - *low).abs()).max(1e-6);
-            let label = ui.label(cx.tr("from"));
-            ui.add(inputs::number(low, 0.0..=1e12).speed(speed))
-                .labelled_by(label.id);
-            let label = ui.label(cx.tr("to"));
-            ui.add(inputs::number(high, 0.0..=1e12).speed(speed))
-                .labelled_by(label.id);
+            let speed = (0.01 * (shown[1] - shown[0]).abs()).max(1e-6);
+            for (value, name) in shown.iter_mut().zip([cx.tr("from"), cx.tr("to")]) {
+                let label = ui.label(name);
+                ui.add(inputs::number(value, 0.0..=1e12).speed(speed))
+                    .labelled_by(label.id);
+            }
+            ui.label(unit.irradiance());
         });
+        if shown != before {
+            (*low, *high) = (shown[0] / unit.factor, shown[1] / unit.factor);
+        }
     }
     ui.checkbox(&mut colors.logarithmic, cx.tr("Logarithmic"));
     ui.horizontal(|ui| {
@@ -87,6 +122,54 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         ui.add(DragValue::new(&mut colors.isolines).range(0..=64))
             .labelled_by(label.id);
     });
+}
+
+/// What of the model is hidden, so that one sees into it.
+fn cutaway(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
+    ui.checkbox(&mut view.hides_backs, cx.tr("Hide back faces"));
+    let mut has = view.section.is_some();
+    ui.horizontal(|ui| {
+        if ui.checkbox(&mut has, cx.tr("Section plane")).changed() {
+            let new = SectionPlane::below_ceiling(cx.app.document.units.up);
+            view.section = has.then_some(new);
+        }
+        if let Some(section) = &mut view.section {
+            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+                ui.selectable_value(&mut section.axis, axis, name);
+            }
+        }
+    });
+    if let Some(section) = &mut view.section {
+        ui.horizontal(|ui| {
+            let slider = Slider::new(&mut section.at, 0.0..=1.0).max_decimals(3);
+            let name = cx.tr("Section plane");
+            ui.add(slider)
+                .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name));
+            ui.checkbox(&mut section.is_flipped, cx.tr("Other side"));
+        });
+    }
+}
+
+/// Another shading mode at the right of the view.
+fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
+    let with = view.comparison.map(|c| c.with);
+    let name = |with: Option<Shading>| match with {
+        None => cx.tr("nothing"),
+        Some(shading) => of_shading(cx.app, shading).map_or("", |a| cx.tr(a.label)),
+    };
+    let mut chosen = with;
+    ComboBox::new("compare", cx.tr("Compare with"))
+        .selected_text(name(with))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut chosen, None, name(None));
+            for shading in Shading::ALL {
+                ui.selectable_value(&mut chosen, Some(shading), name(Some(shading)));
+            }
+        });
+    if chosen != with {
+        let at = view.comparison.map_or(0.5, |c| c.at);
+        view.comparison = chosen.map(|with| Comparison { with, at });
+    }
 }
 
 fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {

@@ -170,6 +170,7 @@ impl Workbench {
         if let Some(loss) = loss {
             self.on_device_lost(ui.ctx(), loss);
         }
+        self.make_thumbnail();
         self.step_script(ui.ctx());
         self.schedule_repaint(ui.ctx(), acted);
         self.update_window(ui.ctx());
@@ -254,7 +255,11 @@ impl Workbench {
         if let Some(chosen) = chosen {
             self.use_brdf_file(chosen);
         }
-        (commands, shown.inner.err())
+        match shown.inner {
+            Ok(chosen) => targets.extend(chosen),
+            Err(loss) => return (commands, Some(loss)),
+        }
+        (commands, None)
     }
 
     /// Executes an action.
@@ -286,7 +291,7 @@ impl Workbench {
             ActionTarget::Window(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
                 self.app.execute(match self.app.render {
-                    Some(_) => Command::StopRender,
+                    Some(_) => Command::CloseRender,
                     None => Command::Render {
                         width,
                         height,
@@ -294,6 +299,18 @@ impl Workbench {
                     },
                 });
             }
+        }
+    }
+
+    /// Keeps a small picture of a file that was opened or saved, once the viewport shows all of it.
+    fn make_thumbnail(&mut self) {
+        if self.app.is_blank() || !self.app.jobs().is_empty() || self.app.render.is_some() {
+            return;
+        }
+        if let Some(path) = self.app.thumbnail_wanted.take()
+            && let Some((width, height, rgb)) = self.viewport.pixels()
+        {
+            self.app.thumbnails.store(&path, width, height, &rgb);
         }
     }
 

@@ -20,7 +20,6 @@ pub const TABLE: &[Translation] = &[
     ["Size", "Tamaño", "Tamanho"],
     ["One unit is", "Una unidad son", "Uma unidade são"],
     ["Up is", "Hacia arriba va", "Para cima vai"],
-    ["Light is in", "La luz está en", "A luz está em"],
     ["watts", "vatios", "watts"],
     ["lumens", "lúmenes", "lúmenes"],
     ["Radius at the top", "Radio superior", "Raio superior"],

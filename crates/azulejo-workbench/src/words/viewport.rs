@@ -9,16 +9,6 @@ pub const TABLE: &[Translation] = &[
         "Haga clic en una superficie: sus factores de forma se verán como colores.",
         "Clique numa superfície: os seus fatores de forma passam a cores.",
     ],
-    [
-        "Not solved yet: press F5.",
-        "Aún sin resolver: pulse F5.",
-        "Ainda por resolver: prima F5.",
-    ],
-    [
-        "This light is outdated: press F5.",
-        "Esta luz es anterior a los últimos cambios: pulse F5.",
-        "Esta luz é anterior às últimas mudanças: prima F5.",
-    ],
     ["Move", "Mover", "Mover"],
     ["Rotate", "Girar", "Rodar"],
     ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],

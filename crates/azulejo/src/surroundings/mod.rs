@@ -4,7 +4,7 @@
 //! [`DaylightUnits`] measures suns and skies in the scene's unit of light; [`sun_light`] and
 //! [`Environment::sky`](crate::scene::Environment::sky) make lights of them. [`SurroundingPicture`]
 //! is read from a file, and [`extract_sun`] takes a sun out of one. [`studio()`] is a scene to merge
-//! with the model's.
+//! with the model's; where that is a [`Room`], the lamp hangs in it.
 //!
 //! ```
 //! use azulejo::scene::sky::direction_from;
@@ -23,10 +23,12 @@ mod daylight;
 mod extracted_sun;
 mod ground;
 mod picture;
+mod room;
 mod studio;
 
 pub use daylight::{DaylightError, DaylightUnits, GROUND_REFLECTANCE, sun_light};
 pub use extracted_sun::{ExtractedSun, extract_sun};
 pub use ground::modelled_ground;
 pub use picture::{PictureFailure, SurroundingPicture};
-pub use studio::studio;
+pub use room::Room;
+pub use studio::{STUDIO_FLOOR, is_studio_part, studio};

@@ -1,7 +1,10 @@
-//! A studio: a floor and three lamps around a model in which nothing shines.
+//! A studio for a model in which nothing shines: a floor and three lamps around it, or a lamp under
+//! the ceiling of a room.
 
+use super::Room;
 use azulejo_scene::math::{Aabb, Frame};
 use azulejo_scene::{Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Units};
+use azulejo_trace::Tracer;
 use glam::DVec3;
 
 /// A lamp of a photographer's studio, by where it stands as seen from the middle of the model.
@@ -43,6 +46,17 @@ const LAMPS: [StudioLamp; 3] = [
     },
 ];
 
+/// The name of the floor of a studio.
+pub const STUDIO_FLOOR: &str = "studio floor";
+
+/// The name of the lamp of a room.
+const CEILING_LIGHT: &str = "ceiling light";
+
+/// Whether an object of this name is a part of a studio, and not of the model in it.
+pub fn is_studio_part(name: &str) -> bool {
+    name == STUDIO_FLOOR || name == CEILING_LIGHT || LAMPS.iter().any(|lamp| lamp.name == name)
+}
+
 /// Distance of the lamps from the middle of the model, relative to its size.
 const DISTANCE: f64 = 2.2;
 
@@ -60,16 +74,61 @@ const GRADING: f64 = 2.0;
 /// would flicker.
 const GAP: f64 = 1e-4;
 
-/// A studio around a model of these bounds: the floor, the lamps, and the camera `studio`, which
-/// sees the model. `None` around a model without extent. Everything else of the scene is default.
-pub fn studio(bounds: Aabb, units: Units) -> Option<Scene> {
+/// Radiance of the lamp of a room: that of a panel, not quite white.
+const PANEL: Rgb = Rgb::new(21.0, 20.5, 19.5);
+
+/// Vertical field of view in a room, degrees: wide, as one cannot step back.
+const ROOM_VIEW: f64 = 62.0;
+
+/// A room's light in lux, so that the numbers of photometric scenes are everyday ones.
+fn brightness(units: Units) -> f64 {
+    if units.photometric { 100.0 } else { 1.0 }
+}
+
+/// A studio for the model of this tracer: lamps, a floor unless the model is a [`Room`], and the
+/// camera `studio`, which sees the model. `None` for a model without extent. Everything else of the
+/// scene is default.
+pub fn studio(tracer: &Tracer, units: Units) -> Option<Scene> {
+    match Room::find(tracer, units) {
+        Some(room) => Some(in_room(&room, tracer, units)),
+        None => around(tracer.bounds(), units),
+    }
+}
+
+/// A lamp under the ceiling, and a camera within.
+fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
+    let up = units.up.axis();
+    let (eye, target) = room.view(tracer, units);
+    let mut scene = Scene {
+        units,
+        cameras: vec![Camera {
+            name: "studio".into(),
+            eye,
+            target,
+            up,
+            vertical_fov: ROOM_VIEW.to_radians(),
+            size: None,
+        }],
+        ..Scene::default()
+    };
+    let material = Material::emitter(CEILING_LIGHT, PANEL * brightness(units));
+    let material = scene.add_material(material);
+    let (centre, edge) = room.lamp;
+    let frame = Frame::from_normal(-up);
+    let (x, y) = (edge * frame.x, edge * frame.y);
+    let corner = centre - 0.5 * (x + y);
+    let lamp = facing_sheet(CEILING_LIGHT, corner, (x, y), -up, material);
+    scene.objects.push(lamp);
+    scene
+}
+
+/// A floor below a model of these bounds, and three lamps around it.
+fn around(bounds: Aabb, units: Units) -> Option<Scene> {
     let size = bounds.diagonal();
     if bounds.is_empty() || size <= 0.0 || !size.is_finite() {
         return None;
     }
     let up = units.up.axis();
-    // A room's light in lux, so that the numbers of photometric scenes are everyday ones.
-    let brightness = if units.photometric { 100.0 } else { 1.0 };
     let centre = bounds.centre();
     let bottom = bounds.min.dot(up) - GAP * size;
     let ground = centre + up * (bottom - centre.dot(up));
@@ -84,17 +143,17 @@ pub fn studio(bounds: Aabb, units: Units) -> Option<Scene> {
     };
     let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
     let right = up.cross(front);
-    let floor = scene.add_material(Material::diffuse("studio floor", Rgb::grey(0.5)));
+    let floor = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));
     let half = FLOOR * size;
     let floor = graded_floor(ground, (half * front, half * up.cross(front)), floor);
     scene
         .objects
-        .push(Object::new("studio floor", Shape::Mesh(floor)));
+        .push(Object::new(STUDIO_FLOOR, Shape::Mesh(floor)));
     for lamp in &LAMPS {
         let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
         let (high, level) = lamp.elevation.to_radians().sin_cos();
         let toward = level * (cos * front + sin * right) + high * up;
-        let material = Material::emitter(lamp.name, lamp.radiance * brightness);
+        let material = Material::emitter(lamp.name, lamp.radiance * brightness(units));
         let material = scene.add_material(material);
         let frame = Frame::from_normal(-toward);
         let edge = lamp.size * size;
@@ -147,17 +206,51 @@ fn facing_sheet(
 mod tests {
     use super::*;
 
+    /// The studio of a box of this size.
+    fn studio_of(size: DVec3) -> Option<Scene> {
+        let mut scene = Scene::default();
+        let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+        let map = glam::DAffine3::from_scale(size);
+        let cuboid = Primitive::new(azulejo_scene::PrimitiveKind::Cuboid, map, white);
+        let shape = Shape::Primitive(cuboid);
+        scene.objects.push(Object::new("box", shape));
+        studio(&Tracer::new(&scene), scene.units)
+    }
+
     #[test]
     fn a_studio_is_below_and_around_the_model() {
-        let bounds = Aabb::around([DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)]);
-        let scene = studio(bounds, Units::default()).unwrap();
+        let size = DVec3::new(1.0, 2.0, 3.0);
+        let scene = studio_of(size).unwrap();
         scene.validate().unwrap();
         assert!(scene.has_light() && scene.cameras.len() == 1);
         let floor = scene.objects[0].bounds();
-        assert!(floor.max.y < bounds.min.y && floor.size().x > 10.0);
+        assert!(floor.max.y < 0.0 && floor.size().x > 10.0);
         for lamp in &scene.objects[1..] {
-            assert!(lamp.bounds().min.y > bounds.min.y, "{}", lamp.name);
+            assert!(lamp.bounds().min.y > 0.0, "{}", lamp.name);
+            // Outside of the model, as far as its size.
+            let away = (lamp.bounds().centre() - 0.5 * size).length();
+            assert!(away > size.length(), "{}", lamp.name);
         }
-        assert_eq!(studio(Aabb::EMPTY, Units::default()), None);
+        assert_eq!(
+            studio(&Tracer::new(&Scene::default()), Units::default()),
+            None
+        );
+    }
+
+    #[test]
+    fn the_lamp_of_a_room_hangs_within_it_and_shines_down() {
+        let room = azulejo_scene::synthetic::cube_room();
+        let scene = studio(&Tracer::new(&room), room.units).unwrap();
+        scene.validate().unwrap();
+        let [lamp] = &scene.objects[..] else {
+            panic!("{} objects", scene.objects.len())
+        };
+        let (lamp, bounds) = (lamp.bounds(), room.bounds());
+        let up = room.units.up.axis();
+        let below = (bounds.max - lamp.max).dot(up);
+        assert!(below > 0.0 && below < 0.1, "{below}");
+        assert!(bounds.min.cmplt(lamp.min).all() && lamp.max.cmplt(bounds.max).all());
+        let camera = &scene.cameras[0];
+        assert!(bounds.min.cmplt(camera.eye).all() && camera.eye.cmplt(bounds.max).all());
     }
 }

@@ -7,6 +7,7 @@ fn dirs(folder: &TestFolder) -> UserDirs {
     UserDirs {
         preferences: Some(folder.path("preferences.toml")),
         recovery: Some(folder.path("recovery")),
+        thumbnails: None,
     }
 }
 
@@ -357,6 +358,7 @@ fn preferences_are_kept() {
         UserDirs {
             preferences: Some(PathBuf::from("/proc/none/preferences.toml")),
             recovery: None,
+            thumbnails: None,
         },
         Arc::new(|| ()),
     );

@@ -8,6 +8,7 @@ use azulejo::scene::{
     Environment, EnvironmentSource, Light, LightKind, Projection, Rgb, Scene, Texture, TextureId,
 };
 use azulejo::surroundings::{extract_sun, studio};
+use azulejo::trace::Tracer;
 use std::sync::Arc;
 
 impl SceneDocument {
@@ -166,12 +167,13 @@ impl SceneDocument {
         Ok(edited)
     }
 
-    /// Surrounds a model in which nothing shines with a floor and three lamps.
+    /// Surrounds a model in which nothing shines with a floor and three lamps, or hangs a lamp in a
+    /// room.
     pub(super) fn add_studio(&mut self) -> Edited {
         if self.has_light() {
             return refuse("the scene has light of its own, a studio is for one without");
         }
-        let Some(mut around) = studio(self.bounds(None), self.units) else {
+        let Some(mut around) = studio(&Tracer::new(&self.scene()), self.units) else {
             return refuse("there is no model to put into a studio");
         };
         if !self.cameras.is_empty() {

@@ -4,6 +4,7 @@ use crate::app::PendingQuestion;
 use crate::command::Command;
 use crate::jobs::JobKind;
 use crate::ui::panel_context::PanelContext;
+use crate::ui::viewport::render_state;
 use egui::{Id, Modal, Ui};
 
 /// Draws the question that the app is waiting for, if there is one.
@@ -45,6 +46,18 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
                         cx.send(Command::Discard);
                     }
                     if ui.button(cx.tr("Cancel")).clicked() {
+                        cx.send(Command::CancelPending);
+                    }
+                });
+            }
+            PendingQuestion::UnfinishedRender => {
+                ui.heading(cx.tr("The image is not finished"));
+                ui.label(render_state(cx));
+                ui.horizontal(|ui| {
+                    if ui.button(cx.tr("Save as it is…")).clicked() {
+                        cx.send(Command::SaveUnfinishedRender);
+                    }
+                    if ui.button(cx.tr("Keep rendering")).clicked() {
                         cx.send(Command::CancelPending);
                     }
                 });

@@ -3,6 +3,7 @@
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
 use super::percent;
+use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::value;
 use azulejo::radiosity::EnergyBalance;
 use azulejo::scene::Rgb;
@@ -12,11 +13,12 @@ use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
+    let unit = ShownUnit::of(cx.app);
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
     grid.show(ui, |ui| {
         let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {
             ui.label(name).on_hover_text(about);
-            ui.label(format!("{} {}", value(power), unit(cx)));
+            ui.label(format!("{} {}", value(unit.rgb(power)), unit.flux()));
             bar(ui, name, share, color);
             ui.end_row();
         };
@@ -62,15 +64,6 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
         let words =
             cx.tr("The energy balance does not close: aim at a smaller error, or allow more time.");
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
-    }
-}
-
-/// The unit of power.
-fn unit(cx: &PanelContext) -> &'static str {
-    if cx.app.document.units.photometric {
-        "lm"
-    } else {
-        "W"
     }
 }
 

@@ -5,7 +5,8 @@ use crate::app::{Probe, ProbeSurface};
 use crate::command::Command;
 use crate::jobs::JobKind;
 use crate::ui::inspector::named;
-use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
+use crate::ui::light_unit::ShownUnit;
+use crate::ui::viewport::{number, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
 
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     grid.spacing([8.0, 4.0]).show(ui, |ui| {
         ui.weak("#");
         ui.weak(cx.tr("Point"));
-        let unit = irradiance_unit(app);
+        let unit = ShownUnit::of(app).irradiance();
         ui.weak(format!("E, {unit}"));
         ui.weak(format!("{}, {unit}", cx.tr("measured")));
         ui.end_row();
@@ -92,6 +93,9 @@ fn cell(
         ui.weak("–").on_hover_text(why_not);
         return;
     };
+    let unit = ShownUnit::of(cx.app);
+    let radiance = site.and_then(|s| cx.app.document.radiance(&s.paint, irradiance));
+    let (irradiance, error) = (unit.rgb(irradiance), error.map(|e| unit.rgb(e)));
     let mut text = number(irradiance.luminance());
     if let Some(error) = error {
         text += &format!(" ± {}", number(error.luminance()));
@@ -101,11 +105,10 @@ fn cell(
             "E = {} ± {} {}",
             value(irradiance),
             error.map_or("?".into(), value),
-            irradiance_unit(cx.app)
+            unit.irradiance()
         ));
-    let radiance = site.and_then(|s| cx.app.document.radiance(&s.paint, irradiance));
     if let Some(radiance) = radiance {
-        let unit = radiance_unit(cx.app);
+        let (radiance, unit) = (unit.rgb(radiance), unit.radiance());
         let about = cx.tr("Diffuse radiance leaving it:");
         let text = egui::RichText::new(format!("L = {}", number(radiance.luminance())));
         ui.add(egui::Label::new(text.weak()).extend())
@@ -120,7 +123,7 @@ fn why_not(cx: &PanelContext, probe: &Probe) -> &'static str {
         Some(site) if !site.paint.is_front => {
             cx.tr("This is the back of a surface, and light is stored for fronts only: measure it.")
         }
-        Some(_) => cx.tr("Not solved yet: press F5."),
+        Some(_) => cx.tr("Not solved yet."),
     }
 }
 

@@ -4,8 +4,9 @@ use super::page::{Texel, luminance};
 use super::with_unit;
 use crate::bake::BakedDocument;
 use crate::ui::light::{count, percent, seconds};
+use crate::ui::light_unit::ShownUnit;
 use crate::ui::panel_context::PanelContext;
-use crate::ui::viewport::{irradiance_unit, number};
+use crate::ui::viewport::number;
 use azulejo::bake::layout::NO_CHART;
 use egui::{Grid, Label, Ui};
 
@@ -16,6 +17,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument) {
     let metres = result.source.scene.units.metres();
     let density = layout.density(&baked.atlas.receivers) / metres;
     let mean = baked.lightmap.mean().luminance();
+    let unit = ShownUnit::of(cx.app);
     let pages: Vec<String> = layout
         .pages
         .iter()
@@ -35,7 +37,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument) {
             (cx.tr("Texels per metre"), number(density)),
             (
                 cx.tr("Mean irradiance"),
-                with_unit(mean, irradiance_unit(cx.app)),
+                with_unit(unit.factor * mean, unit.irradiance()),
             ),
             (
                 cx.tr("Estimated error"),
@@ -57,8 +59,8 @@ pub fn texel(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument, texel: Opti
     let mut all = vec![(cx.tr("Texel"), format!("{}, {}", place[0], place[1]))];
     let chart = of.charts[at];
     if chart != NO_CHART {
-        let unit = irradiance_unit(cx.app);
-        let value = |light: [f32; 3]| with_unit(luminance(light), unit);
+        let unit = ShownUnit::of(cx.app);
+        let value = |light: [f32; 3]| with_unit(unit.factor * luminance(light), unit.irradiance());
         let density = result.densities.get(chart as usize).copied();
         all.extend([
             (cx.tr("Irradiance"), value(of.irradiance[at])),

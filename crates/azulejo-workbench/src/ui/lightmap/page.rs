@@ -195,6 +195,7 @@ fn color_scale((low, high): (f64, f64), view: &PageView) -> ColorScale {
         high,
         is_logarithmic: view.is_logarithmic,
         bands: 0,
+        display: 1.0,
     }
 }
 

@@ -5,6 +5,7 @@ use super::rows::{TreeLeaf, TreeRow, chosen, rows, visible};
 use crate::app::App;
 use crate::document::{ItemId, SceneDocument, SceneObject};
 use crate::words::Language;
+use azulejo::scene::Material;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -126,7 +127,8 @@ impl TreeList {
 /// frame, but no row.
 fn have_same_rows(a: &SceneDocument, b: &SceneDocument) -> bool {
     let materials = all(&a.materials, &b.materials, |a, b| {
-        Arc::ptr_eq(a, b) || (&a.name, &a.textures) == (&b.name, &b.textures)
+        let key = |m: &Material| (m.name.clone(), m.textures.clone(), m.is_emitter());
+        Arc::ptr_eq(a, b) || key(a) == key(b)
     });
     let lights = all(&a.lights, &b.lights, |a, b| {
         (a.id, a.hidden, &a.light.name) == (b.id, b.hidden, &b.light.name)

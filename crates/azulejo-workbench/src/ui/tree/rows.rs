@@ -239,6 +239,11 @@ fn lists(
     let lights = document.lights.iter();
     let lights =
         lights.filter_map(|l| entry(&l.light.name, TreeLeaf::Light(l.id), Some(!l.hidden)));
+    // What shines is a light, whatever its shape; it also stands among the objects.
+    let emitters = document.objects.iter().filter(|item| document.shines(item));
+    let emitters =
+        emitters.filter_map(|item| entry(&item.name, TreeLeaf::Item(item.id), Some(!item.hidden)));
+    let lights = lights.chain(emitters);
     let cameras = document.cameras.iter();
     let cameras =
         cameras.filter_map(|c| entry(&c.camera.name, TreeLeaf::Camera(c.id), Some(!c.hidden)));
@@ -376,8 +381,10 @@ mod tests {
         };
         assert_eq!(of(&[]), [""; 0]);
         assert_eq!(of(&[1]), ["floor"]);
-        assert_eq!(of(&[1, 2]), ["room", "floor", "lamp"]);
-        assert_eq!(of(&[5]), ["Lights", "bulb"]);
+        // The lamp is one of the lights, too.
+        assert_eq!(of(&[1, 2]), ["room", "floor", "lamp", "room/lamp"]);
+        assert_eq!(of(&[5]), ["bulb"]);
+        assert_eq!(of(&[2, 5]), ["lamp", "Lights", "bulb", "room/lamp"]);
         let all = of(&[1, 2, 3, 4]);
         assert_eq!(all[0], "created here");
         assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");

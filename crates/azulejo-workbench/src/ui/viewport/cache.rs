@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::document::{ItemId, LightmappedMesh, SceneObject};
 use crate::gpu::{DrawnMesh, FaceValues, Projection, chord_error, display_mesh, pick};
-use crate::view::Backdrop;
+use crate::view::{Backdrop, Shading};
 use azulejo::scene::math::{Aabb, Ray};
 use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
 use glam::{DAffine3, DVec3};
@@ -32,6 +32,8 @@ pub struct CachedMesh {
     lightmapped: Option<Arc<LightmappedMesh>>,
     chord_error: f64,
     is_lit: bool,
+    /// Whether the polygons have relative errors in place of irradiance.
+    shows_error: bool,
     key: u64,
     /// Bounding box of the polygons in object space.
     bounds: Aabb,
@@ -78,7 +80,7 @@ impl CachedMesh {
     /// Irradiance at a point of a triangle, with its standard error where known; `None` where it is
     /// not solved.
     pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
-        light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
+        light_of(self.mesh(), corners, weights).filter(|_| self.is_lit && !self.shows_error)
     }
 
     /// Irradiance at a point of a triangle by the lightmap, if the object is shown with it.
@@ -109,6 +111,27 @@ impl CachedMesh {
         let hit = pick(&[DrawnMesh::new(0, &mesh)], ray, false)?;
         light_of(&mesh, hit.vertices, hit.barycentric).filter(|_| hit.is_front)
     }
+}
+
+/// A mesh with the standard error of its irradiance, relative to it, in place of the irradiance;
+/// without light where the errors are not known.
+fn with_errors(mut mesh: Mesh) -> Mesh {
+    if mesh.irradiance_error.len() != mesh.irradiance.len() {
+        mesh.irradiance = Vec::new();
+        return mesh;
+    }
+    let errors = mesh.irradiance.iter().zip(&mesh.irradiance_error);
+    mesh.irradiance = errors
+        .map(|(light, error)| {
+            let light = light.luminance();
+            Rgb::grey(if light > 0.0 {
+                error.luminance() / light
+            } else {
+                0.0
+            })
+        })
+        .collect();
+    mesh
 }
 
 /// Irradiance at a point of a triangle, with its standard error where known.
@@ -144,11 +167,11 @@ static EMPTY: Mesh = Mesh {
 
 impl ViewportCache {
     /// Updates the polygons to the document and the view.
-    pub fn update(&mut self, app: &App, view: &Projection) {
+    pub fn update(&mut self, app: &App, shading: Shading, view: &Projection) {
         let mut old: HashMap<ItemId, CachedMesh> =
             self.entries.drain(..).map(|e| (e.id, e)).collect();
         for item in app.document.objects.iter().filter(|i| !i.hidden) {
-            let entry = self.entry(app, item, view, old.remove(&item.id));
+            let entry = self.entry(app, item, (shading, view), old.remove(&item.id));
             self.entries.push(entry);
         }
         self.keep_textures(app);
@@ -159,20 +182,21 @@ impl ViewportCache {
         &mut self,
         app: &App,
         item: &SceneObject,
-        view: &Projection,
+        (shading, view): (Shading, &Projection),
         old: Option<CachedMesh>,
     ) -> CachedMesh {
-        let lightmap = app.lightmap.shown_in(app.view.shading);
+        let lightmap = app.lightmap.shown_in(shading);
         let lightmapped = lightmap.and_then(|shown| shown.lightmap.shown(item));
         let lit = if lightmapped.is_some() {
             // The triangles of the lightmap are shown in place of the shape.
             Some(&item.shape)
-        } else if app.view.shading.shows_light() {
+        } else if shading.shows_light() {
             app.lighting.solution.as_ref().and_then(|s| s.shown(item))
         } else {
             None
         };
         let is_lit = lit.is_some();
+        let shows_error = is_lit && shading == Shading::Error;
         let shape = lit.unwrap_or(&item.shape);
         // Shapes returned by the solver are already in world space.
         let placement = if is_lit {
@@ -187,6 +211,7 @@ impl ViewportCache {
         if let Some(mut old) = old
             && Arc::ptr_eq(&old.shape, shape)
             && old.is_lit == is_lit
+            && old.shows_error == shows_error
             && is_same(&old.lightmapped, lightmapped)
             && old.chord_error == error
         {
@@ -197,6 +222,7 @@ impl ViewportCache {
         let made = match lightmapped {
             Some(_) => None,
             None => match display_mesh(shape, error, is_lit) {
+                mesh if shows_error => Some(with_errors(mesh.into_owned())),
                 Cow::Borrowed(_) => None,
                 Cow::Owned(mesh) => Some(mesh),
             },
@@ -208,6 +234,7 @@ impl ViewportCache {
             lightmapped: lightmapped.cloned(),
             chord_error: error,
             is_lit,
+            shows_error,
             key: self.next,
             bounds: Aabb::EMPTY,
             placement,

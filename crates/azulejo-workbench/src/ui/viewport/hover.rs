@@ -1,20 +1,20 @@
 //! The status line for the surface point under the mouse.
 
-use super::cache::{CachedMesh, ViewportCache};
+use super::PanelContext;
+use super::cache::CachedMesh;
 use super::legend::number;
-use super::{PanelContext, irradiance_unit};
-use crate::app::App;
+use super::pane::ViewPane;
 use crate::document::ShadingPoint;
-use crate::gpu::{DrawnMesh, PickHit, pick};
+use crate::gpu::PickHit;
 use crate::ui::inspector::named;
+use crate::ui::light_unit::ShownUnit;
 use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 
 /// Object, position, material and light at the point where a ray hits the model.
-pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<String> {
-    let drawn: Vec<DrawnMesh> = cache.entries().iter().map(|e| e.drawn()).collect();
-    let hit = pick(&drawn, ray, false)?;
-    let entry = &cache.entries()[hit.object];
+pub fn text(cx: &PanelContext, pane: &ViewPane, ray: &Ray) -> Option<String> {
+    let hit = pane.hit(ray)?;
+    let entry = &pane.cache.entries()[hit.object];
     let document = &cx.app.document;
     let name = document.name(entry.id).unwrap_or_default();
     let p = hit.position;
@@ -53,27 +53,19 @@ fn light(
     let shown = entry.light(hit.vertices, hit.barycentric);
     let shown = of_lightmap.map(|light| (light, None)).or(shown);
     let (irradiance, error) = shown.or_else(|| entry.light_beneath(cx.app, ray))?;
-    let error = error.map_or_else(|| "?".to_owned(), value);
     let app = cx.app;
-    let radiance = app.document.radiance(paint, irradiance)?;
+    let unit = ShownUnit::of(app);
+    let error = error.map_or_else(|| "?".to_owned(), |e| value(unit.rgb(e)));
+    let radiance = unit.rgb(app.document.radiance(paint, irradiance)?);
     Some(format!(
         " · E = {} ± {} {} · {} L = {} {}",
-        value(irradiance),
+        value(unit.rgb(irradiance)),
         error,
-        irradiance_unit(app),
+        unit.irradiance(),
         cx.tr("matt"),
         value(radiance),
-        radiance_unit(app)
+        unit.radiance()
     ))
-}
-
-/// The unit of radiance.
-pub fn radiance_unit(app: &App) -> &'static str {
-    if app.document.units.photometric {
-        "cd/m²"
-    } else {
-        "W/(sr·m²)"
-    }
 }
 
 /// One number if the channels agree, otherwise three.

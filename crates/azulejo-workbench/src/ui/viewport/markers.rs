@@ -3,6 +3,7 @@
 use crate::app::App;
 use crate::document::{ItemId, light_position};
 use crate::gpu::{Overlay, OverlayStyle, Projection};
+use crate::view::Shading;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, LightKind, Shape, Up};
 use egui::{Pos2, Rect, Vec2};
@@ -15,7 +16,7 @@ const GROUND: [u8; 3] = [128, 128, 128];
 const CHOSEN: [u8; 3] = [255, 150, 30];
 
 /// All overlays.
-pub fn overlay(app: &App) -> Overlay {
+pub fn overlay(app: &App, shading: Shading) -> Overlay {
     let mut overlay = Overlay::default();
     let bounds = app.document.bounds(None);
     let size = if bounds.is_empty() {
@@ -36,7 +37,7 @@ pub fn overlay(app: &App) -> Overlay {
             camera(&mut overlay, &view.camera, size, ink);
         }
     }
-    if app.view.shading.shows_light() {
+    if shading.shows_light() {
         chosen_faces(&mut overlay, app);
     }
     overlay
@@ -56,20 +57,13 @@ fn chosen_faces(overlay: &mut Overlay, app: &App) {
     if !is_lit || item.hidden {
         return;
     }
-    let [r, g, b] = CHOSEN;
-    let film = OverlayStyle {
-        color: [r, g, b, 128],
-        ..OverlayStyle::new(CHOSEN, 1.0)
-    };
-    let mut triangles = Vec::new();
     for face in faces.iter().map(|&f| f as usize) {
         if face < mesh.faces.len() {
-            mesh.triangulate_into(face, &mut triangles);
-            for corners in triangles.drain(..) {
-                let vertices = corners.map(|c| mesh.faces.get(face)[c as usize] as usize);
-                let placed = vertices.map(|v| item.placement.transform_point3(mesh.positions[v]));
-                overlay.triangle(placed, film);
-            }
+            let corners = mesh.faces.get(face).iter();
+            let placed =
+                corners.map(|&v| item.placement.transform_point3(mesh.positions[v as usize]));
+            let placed: Vec<DVec3> = placed.collect();
+            overlay.polyline(&placed, true, OverlayStyle::new(CHOSEN, 2.5));
         }
     }
 }
@@ -230,7 +224,7 @@ mod tests {
     fn what_is_hidden_has_no_sign() {
         let mut app = App::quiet();
         app.document = sample();
-        let lines = |app: &App| overlay(app).lines.len();
+        let lines = |app: &App| overlay(app, app.view.shading).lines.len();
         let all = lines(&app);
         let rect = Rect::from_min_size(Pos2::ZERO, Vec2::splat(100.0));
         let view = Projection::new(&app.document.cameras[0].camera, [100, 100]);
@@ -251,13 +245,13 @@ mod tests {
         app.document = sample();
         app.selection.faces = Some((ItemId(1), vec![1]));
         app.view.shading = Shading::Irradiance;
-        let marks = |app: &App| overlay(app).triangles.len();
+        let marks = |app: &App| overlay(app, app.view.shading).lines.len();
         let before = marks(&app);
         app.lighting.solution = Some(Arc::new(solved(&app.document)));
-        assert_eq!(marks(&app), before + 1);
-        let marked = overlay(&app).triangles.pop().expect("a face").corners;
+        assert_eq!(marks(&app), before + 3);
+        let marked = overlay(&app, app.view.shading).lines.split_off(before);
         let corners = [(-2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, 0.0, -y));
-        assert_eq!(marked, corners);
+        assert!(marked.iter().map(|line| line.from).eq(corners));
         // The model's own polygons are highlighted directly.
         app.view.shading = Shading::Flat;
         assert_eq!(marks(&app), before);

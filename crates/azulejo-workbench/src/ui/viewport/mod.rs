@@ -1,48 +1,53 @@
 //! The viewport: drawing, navigation and picking.
 
 mod cache;
+mod cards;
+mod compare;
 mod gizmo;
 mod hover;
+mod isolines;
 mod legend;
 mod markers;
 mod navigate;
+mod pane;
 mod picking;
 mod probe_markers;
 mod rendered;
+mod start;
 mod texture;
 
 pub(super) use markers::middle;
 
+pub(super) use cards::{action_button, render_state};
 pub use gizmo::GizmoMode;
-pub use hover::{radiance_unit, value};
+pub use hover::value;
 pub use legend::number;
-pub(super) use legend::paint as paint_legend;
+pub(super) use legend::{LegendText, paint as paint_legend};
+pub use pane::{auto_exposure, shown_range};
 
+use super::actions::ActionTarget;
 use super::panel_context::PanelContext;
-use crate::app::{App, IrradianceRange};
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::gpu::{
-    Background, ColorScalar, ColorScale, LightmapPages, Projection, TextureSource, ViewportFrame,
-};
-use crate::view::{Backdrop, ModelView, Shading};
-use azulejo::render::Tone;
+use crate::gpu::Projection;
+use crate::view::{ModelView, Shading};
+use azulejo::scene::Camera;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Camera, Material, Rgb, SceneBackground};
-use cache::ViewportCache;
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, GizmoHandle};
-use glam::{DAffine3, DVec3};
-use texture::{DrawStamp, ViewportTexture};
+use glam::DAffine3;
+use pane::ViewPane;
 
 pub use texture::DeviceLost;
 
 /// The state of the viewport.
 #[derive(Default)]
 pub struct Viewport {
-    cache: ViewportCache,
-    screen: Option<ViewportTexture>,
+    pane: ViewPane,
+    /// The picture at the right, where two are compared.
+    other: Option<ViewPane>,
     rendered: rendered::RenderTexture,
+    start: start::StartScreen,
     /// The mode of the gizmo.
     pub mode: GizmoMode,
     grip: Option<GizmoHandle>,
@@ -59,38 +64,6 @@ pub struct Viewport {
     size: [u32; 2],
 }
 
-/// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
-pub fn auto_exposure(app: &App) -> f64 {
-    let usual = shown_range(app).map_or(0.0, |r| r.usual);
-    if usual > 0.0 {
-        0.6 * std::f64::consts::PI / (0.5 * usual)
-    } else {
-        1.0
-    }
-}
-
-/// Range of the irradiance that is shown: that of the lightmap, or of vertices.
-pub fn shown_range(app: &App) -> Option<IrradianceRange> {
-    match app.lightmap.shown_in(app.view.shading) {
-        Some(shown) => shown.range,
-        None => app.lighting.range,
-    }
-}
-
-/// The exposure of the modes that display light.
-fn exposure(app: &App, view: &ModelView) -> f64 {
-    view.exposure.unwrap_or_else(|| auto_exposure(app))
-}
-
-/// The unit of irradiance.
-pub fn irradiance_unit(app: &App) -> &'static str {
-    if app.document.units.photometric {
-        "lx"
-    } else {
-        "W/m²"
-    }
-}
-
 impl Viewport {
     /// Creates a viewport on the device of a window, if it has one.
     ///
@@ -105,7 +78,7 @@ impl Viewport {
     /// Creates a viewport on a graphics device.
     fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, DeviceLost> {
         Ok(Viewport {
-            screen: Some(ViewportTexture::new(state)?),
+            pane: ViewPane::on(state)?,
             ..Viewport::default()
         })
     }
@@ -116,7 +89,13 @@ impl Viewport {
     ///
     /// [`DeviceLost`].
     pub fn check(&self) -> Result<(), DeviceLost> {
-        self.screen.as_ref().map_or(Ok(()), ViewportTexture::check)
+        self.pane.check()
+    }
+
+    /// The image of the model as last drawn, three bytes per pixel: width, height and pixels.
+    pub fn pixels(&self) -> Option<(u32, u32, Vec<u8>)> {
+        let pixels = self.pane.pixels()?;
+        Some((pixels.width, pixels.height, pixels.rgb()))
     }
 
     /// The text for the point under the mouse.
@@ -134,12 +113,17 @@ impl Viewport {
         (self.size[0].max(1), self.size[1].max(1))
     }
 
-    /// Draws the model or the rendered image; handles the mouse and the keyboard.
+    /// Draws the model or the rendered image; handles the mouse and the keyboard. Returns the
+    /// actions that were chosen on its cards.
     ///
     /// # Errors
     ///
     /// [`DeviceLost`] if the graphics device is lost. The window has to be opened again.
-    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Result<(), DeviceLost> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        cx: &mut PanelContext,
+    ) -> Result<Vec<ActionTarget>, DeviceLost> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let name = cx.tr("Viewport");
@@ -147,8 +131,6 @@ impl Viewport {
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         self.size = [pixels.x.round() as u32, pixels.y.round() as u32];
         let view = self.view(ui, &response, cx);
-        self.cache
-            .update(cx.app, &Projection::new(&view.camera, self.size));
         // An image rendered at another size covers only a part of the viewport.
         let seen = match &cx.app.render {
             Some(shown) => rendered::fit(rect, shown.size),
@@ -156,6 +138,8 @@ impl Viewport {
         };
         let points = Projection::new(&view.camera, [seen.width() as u32, seen.height() as u32]);
         if cx.app.render.is_some() {
+            // What is under the mouse is that of the model, of which the image is.
+            self.pane.update(cx.app, &view, self.size);
             self.rendered.show(ui, rect, cx.app);
         } else {
             self.draw(ui, rect, cx, &view)?;
@@ -164,7 +148,8 @@ impl Viewport {
         self.point(ui, seen, &response, &points, cx);
         probe_markers::paint(ui, seen, &points, cx);
         self.decorate(ui, rect, cx);
-        Ok(())
+        let targets = self.cards(ui, rect, cx);
+        Ok(targets)
     }
 
     /// The view after this frame's input.
@@ -185,57 +170,32 @@ impl Viewport {
         view
     }
 
+    /// Draws the model, and at the right another picture of it where two are compared.
     fn draw(
         &mut self,
-        ui: &Ui,
+        ui: &mut Ui,
         rect: Rect,
-        cx: &PanelContext,
+        cx: &mut PanelContext,
         view: &ModelView,
     ) -> Result<(), DeviceLost> {
-        let Some(screen) = &mut self.screen else {
-            ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
+        self.pane.draw(ui, (rect, rect), self.size, cx, view)?;
+        let Some(comparison) = view.comparison else {
+            self.other = None;
             return Ok(());
         };
-        let app = cx.app;
-        let scale = scale(app);
-        let lightmap = app.lightmap.shown_in(view.shading);
-        let stamp = DrawStamp {
-            view: view.clone(),
-            size: self.size,
-            revision: app.revision(),
-            selection: app.selection.clone(),
-            seen: app.lighting.form_factors.as_ref().map(|s| s.number),
-            lightmap: lightmap.map(|shown| shown.key),
-            scale,
+        let other = match &mut self.other {
+            Some(other) => other,
+            none => none.insert(self.pane.beside()?),
         };
-        let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
-        let backdrop = self.cache.backdrop_key(&view.backdrop);
-        let cache = &self.cache;
-        let textures = app.document.textures.iter();
-        let textures: Vec<TextureSource> = textures
-            .map(|t| TextureSource {
-                key: cache.texture_key(t),
-                image: t.image.as_ref(),
-            })
-            .collect();
-        let shows_factors = view.shading == Shading::FormFactors;
-        let drawn = cache.drawn(app, shows_factors);
-        let overlay = markers::overlay(app);
-        let frame = ViewportFrame {
-            shading: view.shading,
-            textures: &textures,
-            lightmap: lightmap.map(|shown| LightmapPages {
-                key: shown.key,
-                pages: &shown.lightmap.pages,
-            }),
-            background: background(app, view, backdrop, ui.visuals().dark_mode),
-            fog: app.document.fog.filter(|_| view.shows_fog),
-            overlay: &overlay,
-            exposure: exposure(app, view),
-            scale,
-            ..ViewportFrame::new(self.size, &view.camera, &drawn, &materials)
+        let right = ModelView {
+            shading: comparison.with,
+            comparison: None,
+            ..view.clone()
         };
-        screen.draw(ui, rect, stamp, &frame)
+        let clip = compare::right_part(rect, &comparison);
+        other.draw(ui, (rect, clip), self.size, cx, &right)?;
+        compare::divider(ui, rect, cx, view);
+        Ok(())
     }
 
     /// The gizmo of the selection.
@@ -281,6 +241,25 @@ impl Viewport {
         gizmo.paint(ui.painter(), self.grip.as_ref().or(under.as_ref()));
     }
 
+    /// Draws the cards: a failure, progress, and what can be done next.
+    fn cards(&mut self, ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTarget> {
+        if cx.app.is_blank() {
+            let targets = self.start.show(ui, rect, cx);
+            cards::show_failure(ui, rect, cx);
+            return targets;
+        }
+        self.start.leave();
+        cards::show_failure(ui, rect, cx);
+        if cards::show_progress(ui, rect, cx) {
+            return Vec::new();
+        }
+        if cx.app.render.is_some() {
+            cards::show_render(ui, rect, cx)
+        } else {
+            cards::show_next(ui, rect, cx)
+        }
+    }
+
     /// Draws legends and buttons over the model.
     fn decorate(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let app = cx.app;
@@ -288,14 +267,10 @@ impl Viewport {
             probe_markers::cross(ui.painter(), rect.center(), "", 1.0);
         }
         if app.render.is_none() {
-            match app.view.shading {
-                Shading::FalseColor if app.lighting.solution.is_some() || shows_lightmap(app) => {
-                    legend::paint(ui.painter(), rect, &scale(app), irradiance_unit(app));
-                }
-                Shading::FormFactors if app.lighting.form_factors.is_some() => {
-                    legend::paint(ui.painter(), rect, &scale(app), "F");
-                }
-                _ => {}
+            self.pane.legend(ui, rect, cx, app.view.shading);
+            if let (Some(comparison), Some(other)) = (&app.view.comparison, &self.other) {
+                let right = compare::right_part(rect, comparison);
+                other.legend(ui, right, cx, comparison.with);
             }
         }
         if let Some(hint) = self.hint(cx) {
@@ -326,13 +301,6 @@ impl Viewport {
             Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
         } else if shading == Shading::FormFactors && lighting.form_factors.is_none() {
             Some(cx.tr("Click a surface to display its form factors."))
-        } else if shows_lightmap(app) {
-            let is_old = app.lightmap.result.is_some() && !app.lightmap.is_current;
-            is_old.then(|| cx.tr("This lightmap is of an earlier state of the model."))
-        } else if shading.shows_light() && lighting.solution.is_none() {
-            Some(cx.tr("Not solved yet: press F5."))
-        } else if shading.shows_light() && !lighting.is_current {
-            Some(cx.tr("This light is outdated: press F5."))
         } else {
             None
         }
@@ -352,101 +320,5 @@ impl Viewport {
                 }
             });
         });
-    }
-}
-
-/// Whether the viewport shows a lightmap.
-fn shows_lightmap(app: &App) -> bool {
-    app.lightmap.shown_in(app.view.shading).is_some()
-}
-
-/// The current colour scale.
-fn scale(app: &App) -> ColorScale {
-    let colors = &app.view.false_color;
-    if app.view.shading == Shading::FormFactors {
-        let factors = app
-            .lighting
-            .form_factors
-            .iter()
-            .flat_map(|s| s.factors.iter());
-        let high = factors.fold(0.0, |a: f64, &b| a.max(b)).max(1e-9);
-        return ColorScale {
-            map: colors.map,
-            low: if colors.logarithmic { 1e-4 * high } else { 0.0 },
-            high,
-            is_logarithmic: colors.logarithmic,
-            bands: 0,
-            quantity: ColorScalar::default(),
-        };
-    }
-    let found = shown_range(app);
-    let found = found.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
-    let (mut low, mut high) = colors.range.unwrap_or(found);
-    if colors.logarithmic {
-        high = high.max(1e-9);
-        low = low.clamp(1e-4 * high, high);
-    }
-    ColorScale {
-        map: colors.map,
-        low,
-        high: if high > low { high } else { low + 1.0 },
-        is_logarithmic: colors.logarithmic,
-        bands: colors.isolines,
-        quantity: ColorScalar::default(),
-    }
-}
-
-/// The background of the viewport.
-fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
-    match &view.backdrop {
-        Backdrop::Color(color) => Background::Color(*color),
-        Backdrop::Image(image, fit) => Background::Image {
-            picture: TextureSource {
-                key,
-                image: Some(&**image),
-            },
-            fit: *fit,
-            around: [0, 0, 0],
-        },
-        Backdrop::Scene => match app.document.background {
-            Some(own) => {
-                // In modes that display light, the background is exposed like the surfaces.
-                let shown = |radiance: Rgb| {
-                    let shown = match view.shading {
-                        Shading::Irradiance | Shading::Patches => {
-                            Tone::default().map(exposure(app, view) * radiance)
-                        }
-                        _ => radiance,
-                    };
-                    let [r, g, b, _] = super::colors::color(shown).to_array();
-                    [r, g, b]
-                };
-                match own {
-                    SceneBackground::Color(radiance) => Background::Color(shown(radiance)),
-                    // Its middle, above and below the horizon; pictures are rendered with all of it.
-                    SceneBackground::Environment(environment) => {
-                        let [lower, upper] = [-0.3, 0.3].map(|height| {
-                            let texture = environment.texture();
-                            let texture =
-                                texture.and_then(|t| app.document.textures.get(t as usize));
-                            let local = DVec3::new(1.0, 0.0, height).normalize();
-                            let direction = environment.world_from_environment * local;
-                            shown(
-                                environment.seen(direction, texture.and_then(|t| t.image.as_ref())),
-                            )
-                        });
-                        Background::Gradient { lower, upper }
-                    }
-                }
-            }
-            None if is_dark => Background::Gradient {
-                lower: [30, 32, 36],
-                upper: [66, 72, 82],
-            },
-            None => Background::Gradient {
-                lower: [200, 204, 210],
-                upper: [150, 162, 178],
-            },
-        },
     }
 }

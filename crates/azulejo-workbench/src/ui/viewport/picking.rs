@@ -4,7 +4,7 @@
 use super::{Viewport, hover, markers};
 use crate::command::{Command, Selection, SurfacePick};
 use crate::document::ItemId;
-use crate::gpu::{DrawnMesh, PickHit, Projection, pick};
+use crate::gpu::{DrawnMesh, PickHit, Projection};
 use crate::ui::panel_context::PanelContext;
 use crate::view::Shading;
 use azulejo::scene::Shape;
@@ -49,7 +49,7 @@ impl Viewport {
         let key = (at, cx.app.revision(), view.camera.clone(), view.shading);
         if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
             self.probed_at = Some(key);
-            self.hover_text = hover::text(cx, &self.cache, &ray);
+            self.hover_text = hover::text(cx, &self.pane, &ray);
         }
     }
 
@@ -96,7 +96,7 @@ impl Viewport {
         }
         let found = markers::at(mouse, rect, view, cx.app).or_else(|| {
             let hit = self.hit(ray)?;
-            Some(self.cache.entries()[hit.object].id)
+            Some(self.pane.cache.entries()[hit.object].id)
         });
         match found {
             Some(id) => cx.select(id, modifiers.command || modifiers.shift),
@@ -107,7 +107,7 @@ impl Viewport {
     /// The displayed surface that a ray hits first.
     pub(in crate::ui) fn patch_at(&self, ray: &Ray) -> Option<SurfacePick> {
         let hit = self.hit(ray)?;
-        let entry = &self.cache.entries()[hit.object];
+        let entry = &self.pane.cache.entries()[hit.object];
         Some(SurfacePick {
             item: entry.id,
             position: hit.position,
@@ -116,8 +116,7 @@ impl Viewport {
     }
 
     fn hit(&self, ray: &Ray) -> Option<PickHit> {
-        let drawn: Vec<DrawnMesh> = self.cache.entries().iter().map(|e| e.drawn()).collect();
-        pick(&drawn, ray, false)
+        self.pane.hit(ray)
     }
 
     /// Toggles a face in the selection. Faces are those of the model, not the solver's patches.
@@ -137,7 +136,7 @@ impl Viewport {
             })
             .collect();
         let drawn: Vec<DrawnMesh> = meshes.iter().map(|(_, d)| *d).collect();
-        let Some(hit) = pick(&drawn, ray, false) else {
+        let Some(hit) = self.pane.cut().pick(&drawn, ray) else {
             return;
         };
         let id = meshes[hit.object].0;

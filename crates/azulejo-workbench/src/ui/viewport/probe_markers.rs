@@ -1,8 +1,9 @@
 //! Markers of the probes in the viewport.
 
-use super::{PanelContext, irradiance_unit, number};
+use super::{PanelContext, number};
 use crate::app::Probe;
 use crate::gpu::Projection;
+use crate::ui::light_unit::ShownUnit;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::DVec3;
 
@@ -20,7 +21,7 @@ pub fn paint(ui: &Ui, rect: Rect, view: &Projection, cx: &PanelContext) {
             cross(
                 &painter,
                 at,
-                &words(probe, irradiance_unit(app)),
+                &words(probe, ShownUnit::of(app)),
                 strength(probe, eye),
             );
         }
@@ -37,11 +38,14 @@ fn strength(probe: &Probe, eye: DVec3) -> f32 {
 }
 
 /// The number of a probe, and its irradiance where known.
-fn words(probe: &Probe, unit: &str) -> String {
+fn words(probe: &Probe, unit: ShownUnit) -> String {
     let front = probe.site.as_ref().filter(|s| s.paint.is_front);
     let light = front.and_then(|s| s.light).map(|l| l.0);
     match probe.measured.map(|m| m.value).or(light) {
-        Some(light) => format!("{}: {} {unit}", probe.number, number(light.luminance())),
+        Some(light) => {
+            let shown = number(unit.factor * light.luminance());
+            format!("{}: {shown} {}", probe.number, unit.irradiance())
+        }
         None => probe.number.to_string(),
     }
 }

@@ -35,11 +35,6 @@ impl RenderTexture {
             ui.painter()
                 .image(texture.id(), place, whole, Color32::WHITE);
         }
-        let text = format!("{} / {}", picture.samples, picture.most);
-        let at = rect.right_bottom() - Vec2::splat(8.0);
-        let font = egui::FontId::monospace(12.0);
-        ui.painter()
-            .text(at, egui::Align2::RIGHT_BOTTOM, text, font, Color32::WHITE);
     }
 
     fn refresh(&mut self, ui: &Ui, image: &Arc<Image>, exposure: Option<f64>) {

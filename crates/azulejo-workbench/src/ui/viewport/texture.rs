@@ -1,10 +1,10 @@
 //! The texture of the viewport, which egui displays.
 
 use crate::command::Selection;
-use crate::gpu::{ColorScale, GpuError, Renderer, ViewportFrame};
+use crate::gpu::{ColorScale, GpuError, PixelBuffer, Renderer, ViewportFrame};
 use crate::view::ModelView;
 use eframe::egui_wgpu::RenderState;
-use egui::{Color32, Rect, TextureId, Ui};
+use egui::{Color32, Painter, Rect, TextureId, Ui};
 use std::time::Duration;
 
 /// The graphics device is lost.
@@ -67,10 +67,26 @@ impl ViewportTexture {
         }
     }
 
+    /// Reads the last drawing back.
+    pub fn read(&self) -> Result<PixelBuffer, GpuError> {
+        self.renderer.read()
+    }
+
+    /// The device.
+    pub fn state(&self) -> &RenderState {
+        &self.state
+    }
+
+    /// Positions on the colour scale by pixel; see [`Renderer::values`].
+    pub fn values(&mut self, frame: &ViewportFrame) -> Result<PixelBuffer, GpuError> {
+        self.renderer.values(frame)
+    }
+
     /// Draws a frame unless it is unchanged, and displays it.
     pub fn draw(
         &mut self,
         ui: &Ui,
+        painter: &Painter,
         rect: Rect,
         stamp: DrawStamp,
         frame: &ViewportFrame,
@@ -97,7 +113,6 @@ impl ViewportTexture {
             }
             self.drawn = Some(drawing);
         }
-        let painter = ui.painter();
         if let Some(failure) = &self.failure {
             painter.rect_filled(rect, 0.0, Color32::from_gray(40));
             let font = egui::FontId::proportional(14.0);

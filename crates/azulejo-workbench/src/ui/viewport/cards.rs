@@ -1,0 +1,269 @@
+//! Cards over the model: what is being done and how long it takes, and what can be done next.
+
+use super::super::actions::{ACTIONS, ActionTarget};
+use super::super::light::{percent, seconds};
+use super::super::panel_context::PanelContext;
+use crate::app::RenderedImage;
+use crate::command::Command;
+use crate::jobs::{Job, JobKind};
+use crate::view::Shading;
+use egui::{Align2, Button, Frame, Key, ProgressBar, Rect, RichText, Ui, Vec2};
+
+/// Width of a card, points.
+const WIDTH: f32 = 340.0;
+/// Height of the buttons in the upper left corner, points.
+const BUTTONS: f32 = 26.0;
+/// Distance of a card from the edge of the viewport, points.
+const GAP: f32 = 12.0;
+
+/// Draws a card at one side of `rect`.
+fn card(ui: &mut Ui, rect: Rect, at: Align2, name: &str, body: impl FnOnce(&mut Ui)) {
+    // Below the buttons that move, rotate and resize what is selected.
+    let rect = Rect::from_min_max(rect.min + Vec2::new(0.0, BUTTONS), rect.max);
+    let width = WIDTH.min(rect.width() - 4.0 * GAP).max(80.0);
+    // Where the card ends is known after it is drawn; the size of the last frame places it.
+    let id = ui.scope_id().with(("card", name));
+    let last: Vec2 = ui
+        .data(|d| d.get_temp(id))
+        .unwrap_or(Vec2::new(width, 80.0));
+    let place = at.align_size_within_rect(last, rect.shrink(GAP));
+    let builder = egui::UiBuilder::new().max_rect(place).id_salt(name);
+    let drawn = ui.scope_builder(builder, |ui| {
+        let frame = Frame::popup(ui.style()).inner_margin(10.0);
+        frame.show(ui, |ui| {
+            ui.set_width(width - 24.0);
+            body(ui);
+        })
+    });
+    let size = drawn.response.rect.size();
+    if (size - last).length() > 0.5 {
+        ui.ctx().request_repaint();
+    }
+    ui.data_mut(|d| d.insert_temp(id, size));
+}
+
+fn title(ui: &mut Ui, text: impl Into<String>) {
+    ui.label(RichText::new(text).size(17.0).strong());
+}
+
+/// The job that a card is about: the solver, a lightmap or a file, whichever runs.
+pub fn show_progress(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> bool {
+    let jobs = cx.app.jobs();
+    let kinds = [JobKind::Solve, JobKind::Bake, JobKind::Load];
+    let job = kinds
+        .iter()
+        .find_map(|&k| jobs.iter().find(|j| j.kind == k));
+    let Some(job) = job else {
+        return false;
+    };
+    card(ui, rect, Align2::CENTER_TOP, "progress", |ui| {
+        let kind = job.kind;
+        title(ui, headline(cx, job));
+        bar(ui, cx, job);
+        if let Some(line) = remaining(cx, job) {
+            ui.label(line);
+        }
+        ui.horizontal(|ui| match (kind, cx.app.lighting.is_paused) {
+            (JobKind::Solve, rests) => {
+                let (name, command) = if rests {
+                    (cx.tr("Resume"), Command::Resume)
+                } else {
+                    (cx.tr("Pause"), Command::Pause)
+                };
+                if ui.button(name).clicked() {
+                    cx.send(command);
+                }
+                if ui.button(cx.tr("Stop")).clicked() {
+                    cx.send(Command::StopSolving);
+                }
+            }
+            _ => {
+                if ui.button(cx.tr("Cancel")).clicked() {
+                    cx.send(Command::Cancel(job.id));
+                }
+            }
+        });
+    });
+    true
+}
+
+fn headline(cx: &PanelContext, job: &Job) -> String {
+    match job.kind {
+        JobKind::Solve if cx.app.lighting.is_paused => cx.tr("The solver is paused").into(),
+        JobKind::Solve => cx.tr("Solving the light").into(),
+        JobKind::Bake => cx.tr("Baking the lightmap").into(),
+        _ => {
+            let path = std::path::Path::new(&job.title);
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            format!("{} {}", cx.tr("Loading"), name.to_string_lossy())
+        }
+    }
+}
+
+fn bar(ui: &mut Ui, cx: &PanelContext, job: &Job) {
+    let (done, total) = (job.progress.done(), job.progress.total());
+    let stage = job.progress.stage();
+    let stage = cx.stage(&stage);
+    if total == 0 {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(stage);
+        });
+        return;
+    }
+    let share = (done as f32 / total as f32).min(1.0);
+    ui.add(ProgressBar::new(share).text(format!("{stage} {:.0} %", 100.0 * share)));
+}
+
+/// The error that the solver has reached, and the time that is left.
+fn remaining(cx: &PanelContext, job: &Job) -> Option<String> {
+    if job.kind != JobKind::Solve {
+        return None;
+    }
+    let lighting = &cx.app.lighting;
+    let target = percent(lighting.settings.error);
+    let reached = lighting.reached_error().map(|error| {
+        let (name, goal) = (cx.tr("error"), cx.tr("target"));
+        format!("{name} {} ({goal} {target})", percent(error))
+    });
+    let left = lighting
+        .time_to_target()
+        .map(|left| format!("{} {}", cx.tr("about"), seconds(left)));
+    let parts: Vec<String> = reached.into_iter().chain(left).collect();
+    (!parts.is_empty()).then(|| parts.join(" · "))
+}
+
+/// The state of the rendered image in words.
+pub fn render_state(cx: &PanelContext) -> String {
+    let Some(render) = &cx.app.render else {
+        return String::new();
+    };
+    let RenderedImage { samples, most, .. } = render;
+    let unit = cx.tr("paths per pixel");
+    let mut text = format!("{samples} / {most} {unit}");
+    let runs = cx.app.is_busy(JobKind::Render);
+    if let Some(left) = render.time_left().filter(|_| runs) {
+        text = format!("{text} · {} {}", cx.tr("about"), seconds(left));
+    }
+    text
+}
+
+/// The card of the rendered image: its progress, and the way back to the model.
+pub fn show_render(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTarget> {
+    let Some(render) = &cx.app.render else {
+        return Vec::new();
+    };
+    let runs = cx.app.is_busy(JobKind::Render);
+    let mut targets = Vec::new();
+    card(ui, rect, Align2::CENTER_BOTTOM, "render", |ui| {
+        let share = render.samples as f32 / render.most.max(1) as f32;
+        ui.add(ProgressBar::new(share).text(render_state(cx)));
+        ui.horizontal_wrapped(|ui| {
+            if runs {
+                if ui.button(cx.tr("Stop")).clicked() {
+                    cx.send(Command::StopRender);
+                }
+            } else if render.samples < render.most && ui.button(cx.tr("Resume")).clicked() {
+                cx.send(Command::ResumeRender);
+            }
+            targets.extend(action_button(ui, cx, "Save image…"));
+            let back = ui.button(cx.tr("Back to the model"));
+            let key = ui.ctx().format_shortcut(&egui::KeyboardShortcut::new(
+                egui::Modifiers::NONE,
+                Key::Escape,
+            ));
+            if back.on_hover_text(key).clicked() {
+                cx.send(Command::CloseRender);
+            }
+        });
+    });
+    targets
+}
+
+/// A button for an entry of the menus, disabled where that is.
+pub fn action_button(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<ActionTarget> {
+    let action = ACTIONS.iter().find(|a| a.label == label)?;
+    let target = (action.target)(cx.app);
+    let button = ui.add_enabled(target.is_some(), Button::new(cx.tr(action.label)));
+    let button = match action.key {
+        Some(key) => button.on_hover_text(ui.ctx().format_shortcut(&key)),
+        None => button,
+    };
+    target.filter(|_| button.clicked())
+}
+
+/// What the model lacks, with buttons for it: a light source, a solution, a current solution.
+pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTarget> {
+    let app = cx.app;
+    let (lighting, shading) = (&app.lighting, app.view.shading);
+    let is_dark = !app.document.has_light();
+    let (text, labels): (&str, &[&str]) = if app.document.objects.is_empty() {
+        return Vec::new();
+    } else if app.lightmap.shown_in(shading).is_some() {
+        let is_old = app.lightmap.result.is_some() && !app.lightmap.is_current;
+        if !is_old {
+            return Vec::new();
+        }
+        (
+            cx.tr("This lightmap is of an earlier state of the model."),
+            &["Bake a lightmap…"],
+        )
+    } else if is_dark && (shading.shows_light() || lighting.solution.is_none()) {
+        (
+            cx.tr("Nothing shines yet."),
+            &["Studio", "Area light", "Sun"],
+        )
+    } else if lighting.solution.is_none() {
+        (cx.tr("The light is not solved yet."), &["Solve"])
+    } else if shading.shows_light() && !lighting.is_current {
+        (
+            cx.tr("This light is from an earlier state of the model."),
+            &["Solve", "Clear light"],
+        )
+    } else {
+        return Vec::new();
+    };
+    if shading == Shading::FormFactors {
+        return Vec::new();
+    }
+    let mut targets = Vec::new();
+    card(ui, rect, Align2::CENTER_TOP, "next", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(text);
+            for label in labels {
+                targets.extend(action_button(ui, cx, label));
+            }
+        });
+    });
+    targets
+}
+
+/// The last failure, in the middle of the viewport, until it is dismissed.
+pub fn show_failure(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
+    let Some(failure) = cx.app.failure.clone() else {
+        return;
+    };
+    card(ui, rect, Align2::CENTER_CENTER, "failure", |ui| {
+        let color = ui.visuals().error_fg_color;
+        ui.label(
+            RichText::new(format!("⚠ {}", cx.tr("That did not work")))
+                .size(17.0)
+                .strong()
+                .color(color),
+        );
+        egui::ScrollArea::vertical()
+            .max_height(0.5 * rect.height())
+            .show(ui, |ui| {
+                ui.add(egui::Label::new(&failure).wrap().selectable(true));
+            });
+        ui.horizontal(|ui| {
+            let close = ui.button(cx.tr("Close"));
+            if close.clicked() {
+                cx.send(Command::DismissFailure);
+            }
+            if ui.button(cx.tr("Copy")).clicked() {
+                ui.ctx().copy_text(failure.clone());
+            }
+        });
+    });
+}

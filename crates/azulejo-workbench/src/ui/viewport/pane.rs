@@ -1,0 +1,322 @@
+//! One picture of the model: its polygons, its texture, and the scale of its colours.
+
+use super::super::colors;
+use super::super::light_unit::ShownUnit;
+use super::super::panel_context::PanelContext;
+use super::cache::ViewportCache;
+use super::isolines::IsolineLabels;
+use super::legend::{self, LegendText};
+use super::markers;
+use super::texture::{DeviceLost, DrawStamp, ViewportTexture};
+use crate::app::{App, IrradianceRange};
+use crate::gpu::{
+    Background, ColorScalar, ColorScale, Cutaway, DrawnMesh, LightmapPages, PickHit, PixelBuffer,
+    Projection, TextureSource, ViewportFrame,
+};
+use crate::view::{Backdrop, ModelView, Shading};
+use azulejo::render::Tone;
+use azulejo::scene::math::Ray;
+use azulejo::scene::{Material, Rgb, SceneBackground};
+use eframe::egui_wgpu::RenderState;
+use egui::{Color32, Rect, Ui};
+use glam::DVec3;
+
+/// A picture of the model.
+#[derive(Default)]
+pub struct ViewPane {
+    /// The displayed polygons.
+    pub cache: ViewportCache,
+    screen: Option<ViewportTexture>,
+    labels: IsolineLabels,
+    cut: Cutaway,
+}
+
+impl ViewPane {
+    /// Creates a picture on a graphics device.
+    pub fn on(state: &RenderState) -> Result<ViewPane, DeviceLost> {
+        Ok(ViewPane {
+            screen: Some(ViewportTexture::new(state)?),
+            ..ViewPane::default()
+        })
+    }
+
+    /// Another picture on the same device, if there is one.
+    pub fn beside(&self) -> Result<ViewPane, DeviceLost> {
+        let state = self.screen.as_ref().map(ViewportTexture::state);
+        state.map_or_else(|| Ok(ViewPane::default()), ViewPane::on)
+    }
+
+    /// Checks that the device is available, if there should be one.
+    pub fn check(&self) -> Result<(), DeviceLost> {
+        self.screen.as_ref().map_or(Ok(()), ViewportTexture::check)
+    }
+
+    /// The pixels of the last drawing.
+    pub fn pixels(&self) -> Option<PixelBuffer> {
+        self.screen.as_ref()?.read().ok()
+    }
+
+    /// The displayed surface that a ray hits first.
+    pub fn hit(&self, ray: &Ray) -> Option<PickHit> {
+        let drawn: Vec<DrawnMesh> = self.cache.entries().iter().map(|e| e.drawn()).collect();
+        self.cut.pick(&drawn, ray)
+    }
+
+    /// What is cut away from the model.
+    pub fn cut(&self) -> Cutaway {
+        self.cut
+    }
+
+    /// Updates the polygons without drawing them.
+    pub fn update(&mut self, app: &App, view: &ModelView, size: [u32; 2]) {
+        let projection = Projection::new(&view.camera, size);
+        self.cache.update(app, view.shading, &projection);
+        self.cut = Cutaway {
+            hides_backs: view.hides_backs,
+            section: view.section.map(|s| s.plane(app.document.bounds(None))),
+        };
+    }
+
+    /// Draws the picture of `view` into `rect`, visible within `clip`.
+    pub fn draw(
+        &mut self,
+        ui: &Ui,
+        (rect, clip): (Rect, Rect),
+        size: [u32; 2],
+        cx: &PanelContext,
+        view: &ModelView,
+    ) -> Result<(), DeviceLost> {
+        let app = cx.app;
+        self.update(app, view, size);
+        let painter = ui.painter().with_clip_rect(clip);
+        let Some(screen) = &mut self.screen else {
+            painter.rect_filled(clip, 0.0, Color32::from_gray(40));
+            return Ok(());
+        };
+        let scale = scale(app, view.shading);
+        let lightmap = app.lightmap.shown_in(view.shading);
+        let stamp = DrawStamp {
+            view: view.clone(),
+            size,
+            revision: app.revision(),
+            selection: app.selection.clone(),
+            seen: app.lighting.form_factors.as_ref().map(|s| s.number),
+            lightmap: lightmap.map(|shown| shown.key),
+            scale,
+        };
+        let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
+        let backdrop = self.cache.backdrop_key(&view.backdrop);
+        let cache = &self.cache;
+        let textures = app.document.textures.iter();
+        let textures: Vec<TextureSource> = textures
+            .map(|t| TextureSource {
+                key: cache.texture_key(t),
+                image: t.image.as_ref(),
+            })
+            .collect();
+        let shows_factors = view.shading == Shading::FormFactors;
+        let drawn = cache.drawn(app, shows_factors);
+        let overlay = markers::overlay(app, view.shading);
+        let frame = ViewportFrame {
+            shading: view.shading,
+            textures: &textures,
+            lightmap: lightmap.map(|shown| LightmapPages {
+                key: shown.key,
+                pages: &shown.lightmap.pages,
+            }),
+            background: background(app, view, backdrop, ui.visuals().dark_mode),
+            fog: app.document.fog.filter(|_| view.shows_fog),
+            overlay: &overlay,
+            exposure: exposure(app, view),
+            scale,
+            hides_backs: view.hides_backs,
+            section: self.cut.section,
+            ..ViewportFrame::new(size, &view.camera, &drawn, &materials)
+        };
+        screen.draw(ui, &painter, rect, stamp.clone(), &frame)?;
+        if has_isolines(app, view.shading) {
+            self.labels
+                .show(&painter, (rect, clip), screen, &stamp, &frame);
+        }
+        Ok(())
+    }
+
+    /// Draws the legend of the picture, if it has one.
+    pub fn legend(&self, ui: &Ui, rect: Rect, cx: &PanelContext, shading: Shading) {
+        let app = cx.app;
+        let scale = scale(app, shading);
+        let unit = match shading {
+            Shading::FalseColor if has_isolines(app, shading) => ShownUnit::of(app).irradiance(),
+            Shading::Error if has_isolines(app, shading) => "± %",
+            Shading::FormFactors if app.lighting.form_factors.is_some() => "F",
+            _ => return,
+        };
+        let range = match shading {
+            Shading::FormFactors => None,
+            _ => values(app, shading),
+        };
+        let slack = 1e-6 * (scale.high - scale.low);
+        let beyond = range.map(|r| (r.low < scale.low - slack, r.high > scale.high + slack));
+        let text = LegendText {
+            unit,
+            beyond: beyond.unwrap_or_default(),
+        };
+        legend::paint(ui.painter(), rect, &scale, text);
+    }
+}
+
+/// Whether values of light are shown on a scale.
+fn has_isolines(app: &App, shading: Shading) -> bool {
+    let is_lit = app.lighting.solution.is_some() || app.lightmap.shown_in(shading).is_some();
+    match shading {
+        Shading::FalseColor => is_lit,
+        Shading::Error => app.lighting.error_range.is_some(),
+        _ => false,
+    }
+}
+
+/// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
+pub fn auto_exposure(app: &App) -> f64 {
+    let usual = shown_range(app).map_or(0.0, |r| r.usual);
+    if usual > 0.0 {
+        0.6 * std::f64::consts::PI / (0.5 * usual)
+    } else {
+        1.0
+    }
+}
+
+/// Range of the irradiance that is shown: that of the lightmap, or of vertices.
+pub fn shown_range(app: &App) -> Option<IrradianceRange> {
+    match app.lightmap.shown_in(app.view.shading) {
+        Some(shown) => shown.range,
+        None => app.lighting.range,
+    }
+}
+
+/// Range of the values that a shading mode shows on its scale.
+fn values(app: &App, shading: Shading) -> Option<IrradianceRange> {
+    match (shading, app.lightmap.shown_in(shading)) {
+        (Shading::Error, _) => app.lighting.error_range,
+        (_, Some(shown)) => shown.range,
+        (_, None) => app.lighting.range,
+    }
+}
+
+/// The exposure of the modes that display light.
+fn exposure(app: &App, view: &ModelView) -> f64 {
+    view.exposure.unwrap_or_else(|| auto_exposure(app))
+}
+
+/// The colour scale of a shading mode.
+fn scale(app: &App, shading: Shading) -> ColorScale {
+    let settings = &app.view.false_color;
+    let plain = ColorScale {
+        map: settings.map,
+        low: 0.0,
+        high: 1.0,
+        is_logarithmic: settings.logarithmic,
+        bands: 0,
+        quantity: ColorScalar::default(),
+        display: 1.0,
+    };
+    if shading == Shading::FormFactors {
+        let factors = app
+            .lighting
+            .form_factors
+            .iter()
+            .flat_map(|s| s.factors.iter());
+        let high = factors.fold(0.0, |a: f64, &b| a.max(b)).max(1e-9);
+        return ColorScale {
+            low: if settings.logarithmic {
+                1e-4 * high
+            } else {
+                0.0
+            },
+            high,
+            ..plain
+        };
+    }
+    let found = values(app, shading);
+    let found = found.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
+    let is_error = shading == Shading::Error;
+    let fixed = settings.range.filter(|_| !is_error);
+    let (mut low, mut high) = fixed.unwrap_or(found);
+    let is_logarithmic = settings.logarithmic && !is_error;
+    if is_logarithmic {
+        high = high.max(1e-9);
+        low = low.clamp(1e-4 * high, high);
+    }
+    let scale = ColorScale {
+        low,
+        high: if high > low { high } else { low + 1.0 },
+        is_logarithmic,
+        bands: settings.isolines,
+        display: if is_error {
+            100.0
+        } else {
+            ShownUnit::of(app).factor
+        },
+        ..plain
+    };
+    // A range that the user has set is kept as it is.
+    if fixed.is_some() {
+        scale
+    } else {
+        scale.rounded()
+    }
+}
+
+/// The background of the viewport.
+fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
+    match &view.backdrop {
+        Backdrop::Color(color) => Background::Color(*color),
+        Backdrop::Image(image, fit) => Background::Image {
+            picture: TextureSource {
+                key,
+                image: Some(&**image),
+            },
+            fit: *fit,
+            around: [0, 0, 0],
+        },
+        Backdrop::Scene => match app.document.background {
+            Some(own) => {
+                // In modes that display light, the background is exposed like the surfaces.
+                let shown = |radiance: Rgb| {
+                    let shown = match view.shading {
+                        Shading::Irradiance | Shading::Patches => {
+                            Tone::default().map(exposure(app, view) * radiance)
+                        }
+                        _ => radiance,
+                    };
+                    let [r, g, b, _] = colors::color(shown).to_array();
+                    [r, g, b]
+                };
+                match own {
+                    SceneBackground::Color(radiance) => Background::Color(shown(radiance)),
+                    // Its middle, above and below the horizon; pictures are rendered with all of it.
+                    SceneBackground::Environment(environment) => {
+                        let [lower, upper] = [-0.3, 0.3].map(|height| {
+                            let texture = environment.texture();
+                            let texture =
+                                texture.and_then(|t| app.document.textures.get(t as usize));
+                            let local = DVec3::new(1.0, 0.0, height).normalize();
+                            let direction = environment.world_from_environment * local;
+                            shown(
+                                environment.seen(direction, texture.and_then(|t| t.image.as_ref())),
+                            )
+                        });
+                        Background::Gradient { lower, upper }
+                    }
+                }
+            }
+            None if is_dark => Background::Gradient {
+                lower: [30, 32, 36],
+                upper: [66, 72, 82],
+            },
+            None => Background::Gradient {
+                lower: [200, 204, 210],
+                upper: [150, 162, 178],
+            },
+        },
+    }
+}
