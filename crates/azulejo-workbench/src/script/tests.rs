@@ -61,7 +61,7 @@ const SCRIPTS: [&str; 4] = [
      logarithmic on\n isolines 4\n backdrop 10 20 30\n backdrop DIR/grey.png\n\
      engine rays\n patches 40\n time 20\n bounces 2\n tab light\n solve 90%\n\
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
-     remove-probe 1\n render 1\n save-render DIR/r.png\n stop-render\n action Clear light\n\
+     remove-probe 1\n render 1\n save-render DIR/r.png\n stop-render\n action Discard solution\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",
     // What belongs to an imported model.
     "open DIR/plate.obj\n action Studio\n recipe DIR/dark.toml\n action Forget recipes\n\

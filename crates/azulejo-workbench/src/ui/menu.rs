@@ -68,7 +68,7 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     ui.separator();
     ui.menu_button(cx.tr("Recent"), |ui| {
         if files.is_empty() {
-            ui.weak(cx.tr("nothing yet"));
+            ui.weak(cx.tr("No recent files"));
         }
         for path in files {
             let name = path.file_name().unwrap_or_default().to_string_lossy();

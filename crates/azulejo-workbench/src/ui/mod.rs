@@ -10,6 +10,7 @@ pub mod colors;
 pub mod dialogs;
 mod focus;
 mod group_transform;
+mod help;
 mod inputs;
 pub mod inspector;
 mod lamps;

@@ -73,10 +73,10 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     if let Some((low, high)) = &mut colors.range {
         ui.horizontal(|ui| {
             let speed = (0.01 * (*high - *low).abs()).max(1e-6);
-            let label = ui.label(cx.tr("from"));
+            let label = ui.label(cx.tr("From"));
             ui.add(inputs::number(low, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
-            let label = ui.label(cx.tr("to"));
+            let label = ui.label(cx.tr("To"));
             ui.add(inputs::number(high, 0.0..=1e12).speed(speed))
                 .labelled_by(label.id);
         });
@@ -92,7 +92,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     ui.strong(cx.tr("Background"));
     if ui
-        .radio(view.backdrop == Backdrop::Scene, cx.tr("the scene's own"))
+        .radio(view.backdrop == Backdrop::Scene, cx.tr("From the scene"))
         .clicked()
     {
         view.backdrop = Backdrop::Scene;
@@ -121,7 +121,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             _ => [64, 64, 64],
         };
         let any_color = ui.color_edit_button_srgb(&mut any);
-        if any_color.on_hover_text(cx.tr("any colour")).changed() {
+        if any_color.on_hover_text(cx.tr("Any colour")).changed() {
             view.backdrop = Backdrop::Color(any);
         }
     });
@@ -130,9 +130,9 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
-            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("scaled"));
-            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("centred"));
-            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("tiled"));
+            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("Scaled"));
+            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("Centred"));
+            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("Tiled"));
         }
     });
 }
@@ -143,7 +143,7 @@ fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
     let mut has = old.is_some();
     ui.horizontal(|ui| {
         if ui
-            .checkbox(&mut has, cx.tr("saved with the scene"))
+            .checkbox(&mut has, cx.tr("Background in the scene"))
             .changed()
         {
             let quiet = linear_from_srgb([64, 96, 160]);
@@ -175,7 +175,7 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     let before = fog;
     ui.horizontal(|ui| {
         inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
-        let label = ui.label(cx.tr("Nothing is visible beyond"));
+        let label = ui.label(cx.tr("Visibility range"));
         let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
         ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
     });

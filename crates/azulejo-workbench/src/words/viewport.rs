@@ -3,11 +3,11 @@
 use super::Translation;
 
 pub const TABLE: &[Translation] = &[
-    ["Viewport", "Ventana del modelo", "Janela do modelo"],
+    ["Viewport", "Vista 3D", "Vista 3D"],
     [
         "Click a surface to display its form factors.",
-        "Haga clic en una superficie: sus factores de forma se verán como colores.",
-        "Clique numa superfície: os seus fatores de forma passam a cores.",
+        "Haga clic en una superficie para ver sus factores de forma.",
+        "Clique numa superfície para ver os seus fatores de forma.",
     ],
     [
         "Not solved yet: press F5.",
@@ -16,13 +16,13 @@ pub const TABLE: &[Translation] = &[
     ],
     [
         "This light is outdated: press F5.",
-        "Esta luz es anterior a los últimos cambios: pulse F5.",
-        "Esta luz é anterior às últimas mudanças: prima F5.",
+        "La solución está desactualizada: pulse F5.",
+        "A solução está desatualizada: prima F5.",
     ],
     ["Move", "Mover", "Mover"],
     ["Rotate", "Girar", "Rodar"],
-    ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],
+    ["Resize", "Escalar", "Escalar"],
     ["face", "cara", "face"],
-    ["Clear", "Vaciar", "Limpar"],
-    ["matt", "mate", "mate"],
+    ["Clear", "Borrar", "Limpar"],
+    ["diffuse", "difusa", "difusa"],
 ];

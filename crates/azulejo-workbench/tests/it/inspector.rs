@@ -280,7 +280,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     let mut app = App::quiet();
     app.execute(Command::AddShape(NewShapeKind::Cone));
     let mut cone = window(app);
-    type_slowly(&mut cone, "Radius at the top", "0.25");
+    type_slowly(&mut cone, "Top radius", "0.25");
     let Shape::Primitive(p) = &*cone.state().app.document.objects[0].shape else {
         panic!("a cone stays exact")
     };
@@ -297,7 +297,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     click_last(&mut camera, "View");
     find(&camera, Role::CheckBox, "Fog in the scene").click();
     camera.run();
-    type_slowly(&mut camera, "Nothing is visible beyond", "12.5");
+    type_slowly(&mut camera, "Visibility range", "12.5");
     assert_eq!(camera.state().app.document.fog.unwrap().visibility, 12.5);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
@@ -338,7 +338,7 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
 fn a_material_is_assigned() {
     let mut window = window(opened("shapes.grf"));
     click(&mut window, "column");
-    find(&window, Role::ComboBox, "Assigned material").click();
+    find(&window, Role::ComboBox, "Material").click();
     window.run();
     click_last(&mut window, "moss");
     let document = &window.state().app.document;
@@ -359,7 +359,7 @@ fn a_material_is_assigned() {
 #[test]
 fn units_say_what_numbers_mean() {
     let mut window = window(opened("shapes.grf"));
-    click(&mut window, "lumens");
+    click(&mut window, "Lumens");
     click_last(&mut window, "z");
     let units = window.state().app.document.units;
     assert!(units.photometric && units.up == azulejo::scene::Up::Z);

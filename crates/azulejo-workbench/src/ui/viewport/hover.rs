@@ -61,7 +61,7 @@ fn light(
         value(irradiance),
         error,
         irradiance_unit(app),
-        cx.tr("matt"),
+        cx.tr("diffuse"),
         value(radiance),
         radiance_unit(app)
     ))
