@@ -60,13 +60,13 @@ pub enum Command {
     /// Read models, merge them and write them in another format
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(ConvertArgs),
-    /// First pass: compute the irradiance on the vertices
+    /// Solve the light: compute the irradiance at the vertices (first pass)
     #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArgs),
     /// Bake a lightmap: irradiance in the texels of a second set of texture coordinates
     #[command(after_help = bake::args::EXAMPLES)]
     Bake(bake::args::BakeArgs),
-    /// Second pass: render an image; solves first if the scene has no irradiance yet
+    /// Render an image (second pass); solves the light first if the scene has no irradiance yet
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
     /// Measure irradiance at points, or radiance or hits along rays
@@ -81,10 +81,11 @@ pub enum Command {
     /// Compare form factor engines: run a suite of scenes and settings and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
     Experiment(ExperimentArgs),
-    /// Check this program against closed forms, balances and its own error bars, and write a report
+    /// Validate azulejo against closed-form solutions, energy balances and its own error estimates,
+    /// and write a report
     #[command(after_help = validate::args::EXAMPLES)]
     Validate(validate::args::ValidateArgs),
-    /// Make solid letters from text
+    /// Make 3D text from a font
     #[command(after_help = TEXT_EXAMPLES)]
     Text(TextArgs),
     /// Convert fonts and draw specimen sheets
@@ -104,14 +105,14 @@ pub enum Command {
         #[command(subcommand)]
         command: BrdfCommand,
     },
-    /// Lay out, check and compare GRF files
+    /// Format, check and compare GRF files
     #[command(after_help = GRF_EXAMPLES)]
     Grf {
         /// The subcommand
         #[command(subcommand)]
         command: GrfCommand,
     },
-    /// Open the workbench, a window to view, light and save models
+    /// Open the workbench, the graphical application to view, light and save models
     #[command(after_help = VIEW_EXAMPLES)]
     View(WorkbenchArgs),
     /// Print a completion script for a shell
@@ -183,21 +184,23 @@ pub struct ReadingArgs {
     /// of metres [default: that of the first model]
     #[arg(long, value_name = "UNIT", value_parser = values::unit)]
     pub unit: Option<f64>,
-    /// Level of detail of models that have several: finest, coarsest, all, the one for a viewing
-    /// distance, or by its number as in lod1.3 (CityJSON)
+    /// Level of detail of models that have several: finest, coarsest, all, that for a viewing distance
+    /// in the model's units, or a number as in lod1.3 (CityJSON)
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
     /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
     /// background, fog. May be given several times
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub recipe: Vec<PathBuf>,
-    /// Turn objects inside out, by their names, with * and ?: their backs become their fronts
+    /// Reverse the faces of the objects of these names, with the wildcards * and ?: their backs
+    /// become their fronts
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = values::names)]
     pub flip: Vec<GlobMatcher>,
     /// Fail if anything in a model had to be skipped or repaired
     #[arg(long)]
     pub strict: bool,
-    /// Limit of the vertices and corners to which instances and curves of a model may expand
+    /// Maximum number of vertices and face corners to which the instances and curves of a model may
+    /// expand
     #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
     pub most_elements: u64,
     /// Also read files in this folder that a model refers to by `..` or an absolute path
@@ -245,14 +248,15 @@ pub struct ConvertArgs {
     /// one file; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// Write GRF as it was in 2001, without extensions: lamps that are parallelograms as `light`, exact
-    /// shapes as meshes, matt surfaces as `rgb`; what it cannot say is listed
+    /// Write GRF as of 2001, without extensions: parallelogram lamps as `light`, exact shapes as
+    /// meshes, matt surfaces as `rgb`; what it cannot express is listed
     #[arg(long)]
     pub plain: bool,
-    /// Divide all polygons into triangles, for programs that read no others
+    /// Triangulate all polygons, for programs that read triangles only
     #[arg(long)]
     pub triangles: bool,
-    /// Significant digits of the numbers of meshes in text formats [default: as many as are exact]
+    /// Significant digits of the numbers of meshes in text formats [default: as many as the exact
+    /// values need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
 }
@@ -261,11 +265,11 @@ pub struct ConvertArgs {
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false)]
 pub struct DivisionArgs {
-    /// Approximate number of patches. Where whole faces alone need more than half of it, such as
-    /// those of letters, half of it is added to them for dividing the largest faces
+    /// Approximate number of patches. If the undivided faces alone are more than half of it, as in
+    /// 3D text, half of it is added to them for subdividing the largest faces
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
-    /// Longest edge of a patch, in scene units; 0 does not divide faces
+    /// Longest edge of a patch, in scene units; 0 leaves faces undivided
     #[arg(long, value_name = "LENGTH", value_parser = values::not_negative)]
     pub patch_size: Option<f64>,
 }
@@ -276,32 +280,33 @@ pub struct DivisionArgs {
 pub struct FirstPassArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Stop when the estimated error (RMS) of the irradiance, noise and discretization, is below this
-    /// share of the mean irradiance: 1% or 0.01 [default without --rays: 3%, with at most 2048 rays]
+    /// Target error: stop when the estimated RMS error of the irradiance, from noise and
+    /// discretization, is below this fraction of the mean irradiance, as in 1% or 0.01 [default
+    /// without --rays: 3%, with at most 2048 rays]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
-    /// Rays per patch, and at most as many per vertex or point
+    /// Rays per patch, and maximum number of rays per vertex or point
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Stop refining after this time and keep the result so far, with its error: 60s, 2m, 500ms;
-    /// fails if by then some of the scene has no light yet.
+    /// Time limit, as in 60s, 2m or 500ms: stop refining then and keep the result with the error
+    /// reached; fails if part of the scene has no light by then.
     ///
-    /// An instant as in 2025-06-21T14:00+02:00 is instead when the sun stands where it stands, at
-    /// the LAT,LON of --place; both may be given
+    /// A date and time as in 2025-06-21T14:00+02:00 is instead that for which the position of the
+    /// sun is computed, at the LAT,LON of --place; both may be given
     #[arg(long, value_name = "TIME", value_parser = values::time)]
     pub time: Vec<TimeArg>,
-    /// Number of diffuse reflections [default: until converged]
+    /// Maximum number of diffuse bounces [default: until converged]
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
-    /// Memory for the form factor matrix, a larger problem is solved without one; and for the texels of a
-    /// lightmap, of which no more are baked [default: half of the machine's]
+    /// Memory limit, as in 8G, for the form factor matrix (a larger problem is solved without one)
+    /// and for the texels of a lightmap [default: half of the machine's memory]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
-    /// Gather at every vertex or point. By default, indirect light is interpolated where there are
-    /// thousands of them, as far as the requested error permits
+    /// Gather light at every vertex or point. By default, indirect light is interpolated if there
+    /// are thousands of them, as far as the target error permits
     #[arg(long)]
     pub no_interpolation: bool,
     /// Accept a solution in which more than 10% of the emitted power is unaccounted for
@@ -367,8 +372,8 @@ impl ReadingArgs {
 pub enum SidesArg {
     /// The front of every face
     Front,
-    /// The side of every surface that is brighter by a quarter and three standard errors, else the
-    /// front
+    /// The side of each surface that is brighter by a quarter and three standard errors, otherwise
+    /// the front
     Brighter,
     /// Both: sheets are written twice, with a reversed copy for the back
     Split,
@@ -396,8 +401,8 @@ pub struct SolveArgs {
     /// light of its own; their files are not changed.
     #[arg(long)]
     pub in_place: bool,
-    /// Significant digits of the numbers of meshes in text formats; with --in-place, of the irradiance
-    /// alone [default: as many as are exact; with --in-place: 6]
+    /// Significant digits of the numbers of meshes in text formats; with --in-place, of the
+    /// irradiance alone [default: as many as the exact values need; with --in-place: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
     #[command(flatten)]
@@ -411,7 +416,7 @@ pub enum ToneName {
     Linear,
     /// Compress luminance, preserving colours (Reinhard et al. 2002)
     Reinhard,
-    /// A curve like that of film (Narkowicz 2015)
+    /// Film-like curve (Narkowicz 2015)
     Filmic,
 }
 
@@ -447,11 +452,12 @@ pub struct RenderArgs {
     pub picture: ImageArgs,
     #[command(flatten)]
     pub view: CameraArgs,
-    /// Several pictures, from all around: N views turned about the up axis, IMAGE-001 and so on
+    /// Render a turntable: N views around the up axis, written to IMAGE-001 and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000),
           conflicts_with = "cameras", help_heading = "Camera")]
     pub turntable: Option<u32>,
-    /// Several pictures, IMAGE-NAME: all of the scene's cameras, or those of these names
+    /// Render several cameras, each written to IMAGE-NAME: all of the scene's, or those of these
+    /// names
     #[arg(long, value_name = "all|NAME,...", conflicts_with_all = ["camera", "from", "at"],
           help_heading = "Camera")]
     pub cameras: Option<String>,
@@ -505,7 +511,7 @@ pub struct RtraceArgs {
     /// Maximum number of surfaces along a path (s) [default: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub look_depth: Option<u32>,
-    /// Paths with less weight than this end (S) [default: 1%]
+    /// Weight below which paths are terminated (S) [default: 1%]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub look_cut: Option<f64>,
     /// Number of surfaces along a path that gather ambient light by rays (d) [default: 0]
@@ -529,13 +535,13 @@ pub struct RtraceArgs {
 /// Layers of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LayerName {
-    /// Every one of the others
+    /// All layers
     All,
-    /// Reflectance, diffuse, glossy and mirrored together
+    /// Reflectance: diffuse, glossy and specular together
     Albedo,
     /// Shading normal in world coordinates
     Normal,
-    /// Distance from the plane through the eye, along the viewing direction
+    /// Depth: distance along the viewing direction, in scene units
     Depth,
     /// Number of the object
     Object,
@@ -543,7 +549,7 @@ pub enum LayerName {
     Material,
     /// Number of the letter or solid within an exact shape
     Glyph,
-    /// Light by one surface at most
+    /// Light reflected by at most one surface
     Direct,
     /// All other light
     Indirect,
@@ -577,9 +583,9 @@ pub struct ImageArgs {
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub spp: Option<u32>,
-    /// Where irradiance is gathered anew instead of interpolated between vertices: auto where the
-    /// corners of a face differ by more than half, as at the edges of shadows; off; or by N rays at
-    /// every hit [default: auto]
+    /// Final gather: where irradiance is computed anew instead of interpolated between vertices.
+    /// auto: where the corners of a face differ by more than half, as at shadow edges; off:
+    /// nowhere; N: at every hit, by N rays [default: auto]
     #[arg(long, value_name = "auto|off|N", value_parser = values::final_gather)]
     pub gather: Option<FinalGather>,
     /// Path tracing instead of two passes: slow and unbiased, with a standard error for every
@@ -589,21 +595,21 @@ pub struct ImageArgs {
     /// Image of the standard error of every pixel of a --reference: .exr or .hdr
     #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
-    /// Remove bright dots: the most radiance that the indirect paths of one sample may add. Removes
-    /// light, too; the result says how much [default: off]
+    /// Clamp fireflies: maximum radiance that the indirect paths of one sample may add, in the unit
+    /// of the scene. Removes light, too; the summary says how much [default: off]
     #[arg(long, value_name = "RADIANCE", value_parser = values::positive)]
     pub clamp: Option<f64>,
-    /// Layers of an .exr beside the picture, for compositors: all, or a list of albedo, normal, depth,
-    /// object, material, glyph, direct, indirect, error
+    /// Additional layers (AOVs) of an .exr, for compositing: all, or a list of albedo, normal,
+    /// depth, object, material, glyph, direct, indirect, error
     ///
     /// Channels are albedo.R/G/B, N.X/Y/Z, Z, objectId, materialId, glyphId, direct.R/G/B,
     /// indirect.R/G/B and error.R/G/B, the standard error. Ids count from 1, 0 is none; a glyph is a
     /// letter of a text.
     #[arg(long, value_name = "all|LIST", value_enum, value_delimiter = ',')]
     pub layers: Option<Vec<LayerName>>,
-    /// Remove noise after rendering: joint non-local means over colours, albedo, normals and depth
-    /// (Rousselle et al. 2013), guided by the standard errors. Says how much it changed, and the
-    /// error before and after as it estimates them
+    /// Denoise after rendering: joint non-local means over colours, albedo, normals and depth
+    /// (Rousselle et al. 2013), guided by the standard errors. Reports how much changed, and the
+    /// estimated error before and after
     #[arg(long)]
     pub denoise: bool,
     /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]

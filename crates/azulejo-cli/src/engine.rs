@@ -63,7 +63,7 @@ pub struct EngineArgs {
     /// multiple of four, to which other numbers are rounded up [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub patch_points: Option<u32>,
-    /// Let Embree trace the rays of the engine, and of gathering. PATH is its library [default: the
+    /// Trace the rays of the engine and of gathering with Embree. PATH is its library [default: the
     /// environment variable AZULEJO_EMBREE, or the system's search path]
     // With a space, the model that follows would be taken for the library.
     #[arg(

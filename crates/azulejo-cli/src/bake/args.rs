@@ -19,7 +19,7 @@ Examples:
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
 
-A glTF file keeps every byte that does not have to change; `--strip` gives it back as it was. Other models \
+A glTF file keeps every byte that does not have to change; `--strip` restores it. Other models \
 are written as glTF.";
 
 /// `bake`
@@ -32,15 +32,15 @@ pub struct BakeArgs {
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
           required_unless_present_any = ["lightmap", "check"])]
     pub output: Option<PathBuf>,
-    /// Write a page that shows the model, whatever the name of the output
+    /// Write a page that shows the model, whatever the extension of the output
     #[arg(long, requires = "output", conflicts_with_all = ["strip", "check"])]
     pub html: bool,
-    /// Remove the lightmap that azulejo has put into a glTF file, or the light on its vertices by `solve
-    /// --keep-mesh`: gives back the file as it was
+    /// Remove the lightmap that azulejo added to a glTF file, or the light that `solve --keep-mesh`
+    /// added to its vertices: restores the original file
     #[arg(long, requires = "output")]
     pub strip: bool,
-    /// Only look what is wrong with the lightmap of a glTF file, whoever made it, or with a second set of texture
-    /// coordinates for one; with --lightmap, how far the picture in the file is from that
+    /// Only check the lightmap of a glTF file, whatever program made it, or a second set of texture
+    /// coordinates for one; with --lightmap, also compare the image in the file with that one
     #[arg(long, conflicts_with_all = ["strip", "output"])]
     pub check: bool,
     #[command(flatten)]
@@ -93,17 +93,17 @@ impl BakeArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Texels")]
 pub struct TexelArgs {
-    /// Width and height of a page, texels; with --texels-per-metre or --texels the largest
+    /// Width and height of a page in texels; with --texels-per-metre or --texels the maximum
     /// [default: 1024, or 8192 with those]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SIZE)))]
     pub size: Option<u32>,
-    /// Texels per metre of surface, on as many pages as that takes
+    /// Texels per metre of surface, on as many pages as needed
     #[arg(long, value_name = "N", value_parser = values::positive, conflicts_with = "count")]
     pub texels_per_metre: Option<f64>,
-    /// Texels that cover surfaces, about, on as many pages as that takes: 1e6
+    /// Approximate number of texels that cover surfaces, as in 1e6, on as many pages as needed
     #[arg(long = "texels", id = "count", value_name = "N", value_parser = values::positive)]
     pub count: Option<f64>,
-    /// Number of pages: whole objects are divided among them
+    /// Number of pages, among which whole objects are distributed
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=256))]
     pub pages: u32,
@@ -111,38 +111,43 @@ pub struct TexelArgs {
     #[arg(long, value_name = "N", default_value_t = 2,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub padding: u32,
-    /// Smaller copies (mipmaps) that viewers may use: padding grows to 2^N texels
+    /// Number of mipmap levels that viewers may use: padding grows to 2^N texels
     #[arg(long, value_name = "N", default_value_t = 0,
           value_parser = clap::value_parser!(u32).range(0..=6))]
     pub mips: u32,
-    /// Keep charts to blocks of 4 × 4 texels, for compressed pictures
+    /// Align charts to blocks of 4 × 4 texels, for block-compressed textures
     #[arg(long)]
     pub blocks: bool,
-    /// Whether the coordinates that a glTF file has in the set are used as they are [default: keep them if they
-    /// are fit for a lightmap]
+    /// What to do with the texture coordinates that a glTF file already has in the set [default:
+    /// keep them if they are suitable for a lightmap]
     #[arg(long, value_name = "WHAT")]
     pub uv: Option<UvArg>,
-    /// Texels of the objects with such names relative to others, per length: 'table*=2'. Of several that fit a
-    /// name, the last counts. 'auto': more texels for surfaces with the edges of shadows, fewer for even ones
+    /// Texel density, per length, of the objects of such names relative to others, as in
+    /// 'table*=2'; if several match, the last counts. 'auto': more texels for surfaces with shadow
+    /// edges, fewer for evenly lit ones
     #[arg(long, value_name = "GLOB=N|auto", value_parser = density, conflicts_with = "uv")]
     pub density: Vec<DensityArg>,
-    /// Cut charts at edges with a larger angle between the faces, degrees
+    /// Cut charts at edges where the angle between the faces is larger than this, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
     pub crease: f64,
-    /// Do not cut faces where one thing stands on another. By default, faces of models that are written anew
-    /// are cut there, so that the light on either side stays apart
+    /// Do not cut faces along contacts, where one object stands on another. By default, faces of
+    /// models that are written anew are cut there, so that light does not bleed from one side to
+    /// the other
     #[arg(long)]
     pub no_split_contacts: bool,
-    /// Cut the faces of a glTF file there, too: it is written anew, and loses what azulejo does not know
+    /// Also cut the faces of a glTF file along contacts: the file is written anew, and loses what
+    /// azulejo does not support
     #[arg(long, conflicts_with = "no_split_contacts")]
     pub split_contacts: bool,
-    /// Which side of surfaces has light [default: the front in glTF files, the brighter one in others]
+    /// Which side of surfaces is baked [default: the front in glTF files, the brighter one in
+    /// others]
     #[arg(long, value_name = "SIDE")]
     pub double_sided: Option<DoubleSidedArg>,
     /// Which light to bake
     #[arg(long, value_name = "LIGHT", default_value = "total")]
     pub light: LightArg,
-    /// With --light ao, how near things have to be to count, metres [default: a tenth of the size of the model]
+    /// With --light ao, maximum distance of occluders in metres [default: a tenth of the size of
+    /// the model]
     #[arg(long, value_name = "METRES", value_parser = values::positive)]
     pub ao_distance: Option<f64>,
 }
@@ -151,18 +156,18 @@ pub struct TexelArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Files")]
 pub struct LightmapFileArgs {
-    /// Irradiance as OpenEXR, in the unit of the scene, top row at v = 0; of several pages, each gets its
-    /// number before the extension. Its floats have 16 bits, which are exact to 0.05%, or 32 where values are out of
-    /// their range
+    /// Write the irradiance as OpenEXR, in the unit of the scene (W/m² or lx), top row at v = 0;
+    /// with several pages, each file gets the number of its page before the extension. Floats have
+    /// 16 bits, which are exact to 0.05%, or 32 where values are out of their range
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lightmap: Option<PathBuf>,
-    /// Its standard error, likewise
+    /// Write the standard error of the irradiance, likewise
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub error_map: Option<PathBuf>,
-    /// Floats of 32 bits in --lightmap and --error-map
+    /// Use 32-bit floats in --lightmap and --error-map
     #[arg(long)]
     pub float: bool,
-    /// What tells viewers of the lightmap [default: moz; occlusion with --light ao]
+    /// How the glTF file refers to the lightmap [default: moz; occlusion with --light ao]
     #[arg(
         long = "as",
         id = "conventions",
@@ -170,22 +175,23 @@ pub struct LightmapFileArgs {
         value_delimiter = ','
     )]
     pub conventions: Vec<ConventionArg>,
-    /// With --as unlit or emissive: radiance times this is stored, and cut at 1, which is white; 'auto' makes all
-    /// but the brightest thousandth of the area fit [default: auto with --as unlit; none with --as emissive, which
-    /// stores any light]
+    /// With --as unlit or emissive: factor by which radiance is multiplied before it is stored,
+    /// clipped at 1 (white); 'auto' fits all but the brightest thousandth of the area [default:
+    /// auto with --as unlit; none with --as emissive, which stores any light]
     #[arg(long, value_name = "F", value_parser = exposure)]
     pub exposure: Option<ExposureArg>,
-    /// The pictures in the file
+    /// Format of the images in the file
     #[arg(long, value_name = "TYPE", default_value = "png")]
     pub image: ImageArg,
-    /// The set of texture coordinates, TEXCOORD_N, that is added, kept or checked; one that is added becomes the next
-    /// free one if a picture uses it [default: 1, or what the lightmap of the file says]
+    /// The set of texture coordinates, TEXCOORD_N, that is added, kept or checked; if a texture
+    /// already uses it, the next free one is added [default: 1, or that of the file's lightmap]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=7))]
     pub uv_set: Option<u32>,
-    /// How nodes that share a mesh get a place each
+    /// How nodes that share a mesh get places of their own in the lightmap
     #[arg(long, value_name = "HOW", default_value = "copy")]
     pub instances: InstancesArg,
-    /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
+    /// What to do with baked point, spot and directional lights [default: dim; keep with --light
+    /// indirect]
     #[arg(long, value_name = "WHAT")]
     pub baked_lights: Option<LightsArg>,
 }
@@ -210,9 +216,9 @@ fn exposure(text: &str) -> Result<ExposureArg, String> {
 /// `--uv`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum UvArg {
-    /// Keep the coordinates; fail if they are not fit for a lightmap
+    /// Keep them; fail if they are not suitable for a lightmap
     Keep,
-    /// Make new ones
+    /// Create new ones
     New,
 }
 
@@ -262,13 +268,13 @@ const LEAST_DENSITY: f64 = 1e-3;
 /// `--light`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightArg {
-    /// All
+    /// Direct and indirect light
     Total,
-    /// Without what comes straight from lamps and the sun, for viewers that add it
+    /// Indirect light only, for viewers that add the direct light of lamps and the sun
     Indirect,
-    /// That alone
+    /// Direct light only
     Direct,
-    /// None: ambient occlusion, the share of the hemisphere that is free of near things
+    /// Ambient occlusion: fraction of the hemisphere that is free of nearby surfaces
     Ao,
 }
 
@@ -287,11 +293,12 @@ impl LightArg {
 /// `--double-sided`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DoubleSidedArg {
-    /// The front
+    /// The front of every surface
     Front,
-    /// Of each chart the back if it gets more than twice the light of the front
+    /// For each chart the back if it gets more than twice the light of the front, otherwise the
+    /// front
     Brighter,
-    /// Both, each with texels of its own; the file is written anew
+    /// Both, each with its own texels; the file is written anew
     Split,
 }
 
@@ -313,13 +320,13 @@ pub enum ConventionArg {
     Moz,
     /// The extension MX_lightmap of nodes
     Mx,
-    /// As light that surfaces emit: for viewers that know no lightmaps
+    /// As emission, for viewers without lightmaps
     Emissive,
-    /// As colours that need no light: for viewers that know no lightmaps
+    /// As unlit colours, for viewers without lightmaps
     Unlit,
     /// The occlusionTexture of materials, with --light ao
     Occlusion,
-    /// Nothing: texture coordinates alone, for a --lightmap beside the file
+    /// Not at all: texture coordinates only, for a separate --lightmap
     Plain,
 }
 
@@ -375,11 +382,11 @@ impl InstancesArg {
 /// `--baked-lights`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightsArg {
-    /// Their intensity becomes 0, with a note of what it was
+    /// Set their intensity to 0, and note the original
     Dim,
-    /// They stay
+    /// Keep them
     Keep,
-    /// Nodes lose them
+    /// Remove them from their nodes
     Remove,
 }
 

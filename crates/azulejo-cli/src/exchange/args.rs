@@ -16,22 +16,22 @@ pub struct ExchangeArgs {
     /// eps@8-14 (micrometres)
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: PathBuf,
-    /// Table of temperatures and fluxes: name, and T (K) or T_C or q (W/m², 0: adiabatic), and where needed
-    /// solar (W/m² of sunlight that arrives); also for space, sky and ground
+    /// Table of temperatures and fluxes: name, and T (K) or T_C (°C) or q (W/m², 0: adiabatic), and
+    /// where needed solar (incident solar irradiance, W/m²); also for space, sky and ground
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub boundary: Option<PathBuf>,
     /// Output files, by their extension: .npz (all of it), .csv, .esatan and .sinda (conductances; with
     /// --boundary .csv has temperatures and heat), .vtu (with --boundary); `-` writes CSV
     #[arg(long, short, required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
-    /// What is one node of the network
+    /// What forms a node of the network
     #[arg(long, value_name = "NODE", value_enum, default_value_t = NodeName::Object)]
     pub by: NodeName,
     /// Combine the rows of a node before the exchange is solved, so that each node has one radiosity, as
     /// network programs do; otherwise rows are solved and their exchange is added up
     #[arg(long)]
     pub lump: bool,
-    /// Give light that ends on backs, or is cut off between mirrors, to the sky
+    /// Count energy that ends on back sides, or is cut off between mirrors, as lost to the sky
     #[arg(long)]
     pub lost_to_sky: bool,
     /// Name of the model in .esatan, of the submodel in .sinda
@@ -40,7 +40,7 @@ pub struct ExchangeArgs {
     /// Multiply conductances in .sinda by the Stefan-Boltzmann constant
     #[arg(long)]
     pub sigma: bool,
-    /// Leave out conductances below this share of the smaller node's emitting area in lists
+    /// Leave out of lists the conductances below this fraction of the smaller node's emitting area
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
     #[command(flatten)]

@@ -27,13 +27,13 @@ pub struct FormFactorArgs {
     /// Output format, regardless of the extension
     #[arg(long, value_name = "FORMAT", value_enum)]
     pub format: Option<FormatName>,
-    /// Table of emissivities and mirror reflectances (name, eps, rho_s), as `exchange` takes it, in the
-    /// place of the model's materials
+    /// Table of emissivities and mirror reflectances (name, eps, rho_s), as for `exchange`, instead
+    /// of the model's materials
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: Option<PathBuf>,
     #[command(flatten)]
     pub computation: ComputationArgs,
-    /// Keep no journal next to the output; interrupted work then starts from the beginning
+    /// Write no journal next to the output; an interrupted computation then starts over
     #[arg(long)]
     pub no_journal: bool,
     #[command(flatten)]
@@ -50,16 +50,16 @@ pub struct ComputationArgs {
     /// Rays per patch; makes --engine auto choose rays [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Error (RMS) of row sums that the analytic engine has to reach, before closure: 1e-12 to 0.01;
-    /// below 1e-6 every pair is exact to about that [default: 1e-11 for up to 32 rows, else 5e-5]
+    /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01;
+    /// below 1e-6 every pair is exact to about that [default: 1e-11 for up to 32 rows, otherwise
+    /// 5e-5]
     #[arg(long, value_name = "SHARE", value_parser = values::tolerance)]
     pub tolerance: Option<f64>,
     /// Add the back sides of all faces as further patches
     #[arg(long)]
     pub two_sided: bool,
-    /// The model repeats itself without end along these axes: `x,y`, or with the distance from copy
-    /// to copy, in the model's units, where that is not the size of the model: `x=96,y=64`.
-    /// Computed by rays
+    /// Repeat the model periodically along these axes: `x,y`, or `x=96,y=64` with the period in the
+    /// model's units if it is not the size of the model. Computed by rays
     #[arg(long, value_name = "AXIS[=LENGTH],...", value_parser = Periods::from_str)]
     pub periodic: Option<Periods>,
     /// Seed of the random numbers; the same seed gives the same result
@@ -69,8 +69,9 @@ pub struct ComputationArgs {
     /// [default: the machine's memory]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
-    /// Replace what the engine finds by closed forms, for close pairs and emitters: with `never`,
-    /// the matrix shows the engine alone, and closure is enforced only on request
+    /// Replace the engine's results by closed-form solutions for close pairs and pairs with
+    /// emitters; with `never`, the matrix holds the engine's results alone, and closure is enforced
+    /// only on request
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = FormulasName::Auto,
           help_heading = "Matrix")]
     pub formulas: FormulasName,
@@ -117,7 +118,7 @@ pub struct ProgramArgs {
     /// [default: that of the environment, or of polyMesh/boundary]
     #[arg(long, value_name = "VERSION", value_parser = openfoam_version)]
     pub openfoam: Option<OpenFoamVersion>,
-    /// The version of CalculiX that reads the file, which it demands to be its own [default: 2.20]
+    /// The version of CalculiX that reads the file, and accepts no other [default: 2.20]
     #[arg(long, value_name = "VERSION")]
     pub calculix: Option<String>,
 }
@@ -134,7 +135,7 @@ pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
-    /// Join neighbouring patches of one object, side and material until so many rows are left
+    /// Merge neighbouring patches of one object, side and material until N rows are left
     ///
     /// Rows are then clusters, named object/0, object/1, ... Each is one piece without holes, and the
     /// smallest joins a neighbour first, so that areas are about equal. More are left where no more can be
@@ -148,15 +149,16 @@ pub struct MatrixArgs {
     #[arg(long, value_name = "DEGREES", value_parser = values::angle, default_value_t = 30.0,
           requires = "cluster")]
     pub cluster_angle: f64,
-    /// Drop pairs whose form factors are both below this share, and distribute their weight over
+    /// Drop pairs whose form factors are both below this fraction, and distribute their weight over
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
-    /// How exactly an .npz stores factors: 64 bits for up to 4 million entries, else 32, or always
-    /// single (32) or double (64)
+    /// Precision of the factors in an .npz: 64 bits for up to 4 million entries, otherwise 32
+    /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
-    /// Also write the parts of each form factor: direct, by one mirror, and by more mirrors or glass
+    /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors
+    /// or glass
     #[arg(long)]
     pub separate: bool,
 }

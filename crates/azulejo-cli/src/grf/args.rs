@@ -7,13 +7,13 @@ use std::path::PathBuf;
 /// `grf`
 #[derive(Debug, Subcommand)]
 pub enum GrfCommand {
-    /// Lay out files canonically; comments, words and numbers stay
+    /// Format files canonically; comments, words and numbers are kept
     #[command(after_help = FMT_EXAMPLES)]
     Fmt(FmtArgs),
-    /// List what should be mended in files, with line, column and the name of a rule
+    /// Report problems in files, with line, column and the name of the rule
     #[command(after_help = LINT_EXAMPLES)]
     Lint(LintArgs),
-    /// Compare what two scenes contain, whatever their text or format
+    /// Compare the contents of two scenes, whatever their layout or format
     #[command(after_help = DIFF_EXAMPLES)]
     Diff(DiffArgs),
 }
@@ -35,7 +35,7 @@ pub struct LintArgs {
     /// GRF files; `-` is standard input
     #[arg(value_name = "FILE", required = true, value_hint = ValueHint::FilePath)]
     pub files: Vec<PathBuf>,
-    /// Rules whose findings are left out
+    /// Rules to skip
     #[arg(long, value_name = "RULE")]
     pub skip: Vec<String>,
     /// Also read files in this folder that a scene refers to by `..` or an absolute path
@@ -46,13 +46,13 @@ pub struct LintArgs {
 /// `grf diff`
 #[derive(Debug, Args)]
 pub struct DiffArgs {
-    /// The one model, of any format
+    /// The first model, of any format
     #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
     pub one: PathBuf,
-    /// The other
+    /// The second model
     #[arg(value_name = "B", value_hint = ValueHint::FilePath)]
     pub other: PathBuf,
-    /// Largest difference of positions, relative to the size of the scene, that counts for nothing
+    /// Largest difference of positions that is ignored, relative to the size of the scene
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     pub tolerance: f64,
     #[command(flatten)]
@@ -72,7 +72,8 @@ Examples:
   azulejo grf fmt --check *.grf
   azulejo grf fmt - < scene.grf
 
-Exit code: 0 done, or all are laid out so; 1 failed, or some are not (--check); 2 misused.";
+Exit codes: 0 success, with --check all files are formatted so; 1 failure, with --check some are not;
+2 usage error.";
 
 const LINT_EXAMPLES: &str = "\
 Examples:
@@ -83,7 +84,7 @@ Rules: syntax, missing-include, missing-file, energy, reciprocity, negative-ligh
 defined-twice, unknown-extension, unknown-key, degenerate-face, repeated-corner, unused-vertex,
 normal-length, missing-attribute, attribute-twice, missing-comma, stray-dot, no-effect,
 shared-vertices, warning.
-Exit code: 0 nothing found, 1 something found, 2 misused.";
+Exit codes: 0 no problems, 1 problems found, 2 usage error.";
 
 const DIFF_EXAMPLES: &str = "\
 Examples:
@@ -92,4 +93,4 @@ Examples:
   azulejo grf diff quick.grf slow.grf --json
 
 Objects are compared by name, those of one name in their order; materials and lights in theirs.
-Exit code: 0 equal, 1 different, 2 trouble.";
+Exit codes: 0 equal, 1 different, 2 error.";

@@ -12,49 +12,49 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Light from outside")]
 pub struct SurroundingsArgs {
     /// The sun, a disc of 0.533°: AZ,EL[,E], azimuth clockwise from north and elevation in degrees,
-    /// and irradiance (lx in photometric scenes) of what faces it [default: that of a clear sky];
-    /// dir:X,Y,Z[,E], a direction toward it; an instant as in 2025-06-21T14:00+02:00, for --place;
-    /// E alone, for --place and --time; or off
+    /// and irradiance of a surface that faces it (W/m², or lx in photometric scenes) [default: that
+    /// of a clear sky]; dir:X,Y,Z[,E], the direction toward it; a date and time as in
+    /// 2025-06-21T14:00+02:00, for --place; E alone, for --place and --time; or off
     #[arg(long, value_name = "SUN", value_parser = sun, allow_hyphen_values = true)]
     pub sun: Option<SunArg>,
-    /// The sky: a radiance; cie:TYPE[,E], a CIE standard general sky, 1 to 16 (1 and 16 overcast, 5
-    /// uniform, 12 clear), with the irradiance of level ground; or perez:DNI,DHI[,DEWPOINT] of
-    /// weather data, W/m²
+    /// The sky: a uniform radiance; cie:TYPE[,E], a CIE standard general sky, 1 to 16 (1 and 16
+    /// overcast, 5 uniform, 12 clear), with its horizontal irradiance; or perez:DNI,DHI[,DEWPOINT]
+    /// from weather data, in W/m² and °C
     #[arg(long, value_name = "SKY", value_parser = sky, allow_hyphen_values = true)]
     pub sky: Option<SkyArg>,
     /// Reflectance of the ground below the horizon, or none [default with --sky: 0.2]
     #[arg(long, value_name = "SHARE|none", value_parser = ground)]
     pub ground: Option<GroundArg>,
-    /// A picture of the surroundings that gives light: .hdr or .exr, twice as wide as high
-    /// (equirectangular) or square (angular map); its middle looks along +x
+    /// Environment map that lights the scene: .hdr or .exr, twice as wide as high (equirectangular)
+    /// or square (angular map); its centre is toward +x
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub environment: Option<PathBuf>,
-    /// Turns --environment clockwise, seen from above, degrees
+    /// Rotate --environment clockwise, seen from above, in degrees
     #[arg(long, value_name = "DEGREES", value_parser = number, allow_hyphen_values = true,
           requires = "environment", default_value_t = 0.0)]
     pub environment_rotate: f64,
-    /// Factor of the radiance of --environment
+    /// Factor by which the radiance of --environment is multiplied
     #[arg(long, value_name = "FACTOR", value_parser = not_negative,
           requires = "environment", default_value_t = 1.0)]
     pub environment_strength: f64,
-    /// Take the sun out of --environment, as a light of its own with sharp shadows: what is
-    /// brightest and at most 3 degrees wide
+    /// Extract the sun from --environment, as a separate light with sharp shadows: its brightest
+    /// part, at most 3 degrees wide
     #[arg(long, requires = "environment")]
     pub extract_sun: bool,
-    /// What is seen behind the scene without lighting it: a picture as for --environment, or a
+    /// Visible background that does not light the scene: an image as for --environment, or a
     /// radiance R,G,B
     #[arg(long, value_name = "FILE|R,G,B")]
     pub background: Option<String>,
-    /// Where north is, degrees clockwise, seen from above, from +y (where z is up) or -z (where y is
-    /// up)
+    /// Direction of north, in degrees clockwise, seen from above, from +y (if z is up) or -z (if y
+    /// is up)
     #[arg(long, value_name = "DEGREES", value_parser = number, allow_hyphen_values = true,
           default_value_t = 0.0)]
     pub north: f64,
-    /// Irradiance of weather and clear skies as total solar radiation in W/m², not as light
+    /// Take weather data and clear skies as total solar radiation in W/m², not as visible light
     #[arg(long)]
     pub solar: bool,
-    /// Light a scene in which nothing shines: a floor and three lamps around the model, or a lamp
-    /// under the ceiling of a room (where one sees the fronts of walls all around)
+    /// Add studio lighting to a scene without light sources: a floor and three lamps around the
+    /// model, or a lamp under the ceiling of a room (where one sees the fronts of walls all around)
     #[arg(long)]
     pub studio: bool,
 }

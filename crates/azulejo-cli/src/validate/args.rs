@@ -10,16 +10,16 @@ pub struct ValidateArgs {
     /// Folder of the report: index.html, its plots, results.csv and results.json
     #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub output: PathBuf,
-    /// Engines to check [default: all that this machine has]
+    /// Engines to check [default: all that are available on this machine]
     #[arg(long, value_name = "ENGINE,...", value_enum, value_delimiter = ',')]
     pub engine: Vec<EngineName>,
-    /// Check only what has this in its name: a part of the report, a case, a scene
+    /// Run only the checks whose part of the report, case or scene has this in its name
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
-    /// Fewer rays, pixels and repetitions
+    /// Use fewer rays, pixels and repetitions
     #[arg(long)]
     pub quick: bool,
-    /// Seed of the random numbers; the same seed gives the same report, but for times
+    /// Seed of the random numbers; the same seed gives the same report, except for times
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
 }

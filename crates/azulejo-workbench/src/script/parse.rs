@@ -247,13 +247,22 @@ fn indices(text: &str) -> Result<Vec<u32>, String> {
 }
 
 /// Former labels of actions, so that old scripts still run.
-const FORMER_LABELS: [(&str, &str); 7] = [
+const FORMER_LABELS: [(&str, &str); 16] = [
     ("Save picture…", "Save image…"),
     ("Select nothing", "Select none"),
     ("Picture by rays", "Render image"),
     ("Normals and backs", "Normals and back faces"),
     ("Go on", "Resume"),
-    ("Take the light off", "Clear light"),
+    ("Take the light off", "Discard solution"),
+    ("Clear light", "Discard solution"),
+    ("From the front", "Front view"),
+    ("From behind", "Back view"),
+    ("From the right", "Right view"),
+    ("From the left", "Left view"),
+    ("From above", "Top view"),
+    ("From below", "Bottom view"),
+    ("From the corner", "Corner view"),
+    ("Picture of the surroundings…", "Environment map…"),
     ("Keys", "Keyboard shortcuts"),
 ];
 

@@ -68,7 +68,7 @@ const SCRIPTS: [&str; 4] = [
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
      remove-probe 1\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
      show-in lumens\n compare false-color 0.3\n hide-backs on\n section y 0.8 flipped\n\
-     section none\n action Clear light\n\
+     section none\n action Discard solution\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",
     // What belongs to an imported model.
     "example cornell-box\n open DIR/plate.obj\n action Studio\n recipe DIR/dark.toml\n action Forget recipes\n\

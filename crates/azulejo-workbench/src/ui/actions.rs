@@ -326,7 +326,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Add, "Ambient light", None, |_| {
         done(Command::AddLight(NewLightKind::Ambient))
     }),
-    action(Menu::Add, "Picture of the surroundings…", None, |_| {
+    action(Menu::Add, "Environment map…", None, |_| {
         done(Command::RequestFile(FileRequest::Environment(None)))
     }),
     action(Menu::Add, "Studio", None, |a| {
@@ -352,25 +352,25 @@ pub const ACTIONS: &[Action] = &[
             change_view(a, |view| view.frame(bounds))
         }
     }),
-    action(Menu::View, "From the front", key(Key::Num1), |a| {
+    action(Menu::View, "Front view", key(Key::Num1), |a| {
         from(a, ViewDirection::Front)
     }),
-    action(Menu::View, "From behind", alt(Key::Num1), |a| {
+    action(Menu::View, "Back view", alt(Key::Num1), |a| {
         from(a, ViewDirection::Back)
     }),
-    action(Menu::View, "From the right", key(Key::Num3), |a| {
+    action(Menu::View, "Right view", key(Key::Num3), |a| {
         from(a, ViewDirection::Right)
     }),
-    action(Menu::View, "From the left", alt(Key::Num3), |a| {
+    action(Menu::View, "Left view", alt(Key::Num3), |a| {
         from(a, ViewDirection::Left)
     }),
-    action(Menu::View, "From above", key(Key::Num7), |a| {
+    action(Menu::View, "Top view", key(Key::Num7), |a| {
         from(a, ViewDirection::Top)
     }),
-    action(Menu::View, "From below", alt(Key::Num7), |a| {
+    action(Menu::View, "Bottom view", alt(Key::Num7), |a| {
         from(a, ViewDirection::Bottom)
     }),
-    action(Menu::View, "From the corner", key(Key::Num0), |a| {
+    action(Menu::View, "Corner view", key(Key::Num0), |a| {
         from(a, ViewDirection::Corner)
     }),
     action(Menu::View, "Lights and cameras", key(Key::L), |a| {
@@ -475,7 +475,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Light, "Measure the probes", None, |a| {
         enabled_if(!a.probes.is_empty(), Command::MeasureProbes)
     }),
-    action(Menu::Light, "Clear light", None, |a| {
+    action(Menu::Light, "Discard solution", None, |a| {
         enabled_if(a.lighting.solution.is_some(), Command::ClearLight)
     }),
     action(Menu::Light, "Bake a lightmap…", key(Key::F9), |a| {
@@ -516,8 +516,13 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
         if writes && (is_plain || action.menu == Menu::Edit) {
             continue;
         }
-        if context.input_mut(|input| input.consume_shortcut(&key)) {
-            commands.extend((action.target)(app));
+        if !context.input(|input| input.key_pressed(key.logical_key)) {
+            continue;
+        }
+        // A key that does nothing now is left to others: Escape closes much besides an image.
+        let target = (action.target)(app);
+        if target.is_some() && context.input_mut(|input| input.consume_shortcut(&key)) {
+            commands.extend(target);
         }
     }
     commands

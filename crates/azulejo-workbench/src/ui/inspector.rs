@@ -62,7 +62,7 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
     let old = cx.app.document.units;
     let mut units = old;
     ui.horizontal(|ui| {
-        ui.label(cx.tr("One unit is"));
+        ui.label(cx.tr("Scene unit"));
         let mut metres = units.metres();
         let speed = 0.01 * metres;
         let drag = inputs::number(&mut metres, 1e-9..=1e9).speed(speed);
@@ -71,14 +71,14 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
         }
     });
     ui.horizontal(|ui| {
-        ui.label(cx.tr("Up is"));
+        ui.label(cx.tr("Up axis"));
         ui.selectable_value(&mut units.up, Up::Y, "y");
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
     ui.horizontal(|ui| {
         ui.label(cx.tr("Numbers of the file are in"));
-        ui.selectable_value(&mut units.photometric, false, cx.tr("watts"));
-        ui.selectable_value(&mut units.photometric, true, cx.tr("lumens"));
+        ui.selectable_value(&mut units.photometric, false, cx.tr("Watts"));
+        ui.selectable_value(&mut units.photometric, true, cx.tr("Lumens"));
     });
     if units != old {
         cx.edit(Edit::SetUnits(units));
@@ -95,7 +95,7 @@ fn object(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     {
         let mut new_top = top;
         ui.horizontal(|ui| {
-            let label = ui.label(cx.tr("Radius at the top"));
+            let label = ui.label(cx.tr("Top radius"));
             let drag = inputs::number(&mut new_top, 0.0..=1.0).speed(0.01);
             ui.add(drag).labelled_by(label.id);
         });
@@ -310,13 +310,13 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     }
     let what = match &selection.faces {
         Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("selected faces")),
-        None => cx.tr("Assigned material").to_owned(),
+        None => cx.tr("Material").to_owned(),
     };
     let mut chosen = None;
     egui::ComboBox::new("assign", what)
         .selected_text(match used[..] {
             [one] => named(document, one),
-            _ => cx.tr("several").to_owned(),
+            _ => cx.tr("Multiple").to_owned(),
         })
         .show_ui(ui, |ui| {
             for k in 0..document.materials.len() as MaterialId {

@@ -141,9 +141,7 @@ fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
         LightKind::Directional { .. } => cx.tr("Independent of the distance."),
         LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
         LightKind::Environment(environment) => match environment.source {
-            EnvironmentSource::Picture { .. } => {
-                cx.tr("From all directions, as a picture shows it.")
-            }
+            EnvironmentSource::Picture { .. } => cx.tr("From all directions, as in the image."),
             EnvironmentSource::Sky(_) => cx.tr("From the sky, and from the ground below it."),
         },
     }

@@ -115,7 +115,7 @@ impl LightmapWindow {
                     }
                 })
                 .response
-                .accessible_name(cx.tr("What is shown"));
+                .accessible_name(cx.tr("Displayed quantity"));
             let pages = result.baked.lightmap.pages.len();
             view.page = view.page.min(pages.saturating_sub(1));
             if pages > 1 {

@@ -6,7 +6,7 @@ use super::viewport::action_button as tool;
 use crate::app::App;
 use crate::command::Command;
 use crate::jobs::JobKind;
-use egui::{Button, ComboBox, Ui};
+use egui::{Button, ComboBox, Role, Ui, WidgetInfo};
 
 /// Draws the menus; returns the chosen actions.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
@@ -40,17 +40,29 @@ fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionT
 
 fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget> {
     let target = (action.target)(cx.app);
-    let mut label = label(cx, action);
+    let name = label(cx, action);
     let is_chosen = || current(cx.app).is_some_and(|c| c.label == action.label);
-    if action.is_on.is_some() || action.menu == Menu::Shading {
-        let is_on = action.is_on.map_or_else(is_chosen, |is_on| is_on(cx.app));
-        label = format!("{} {label}", if is_on { "✔" } else { "    " });
-    }
+    let is_switch = action.is_on.is_some() || action.menu == Menu::Shading;
+    let is_on = is_switch && action.is_on.map_or_else(is_chosen, |is_on| is_on(cx.app));
+    let label = match (is_switch, is_on) {
+        (false, _) => name.clone(),
+        (true, true) => format!("✔ {name}"),
+        (true, false) => format!("      {name}"),
+    };
+    let key = action.key.map(|key| ui.ctx().format_shortcut(&key));
     let mut button = Button::new(label);
-    if let Some(key) = action.key {
-        button = button.shortcut_text(ui.ctx().format_shortcut(&key));
+    if let Some(key) = &key {
+        button = button.shortcut_text(key.clone());
     }
-    let clicked = ui.add_enabled(target.is_some(), button).clicked();
+    let response = ui.add_enabled(target.is_some(), button);
+    if is_switch {
+        // Without the tick, which is a state.
+        let words = key.map_or_else(|| name.clone(), |key| format!("{name} {key}"));
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::Button, target.is_some(), is_on, words.clone())
+        });
+    }
+    let clicked = response.clicked();
     if clicked {
         ui.close();
     }
@@ -74,7 +86,7 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     ui.separator();
     ui.menu_button(cx.tr("Recent"), |ui| {
         if files.is_empty() {
-            ui.weak(cx.tr("nothing yet"));
+            ui.weak(cx.tr("No recent files"));
         }
         for path in files {
             let name = path.file_name().unwrap_or_default().to_string_lossy();

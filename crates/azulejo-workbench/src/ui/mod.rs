@@ -12,6 +12,7 @@ pub mod dialogs;
 mod emitter;
 mod focus;
 mod group_transform;
+mod help;
 mod inputs;
 pub mod inspector;
 mod lamps;

@@ -42,7 +42,7 @@ impl PanelContext<'_> {
             "radiance" => self.tr("radiance"),
             "charts" => self.tr("charts"),
             "texels" | "points" => self.tr("texels"),
-            "shadow edges" => self.tr("edges of shadows"),
+            "shadow edges" => self.tr("shadow edges"),
             "comparing with paths" => self.tr("comparing with paths"),
             "reading" => self.tr("reading"),
             "parsing" => self.tr("parsing"),

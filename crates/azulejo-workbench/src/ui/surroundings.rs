@@ -106,7 +106,7 @@ fn sky(ui: &mut Ui, cx: &PanelContext, settings: &mut SkySettings) -> bool {
     let names = [cx.tr("Azimuth of the sun"), cx.tr("Elevation of the sun")];
     let moved = place(ui, cx, names, &mut settings.toward);
     let unit = format!(" {}", unit(cx.app.document.units, "W/m²", "lx"));
-    let name = cx.tr("On level ground");
+    let name = cx.tr("Horizontal irradiance");
     let dimmed = quantity_row(ui, name, &mut settings.irradiance, 0.0..=1e6, &unit);
     let name = cx.tr("Ground reflectance");
     chosen | moved | dimmed | quantity_row(ui, name, &mut settings.reflectance, 0.0..=1.0, "")
@@ -132,9 +132,9 @@ fn cie_type(ui: &mut Ui, cx: &PanelContext, distribution: &mut SkyDistribution) 
 /// The number and the name of a CIE type, or another distribution.
 fn sky_name(cx: &PanelContext, distribution: &SkyDistribution) -> String {
     match distribution {
-        SkyDistribution::Uniform => cx.tr("the same everywhere").to_owned(),
+        SkyDistribution::Uniform => cx.tr("Uniform").to_owned(),
         SkyDistribution::Cie(sky) => format!("CIE {}: {}", sky.number(), cx.tr(sky.name())),
-        SkyDistribution::Perez(_) => cx.tr("by weather (Perez)").to_owned(),
+        SkyDistribution::Perez(_) => cx.tr("From weather (Perez)").to_owned(),
     }
 }
 
@@ -159,7 +159,7 @@ pub(super) fn buttons(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
 }
 
 fn sun_buttons(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight, toward: DVec3) {
-    if !ui.button(cx.tr("As under a clear sky")).clicked() {
+    if !ui.button(cx.tr("Use clear-sky irradiance")).clicked() {
         return;
     }
     let document = &cx.app.document;
@@ -185,14 +185,14 @@ fn sky_buttons(
     let mut new = old;
     ui.horizontal(|ui| {
         if let SkyDistribution::Cie(kind) = sky.distribution
-            && ui.button(cx.tr("Typical brightness")).clicked()
+            && ui.button(cx.tr("Use typical irradiance")).clicked()
         {
             let units = document.daylight_units();
             let typical = units.cie_sky(kind.number(), Some(sky.toward_sun), None);
             new.irradiance = typical.map_or(old.irradiance, |sky| sky.diffuse_horizontal());
         }
         if let Some((sun, _)) = document.first_sun()
-            && ui.button(cx.tr("Around the sun")).clicked()
+            && ui.button(cx.tr("Align with sun")).clicked()
         {
             new.toward = sun;
         }
@@ -212,12 +212,12 @@ fn sky_buttons(
 fn weather(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, around: &Environment, sky: &Sky) {
     let draft = Id::unique(("weather", lamp));
     let mut typed: PerezWeather = ui.data(|d| d.get_temp(draft)).unwrap_or(CLEAR_DAY);
-    ui.strong(cx.tr("Weather"));
+    ui.strong(cx.tr("Weather data"));
     Grid::new("weather").num_columns(2).show(ui, |ui| {
         let irradiance = 0.0..=1_500.0;
-        let name = cx.tr("Direct normal");
+        let name = cx.tr("Direct normal irradiance");
         quantity_row(ui, name, &mut typed.dni, irradiance.clone(), " W/m²");
-        let name = cx.tr("Diffuse horizontal");
+        let name = cx.tr("Diffuse horizontal irradiance");
         quantity_row(ui, name, &mut typed.dhi, irradiance, " W/m²");
         quantity_row(
             ui,
@@ -232,7 +232,7 @@ fn weather(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, around: &Environmen
         ui.end_row();
     });
     ui.data_mut(|d| d.insert_temp(draft, typed));
-    if ui.button(cx.tr("Make the sky of this weather")).clicked() {
+    if ui.button(cx.tr("Create sky from weather")).clicked() {
         let toward = around.world_from_environment * sky.toward_sun;
         typed.sun_altitude = cx.app.document.compass(toward).altitude;
         cx.edit(Edit::SetWeather(lamp, typed));
@@ -243,7 +243,7 @@ fn picture_buttons(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, path: &str)
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     ui.weak(file);
     ui.horizontal(|ui| {
-        if ui.button(cx.tr("Other picture…")).clicked() {
+        if ui.button(cx.tr("Change image…")).clicked() {
             cx.send(Command::RequestFile(FileRequest::Environment(Some(lamp))));
         }
         if ui.button(cx.tr("Extract the sun")).clicked() {

@@ -105,7 +105,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         let before = shown;
         ui.horizontal(|ui| {
             let speed = (0.01 * (shown[1] - shown[0]).abs()).max(1e-6);
-            for (value, name) in shown.iter_mut().zip([cx.tr("from"), cx.tr("to")]) {
+            for (value, name) in shown.iter_mut().zip([cx.tr("From"), cx.tr("To")]) {
                 let label = ui.label(name);
                 ui.add(inputs::number(value, 0.0..=1e12).speed(speed))
                     .labelled_by(label.id);
@@ -154,7 +154,7 @@ fn cutaway(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     let with = view.comparison.map(|c| c.with);
     let name = |with: Option<Shading>| match with {
-        None => cx.tr("nothing"),
+        None => cx.tr("None"),
         Some(shading) => of_shading(cx.app, shading).map_or("", |a| cx.tr(a.label)),
     };
     let mut chosen = with;
@@ -175,7 +175,7 @@ fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     ui.strong(cx.tr("Background"));
     if ui
-        .radio(view.backdrop == Backdrop::Scene, cx.tr("the scene's own"))
+        .radio(view.backdrop == Backdrop::Scene, cx.tr("From the scene"))
         .clicked()
     {
         view.backdrop = Backdrop::Scene;
@@ -204,7 +204,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             _ => [64, 64, 64],
         };
         let any_color = ui.color_edit_button_srgb(&mut any);
-        if any_color.on_hover_text(cx.tr("any colour")).changed() {
+        if any_color.on_hover_text(cx.tr("Any colour")).changed() {
             view.backdrop = Backdrop::Color(any);
         }
     });
@@ -213,9 +213,9 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
-            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("scaled"));
-            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("centred"));
-            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("tiled"));
+            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("Scaled"));
+            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("Centred"));
+            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("Tiled"));
         }
     });
 }
@@ -226,7 +226,7 @@ fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
     let mut has = old.is_some();
     ui.horizontal(|ui| {
         if ui
-            .checkbox(&mut has, cx.tr("saved with the scene"))
+            .checkbox(&mut has, cx.tr("Background in the scene"))
             .changed()
         {
             let quiet = linear_from_srgb([64, 96, 160]);
@@ -258,7 +258,7 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     let before = fog;
     ui.horizontal(|ui| {
         inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
-        let label = ui.label(cx.tr("Nothing is visible beyond"));
+        let label = ui.label(cx.tr("Visibility range"));
         let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
         ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
     });

@@ -1,37 +1,33 @@
-//! Texts of suns, skies and pictures of the surroundings, and the CIE types of skies.
+//! Texts of suns, skies and environment maps, and the CIE types of skies.
 
 use super::Translation;
 
 pub const TABLE: &[Translation] = &[
     // In the menu, and labels of undo.
     ["Ambient light", "Luz ambiental", "Luz ambiente"],
-    [
-        "Picture of the surroundings…",
-        "Imagen del entorno…",
-        "Imagem dos arredores…",
-    ],
+    ["Environment map…", "Mapa de entorno…", "Mapa de ambiente…"],
     ["Studio", "Estudio", "Estúdio"],
     ["extract the sun", "extraer el sol", "extrair o sol"],
     ["add a studio", "añadir un estudio", "adicionar um estúdio"],
     [
-        "Choose a picture of the surroundings",
-        "Elija una imagen del entorno",
-        "Escolha uma imagem dos arredores",
+        "Choose an environment map",
+        "Elija un mapa de entorno",
+        "Escolha um mapa de ambiente",
     ],
     // Suns.
     ["Azimuth", "Acimut", "Azimute"],
     ["Elevation", "Elevación", "Elevação"],
     ["Angular size", "Tamaño angular", "Tamanho angular"],
     [
-        "As under a clear sky",
-        "Como con cielo despejado",
-        "Como com céu limpo",
+        "Use clear-sky irradiance",
+        "Usar la irradiancia de cielo despejado",
+        "Usar a irradiância de céu limpo",
     ],
     // Skies.
     [
         "From the sky, and from the ground below it.",
-        "Del cielo, y del suelo bajo él.",
-        "Do céu, e do chão por baixo dele.",
+        "Del cielo y del suelo bajo él.",
+        "Do céu e do solo por baixo dele.",
     ],
     ["Azimuth of the sun", "Acimut del sol", "Azimute do sol"],
     [
@@ -41,51 +37,59 @@ pub const TABLE: &[Translation] = &[
     ],
     ["Type of sky", "Tipo de cielo", "Tipo de céu"],
     [
-        "On level ground",
-        "En suelo horizontal",
-        "Em chão horizontal",
+        "Horizontal irradiance",
+        "Irradiancia horizontal",
+        "Irradiância horizontal",
     ],
     [
         "Ground reflectance",
         "Reflectancia del suelo",
-        "Refletância do chão",
-    ],
-    ["Typical brightness", "Brillo típico", "Brilho típico"],
-    ["Around the sun", "Alrededor del sol", "À volta do sol"],
-    [
-        "the same everywhere",
-        "igual en todas partes",
-        "igual em todo o lado",
+        "Refletância do solo",
     ],
     [
-        "by weather (Perez)",
-        "según el tiempo (Perez)",
-        "conforme o tempo (Perez)",
+        "Use typical irradiance",
+        "Usar la irradiancia típica",
+        "Usar a irradiância típica",
     ],
-    ["Weather", "Tiempo meteorológico", "Tempo meteorológico"],
-    ["Direct normal", "Directa normal", "Direta normal"],
+    ["Align with sun", "Alinear con el sol", "Alinhar com o sol"],
+    ["Uniform", "Uniforme", "Uniforme"],
     [
-        "Diffuse horizontal",
-        "Difusa horizontal",
-        "Difusa horizontal",
+        "From weather (Perez)",
+        "Según datos meteorológicos (Perez)",
+        "Segundo dados meteorológicos (Perez)",
+    ],
+    [
+        "Weather data",
+        "Datos meteorológicos",
+        "Dados meteorológicos",
+    ],
+    [
+        "Direct normal irradiance",
+        "Irradiancia directa normal",
+        "Irradiância direta normal",
+    ],
+    [
+        "Diffuse horizontal irradiance",
+        "Irradiancia difusa horizontal",
+        "Irradiância difusa horizontal",
     ],
     ["Dew point", "Punto de rocío", "Ponto de orvalho"],
     ["Day of the year", "Día del año", "Dia do ano"],
     [
-        "Make the sky of this weather",
-        "Hacer el cielo de este tiempo",
-        "Fazer o céu deste tempo",
+        "Create sky from weather",
+        "Crear el cielo con estos datos",
+        "Criar o céu com estes dados",
     ],
-    // Pictures.
+    // Environment maps.
     ["Rotation", "Rotación", "Rotação"],
-    ["Other picture…", "Otra imagen…", "Outra imagem…"],
+    ["Change image…", "Cambiar imagen…", "Mudar a imagem…"],
     ["Extract the sun", "Extraer el sol", "Extrair o sol"],
     // The types of the CIE standard general sky.
     ["overcast", "cubierto", "encoberto"],
     [
         "overcast, brighter toward the sun",
-        "cubierto, más claro hacia el sol",
-        "encoberto, mais claro para o sol",
+        "cubierto, más luminoso hacia el sol",
+        "encoberto, mais luminoso na direção do sol",
     ],
     [
         "overcast, moderate gradation",
@@ -94,19 +98,19 @@ pub const TABLE: &[Translation] = &[
     ],
     [
         "overcast, moderate gradation, brighter toward the sun",
-        "cubierto, gradación moderada, más claro hacia el sol",
-        "encoberto, gradação moderada, mais claro para o sol",
+        "cubierto, gradación moderada, más luminoso hacia el sol",
+        "encoberto, gradação moderada, mais luminoso na direção do sol",
     ],
     ["uniform", "uniforme", "uniforme"],
     [
         "partly cloudy, no gradation, brighter toward the sun",
-        "parcialmente nublado, sin gradación, más claro hacia el sol",
-        "parcialmente nublado, sem gradação, mais claro para o sol",
+        "parcialmente nublado, sin gradación, más luminoso hacia el sol",
+        "parcialmente nublado, sem gradação, mais luminoso na direção do sol",
     ],
     [
         "partly cloudy, no gradation, bright around the sun",
-        "parcialmente nublado, sin gradación, claro alrededor del sol",
-        "parcialmente nublado, sem gradação, claro à volta do sol",
+        "parcialmente nublado, sin gradación, luminoso alrededor del sol",
+        "parcialmente nublado, sem gradação, luminoso em torno do sol",
     ],
     [
         "partly cloudy, no gradation, solar corona",
@@ -116,33 +120,37 @@ pub const TABLE: &[Translation] = &[
     [
         "partly cloudy, sun obscured",
         "parcialmente nublado, sol oculto",
-        "parcialmente nublado, sol oculto pelas nuvens",
+        "parcialmente nublado, sol encoberto",
     ],
     [
         "partly cloudy, bright around the sun",
-        "parcialmente nublado, claro alrededor del sol",
-        "parcialmente nublado, claro à volta do sol",
+        "parcialmente nublado, luminoso alrededor del sol",
+        "parcialmente nublado, luminoso em torno do sol",
     ],
     [
         "white-blue, solar corona",
         "azul blanquecino, corona solar",
-        "azul esbranquiçado, coroa solar",
+        "azul-esbranquiçado, coroa solar",
     ],
     ["clear", "despejado", "limpo"],
     [
         "clear, polluted air",
-        "despejado, aire contaminado",
-        "limpo, ar poluído",
+        "despejado, atmósfera contaminada",
+        "limpo, atmosfera poluída",
     ],
     [
         "cloudless, turbid, broad solar corona",
-        "sin nubes, turbio, corona solar ancha",
-        "sem nuvens, turvo, coroa solar larga",
+        "sin nubes, turbio, corona solar amplia",
+        "sem nuvens, turvo, coroa solar ampla",
     ],
     [
         "white-blue, turbid, broad solar corona",
-        "azul blanquecino, turbio, corona solar ancha",
-        "azul esbranquiçado, turvo, coroa solar larga",
+        "azul blanquecino, turbio, corona solar amplia",
+        "azul-esbranquiçado, turvo, coroa solar ampla",
     ],
-    ["overcast of 1955", "cubierto de 1955", "encoberto de 1955"],
+    [
+        "overcast of 1955",
+        "cubierto (CIE 1955)",
+        "encoberto (CIE 1955)",
+    ],
 ];

@@ -5,23 +5,23 @@ use super::Translation;
 pub const TABLE: &[Translation] = &[
     [
         "Only if it is unused.",
-        "Solo si no hay nada hecho de él.",
-        "Só se não houver nada feito dele.",
+        "Solo si no se usa.",
+        "Só se não estiver a ser utilizado.",
     ],
-    ["created here", "hecho aquí", "feito aqui"],
+    ["Created here", "Creado aquí", "Criado aqui"],
     ["Lights", "Luces", "Luzes"],
     ["Cameras", "Cámaras", "Câmaras"],
     ["Materials", "Materiales", "Materiais"],
     ["Search", "Buscar", "Procurar"],
     [
         "Drop files here, or open them (Ctrl+O).",
-        "Suelte aquí los archivos, o ábralos (Ctrl+O).",
-        "Largue aqui os ficheiros, ou abra-os (Ctrl+O).",
+        "Arrastre archivos aquí o ábralos (Ctrl+O).",
+        "Arraste ficheiros para aqui ou abra-os (Ctrl+O).",
     ],
     [
         "Hide in the viewport only: it still casts and receives light",
-        "Ocultar: no se ve, pero da y recibe luz como antes",
-        "Ocultar: não se vê, mas dá e recebe luz como antes",
+        "Ocultar solo en la vista 3D: sigue emitiendo y recibiendo luz",
+        "Ocultar apenas na vista 3D: continua a emitir e a receber luz",
     ],
     ["Show", "Mostrar", "Mostrar"],
     ["Definitions", "Definiciones", "Definições"],
@@ -32,8 +32,8 @@ pub const TABLE: &[Translation] = &[
     ["not found", "no encontrada", "não encontrada"],
     [
         "Click to select the objects that share it",
-        "Pulse para seleccionar los objetos que lo comparten",
-        "Clique para selecionar os objetos que o partilham",
+        "Haga clic para seleccionar los objetos que la comparten",
+        "Clique para selecionar os objetos que a partilham",
     ],
-    ["without name", "sin nombre", "sem nome"],
+    ["Unnamed", "Sin nombre", "Sem nome"],
 ];

@@ -3,16 +3,16 @@
 use super::Translation;
 
 pub const TABLE: &[Translation] = &[
-    ["Viewport", "Ventana del modelo", "Janela do modelo"],
+    ["Viewport", "Vista 3D", "Vista 3D"],
     [
         "Click a surface to display its form factors.",
-        "Haga clic en una superficie: sus factores de forma se verán como colores.",
-        "Clique numa superfície: os seus fatores de forma passam a cores.",
+        "Haga clic en una superficie para ver sus factores de forma.",
+        "Clique numa superfície para ver os seus fatores de forma.",
     ],
     ["Move", "Mover", "Mover"],
     ["Rotate", "Girar", "Rodar"],
-    ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],
+    ["Resize", "Escalar", "Escalar"],
     ["face", "cara", "face"],
-    ["Clear", "Vaciar", "Limpar"],
-    ["matt", "mate", "mate"],
+    ["Clear", "Borrar", "Limpar"],
+    ["diffuse", "difusa", "difusa"],
 ];

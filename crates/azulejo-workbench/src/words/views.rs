@@ -49,5 +49,4 @@ pub const TABLE: &[Translation] = &[
         "Lejos del color de cualquier cuerpo incandescente.",
         "Longe da cor de qualquer corpo incandescente.",
     ],
-    ["Standard error", "Error estándar", "Erro padrão"],
 ];

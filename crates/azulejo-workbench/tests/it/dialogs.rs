@@ -44,7 +44,7 @@ fn the_keys_are_listed_and_do_nothing_meanwhile() {
     for text in [
         "Keyboard and mouse",
         "Ctrl+Shift+Z",
-        "fly forward",
+        "Fly forward",
         "Render image",
     ] {
         assert!(says(&window, text), "{text}");
@@ -74,7 +74,7 @@ fn solid_letters_are_added() {
     click(&mut window, "Add");
     click_last(&mut window, "Text…");
     write(&mut window, "", "Hola");
-    set(&mut window, "Depth, ems", 0.5);
+    set(&mut window, "Depth (em)", 0.5);
     click_last(&mut window, "Add text");
     check_no_error(&window);
     let document = &window.state().app.document;
@@ -188,7 +188,7 @@ fn a_file_for_a_dialog_is_asked_for_and_left_again() {
     for (entry, button, title, back) in [
         (
             "Prism…",
-            "from a drawing…",
+            "From a drawing…",
             "Choose a drawing to extrude",
             "Exact prism",
         ),

@@ -156,7 +156,7 @@ fn the_question_about_changes_has_three_answers() {
     let mut window = dialog_in(&folder);
     change(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::N);
-    click_last(&mut window, "Discard changes");
+    click_last(&mut window, "Don't save");
     assert!(window.state().app.document.is_empty() && !window.state().app.is_changed());
 }
 
@@ -257,7 +257,7 @@ fn changes_made_while_a_window_waits_to_close_are_asked_about() {
     assert!(!reader.join().unwrap().is_empty());
     assert!(says(&window, "Unsaved changes"));
     assert!(!window.state().app.closing);
-    click_last(&mut window, "Discard changes");
+    click_last(&mut window, "Don't save");
     assert!(window.state().app.closing);
 }
 

@@ -28,11 +28,13 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     set(&mut window, "Rotation ° z", 90.0);
     set(&mut window, "Scale x", 2.0);
     let placement = window.state().app.document.objects[0].placement;
-    let moved = placement.transform_point3(DVec3::X);
-    assert!(
-        (moved - DVec3::new(3.0, 2.0, 0.0)).length() < 1e-9,
-        "{moved}"
-    );
+    // The centre, at first half a unit above the ground, is where the position says; a corner is
+    // turned and scaled about it, with its proportions.
+    let centre = placement.transform_point3(DVec3::new(0.0, 0.5, 0.0));
+    let corner = placement.transform_point3(DVec3::X);
+    let is_near = |a: DVec3, b: [f64; 3]| (a - DVec3::from(b)).length() < 1e-9;
+    assert!(is_near(centre, [3.0, 0.5, 0.0]), "{centre}");
+    assert!(is_near(corner, [4.0, 2.5, 0.0]), "{corner}");
     assert_eq!(window.state().app.undo_labels().0, Some("move"));
     set(&mut window, "Scale y", 0.0);
     let after = window.state().app.document.objects[0].placement;
@@ -280,7 +282,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     let mut app = App::quiet();
     app.execute(Command::AddShape(NewShapeKind::Cone));
     let mut cone = window(app);
-    type_slowly(&mut cone, "Radius at the top", "0.25");
+    type_slowly(&mut cone, "Top radius", "0.25");
     let Shape::Primitive(p) = &*cone.state().app.document.objects[0].shape else {
         panic!("a cone stays exact")
     };
@@ -297,7 +299,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     click_last(&mut camera, "View");
     find(&camera, Role::CheckBox, "Fog in the scene").click();
     camera.run();
-    type_slowly(&mut camera, "Nothing is visible beyond", "12.5");
+    type_slowly(&mut camera, "Visibility range", "12.5");
     assert_eq!(camera.state().app.document.fog.unwrap().visibility, 12.5);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
@@ -338,7 +340,7 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
 fn a_material_is_assigned() {
     let mut window = window(opened("shapes.grf"));
     click(&mut window, "column");
-    find(&window, Role::ComboBox, "Assigned material").click();
+    find(&window, Role::ComboBox, "Material").click();
     window.run();
     click_last(&mut window, "moss");
     let document = &window.state().app.document;
@@ -359,7 +361,7 @@ fn a_material_is_assigned() {
 #[test]
 fn units_say_what_numbers_mean() {
     let mut window = window(opened("shapes.grf"));
-    click(&mut window, "lumens");
+    click(&mut window, "Lumens");
     click_last(&mut window, "z");
     let units = window.state().app.document.units;
     assert!(units.photometric && units.up == azulejo::scene::Up::Z);

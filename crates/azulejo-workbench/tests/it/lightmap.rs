@@ -43,7 +43,7 @@ fn open(path: PathBuf) -> App {
 fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
     let mut window = window_with_files(opened("cornell.grf"));
     press(&mut window, Modifiers::NONE, Key::F9);
-    set(&mut window, "Size of the page", 64.0);
+    set(&mut window, "Page size", 64.0);
     set(&mut window, "Target error", 30.0);
     click_last(&mut window, "Bake");
     wait(&mut window);
@@ -78,7 +78,7 @@ fn without_light_there_is_nothing_to_bake() {
     app.execute(Command::Edit(Edit::Delete(lamps), None));
     let mut window = window(app);
     press(&mut window, Modifiers::NONE, Key::F9);
-    assert!(!says(&window, "Size of the page"));
+    assert!(!says(&window, "Page size"));
     window.state_mut().app.execute(Command::Bake);
     assert!(says(&window, "no light source") || window.state().app.errors == 1);
 }

@@ -49,7 +49,7 @@ fn a_sun_has_its_place_by_the_compass_and_its_size() {
     assert!((direction.x + 0.75f64.sqrt()).abs() < 1e-9 && (direction.y + 0.5).abs() < 1e-9);
     assert!((irradiance.max_channel() - 800.0).abs() < 1e-3);
     assert!((half_angle.to_degrees() - 1.0).abs() < 1e-9);
-    click(&mut window, "As under a clear sky");
+    click(&mut window, "Use clear-sky irradiance");
     let (_, clear) = window.state().app.document.first_sun().unwrap();
     assert!((400.0..600.0).contains(&clear), "{clear}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -68,14 +68,14 @@ fn a_sky_has_a_type_a_sun_and_a_brightness() {
         panic!("a CIE sky")
     };
     assert_eq!(kind.number(), 1);
-    set(&mut window, "On level ground", 120.0);
+    set(&mut window, "Horizontal irradiance", 120.0);
     set(&mut window, "Ground reflectance", 0.5);
     let overcast = sky(&window);
     assert!((overcast.diffuse_horizontal() - 120.0).abs() < 1e-6);
     assert!((overcast.ground - 0.5 * 120.0 / std::f64::consts::PI).abs() < 1e-6);
     set(&mut window, "Elevation of the sun", 90.0);
     assert!(sky(&window).toward_sun.z > 1.0 - 1e-12);
-    click(&mut window, "Typical brightness");
+    click(&mut window, "Use typical irradiance");
     // At the zenith the types of overcast skies have 8.7 kcd/m².
     let zenith = sky(&window).radiance(glam::DVec3::Z);
     assert!((zenith * 179.0 - 8_723.0).abs() < 1.0, "{zenith}");
@@ -85,14 +85,14 @@ fn a_sky_has_a_type_a_sun_and_a_brightness() {
 #[test]
 fn a_sky_is_made_of_weather_and_put_around_the_sun() {
     let mut window = with_light(NewLightKind::Sky);
-    set(&mut window, "Direct normal", 500.0);
-    set(&mut window, "Diffuse horizontal", 180.0);
-    click(&mut window, "Make the sky of this weather");
+    set(&mut window, "Direct normal irradiance", 500.0);
+    set(&mut window, "Diffuse horizontal irradiance", 180.0);
+    click(&mut window, "Create sky from weather");
     assert!(matches!(
         sky(&window).distribution,
         SkyDistribution::Perez(_)
     ));
-    assert!(says(&window, "by weather (Perez)"));
+    assert!(says(&window, "From weather (Perez)"));
     set(&mut window, "Azimuth of the sun", 10.0);
     let app = &mut window.state_mut().app;
     let sky_id = app.document.lights[0].id;
@@ -102,7 +102,7 @@ fn a_sky_is_made_of_weather_and_put_around_the_sun() {
     )));
     window.run();
     set(&mut window, "Azimuth of the sun", 200.0);
-    click(&mut window, "Around the sun");
+    click(&mut window, "Align with sun");
     let place = sky(&window).toward_sun;
     let azimuth = place.x.atan2(place.y).to_degrees();
     assert!((azimuth - 10.0).abs() < 1e-6, "{azimuth}");
@@ -116,7 +116,7 @@ fn looking_at_a_sky_changes_nothing() {
     for label in [
         "Azimuth of the sun",
         "Elevation of the sun",
-        "On level ground",
+        "Horizontal irradiance",
         "Ground reflectance",
         "Dew point",
     ] {
@@ -137,7 +137,7 @@ fn the_menu_asks_for_a_picture_and_offers_a_studio() {
     let document = &window.state().app.document;
     assert!(document.has_light() && document.objects.len() == 5);
     click(&mut window, "Add");
-    click(&mut window, "Picture of the surroundings…");
+    click(&mut window, "Environment map…");
     let asking = window.state().app.asking;
     assert_eq!(asking, Some(FileRequest::Environment(None)));
 }

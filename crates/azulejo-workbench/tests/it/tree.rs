@@ -51,14 +51,14 @@ fn a_thing_is_renamed_in_its_row() {
     find(&window, Role::Button, "roof");
 
     press(&mut window, Modifiers::NONE, Key::F2);
-    window.event(egui::Event::Text("no".into()));
+    window.event(egui::Event::Text("wrong".into()));
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert_eq!(window.state().app.document.name(id), Some("roof"));
 
     press(&mut window, Modifiers::NONE, Key::F2);
     let revision = window.state().app.revision();
     press(&mut window, Modifiers::NONE, Key::Enter);
-    assert!(!says(&window, "no"), "{:?}", labels(&window));
+    assert!(!says(&window, "wrong"), "{:?}", labels(&window));
     assert_eq!(
         window.state().app.revision(),
         revision,
@@ -90,7 +90,8 @@ fn lights_and_cameras_are_hidden_and_shown() {
     click(&mut window, "Hide: spot");
     assert_eq!(hidden(&window), 1);
     click(&mut window, "Show: spot");
-    let lights = window.state().app.document.lights.len();
+    // The spot, and the lamp, which is an object that shines.
+    let lights = window.state().app.document.lights.len() + 1;
     click(&mut window, "Hide: Lights");
     assert_eq!(hidden(&window), lights);
     let camera = window.state().app.document.cameras[0].id;

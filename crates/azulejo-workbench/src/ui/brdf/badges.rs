@@ -88,7 +88,7 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let words = if holds {
         language.tr("energy conserved, albedo at most")
     } else {
-        language.tr("creates energy:")
+        language.tr("energy not conserved, albedo up to")
     };
     let at = language.tr("at");
     let mut about = language.tr("Albedo by angle of incidence:").to_owned();

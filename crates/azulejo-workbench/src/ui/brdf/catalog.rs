@@ -42,11 +42,11 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
         ],
     },
     ModelGroup {
-        title: |l| l.tr("Waves and cylinders"),
+        title: |l| l.tr("Wave optics and cylinders"),
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
     ModelGroup {
-        title: |l| l.tr("Artistic"),
+        title: |l| l.tr("Empirical"),
         names: &[],
     },
 ];

@@ -24,7 +24,7 @@ pub(super) fn choose(
     compared: &mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) {
-    let none = language.tr("nothing");
+    let none = language.tr("None");
     let chosen = compared.as_ref().map_or(none, |c| &c.name).to_owned();
     let about = language.tr("Both are shown in the same plots; the second is dashed.");
     row(ui, language.tr("Compare with"), about, |ui, label| {
@@ -112,6 +112,6 @@ pub(super) fn name(language: Language, material: &Material) -> String {
             language.tr(info.title).to_owned()
         }),
         Some(Description::File { path, .. }) => path.clone(),
-        _ => language.tr("without name").to_owned(),
+        _ => language.tr("Unnamed").to_owned(),
     }
 }

@@ -41,6 +41,7 @@ mod lobe_solid;
 mod lobes;
 mod model;
 mod parameter;
+mod parameter_name;
 mod plots;
 mod polar;
 mod reflection;

@@ -2,7 +2,8 @@
 
 use super::catalog::{self, FresnelChoice, as_color, default_value, set};
 use super::fields::{NumberRange, color, number};
-use super::theme::row;
+use super::parameter_name::label;
+use super::theme::{named, row};
 use crate::words::Language;
 use azulejo::scene::brdf::{
     METALS, Model, ModelInfo, ParameterInfo, ParameterKind, Value, find, find_metal,
@@ -15,7 +16,9 @@ pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
         return;
     };
     for parameter in info.parameters {
-        ui.push_id(parameter.name, |ui| one(ui, language, model, parameter));
+        ui.push_id(parameter.name, |ui| {
+            one(ui, language, info, model, parameter)
+        });
     }
     if info.has_fresnel {
         fresnel(ui, language, info, model);
@@ -32,9 +35,16 @@ fn about(language: Language, info: &ParameterInfo) -> String {
     }
 }
 
-fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static ParameterInfo) {
+fn one(
+    ui: &mut Ui,
+    language: Language,
+    of: &ModelInfo,
+    model: &mut Model,
+    info: &'static ParameterInfo,
+) {
     let given = model.value(info.name).cloned();
-    row(ui, info.name, &about(language, info), |ui, name| {
+    let name = label(language, of, info.name);
+    named(ui, &name, &about(language, info), |ui, name| {
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
@@ -42,7 +52,7 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.tr("default"));
+                ui.weak(language.tr("Default"));
                 return set(model, info, None);
             }
         }
@@ -117,13 +127,13 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 }
 
 /// The Fresnel term.
-fn fresnel(ui: &mut Ui, language: Language, info: &ModelInfo, model: &mut Model) {
+fn fresnel(ui: &mut Ui, language: Language, of: &ModelInfo, model: &mut Model) {
     let term = FresnelChoice::of(model);
     let about = language.tr("Reflectance of a smooth facet as a function of the angle.");
     let mut chosen = term;
     row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
-        let combo = ComboBox::from_id_salt(("fresnel", info.name))
+        let combo = ComboBox::from_id_salt(("fresnel", of.name))
             .selected_text(words(term))
             .width(210.0);
         let shown = combo.show_ui(ui, |ui| {
@@ -148,9 +158,9 @@ fn fresnel(ui: &mut Ui, language: Language, info: &ModelInfo, model: &mut Model)
         let is_first = names.first() == Some(&info.name);
         ui.push_id(info.name, |ui| {
             if is_first {
-                needed(ui, language, model, info)
+                needed(ui, language, of, model, info)
             } else {
-                one(ui, language, model, info)
+                one(ui, language, of, model, info)
             }
         });
     }
@@ -159,13 +169,20 @@ fn fresnel(ui: &mut Ui, language: Language, info: &ModelInfo, model: &mut Model)
     }
 }
 
-fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static ParameterInfo) {
+fn needed(
+    ui: &mut Ui,
+    language: Language,
+    of: &ModelInfo,
+    model: &mut Model,
+    info: &'static ParameterInfo,
+) {
     let old = model
         .value(info.name)
         .cloned()
         .unwrap_or_else(|| default_value(model, info));
     let mut new = old.clone();
-    row(ui, info.name, &about(language, info), |ui, name| {
+    let name = label(language, of, info.name);
+    named(ui, &name, &about(language, info), |ui, name| {
         value(ui, language, name, info, &mut new)
     });
     if new != old {
@@ -176,7 +193,7 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
 /// Copies the values of a metal from the table as a starting point.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.tr("Values of a metal"), |ui| {
+        ui.menu_button(language.tr("Copy from a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -194,10 +211,10 @@ fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
 
 fn term_words(language: Language, term: FresnelChoice) -> &'static str {
     match term {
-        FresnelChoice::None => language.tr("all light is reflected"),
-        FresnelChoice::Metal => language.tr("a metal by name"),
-        FresnelChoice::Index => language.tr("indices of refraction"),
-        FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
-        FresnelChoice::Constant => language.tr("constant"),
+        FresnelChoice::None => language.tr("None (all light is reflected)"),
+        FresnelChoice::Metal => language.tr("Metal"),
+        FresnelChoice::Index => language.tr("Refractive indices"),
+        FresnelChoice::Schlick => language.tr("Schlick"),
+        FresnelChoice::Constant => language.tr("Constant"),
     }
 }

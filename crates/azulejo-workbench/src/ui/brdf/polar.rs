@@ -53,8 +53,8 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
     });
     let words = language.tr("Lobes in the plane of incidence");
     let scale = match view.scale {
-        RadialScale::Linear => language.tr("linear"),
-        RadialScale::Logarithmic => language.tr("logarithmic"),
+        RadialScale::Linear => language.tr("Linear"),
+        RadialScale::Logarithmic => language.tr("Logarithmic"),
     };
     let words = format!("{words}: {name}, {unit}, {scale}");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, &words);

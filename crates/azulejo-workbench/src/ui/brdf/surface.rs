@@ -166,7 +166,7 @@ fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror:
     color_row(ui, language.tr("Specular"), about, SHARE, mirror);
     let about = language.tr("A complete pane: both of its surfaces in one face.");
     row(ui, "", "", |ui, _| {
-        ui.checkbox(&mut glass.thin, language.tr("thin pane"))
+        ui.checkbox(&mut glass.thin, language.tr("Thin pane"))
             .on_hover_text(about)
     });
 }
@@ -199,7 +199,7 @@ pub(super) fn emission(
             .suffix(unit);
         ui.add(drag).accessible_name(name);
         if strength > 0.0 {
-            ui.checkbox(&mut material.emits_back, language.tr("from both sides"));
+            ui.checkbox(&mut material.emits_back, language.tr("Two-sided"));
         }
     });
     if strength > 0.0 {

@@ -144,7 +144,7 @@ fn a_kind_of_surface_becomes_another() {
         Some(2.4)
     );
     harness
-        .get_by_role_and_label(Role::CheckBox, "thin pane")
+        .get_by_role_and_label(Role::CheckBox, "Thin pane")
         .click();
     harness.run_steps(2);
     assert_eq!(
@@ -168,7 +168,7 @@ fn a_slider_moves_by_keyboard() {
     )));
     harness.run_steps(3);
     harness
-        .get_by_role_and_label(Role::Slider, "metallic")
+        .get_by_role_and_label(Role::Slider, "Metallic")
         .focus();
     harness.run_steps(2);
     harness.key_press(Key::ArrowRight);
@@ -184,7 +184,7 @@ fn a_slider_moves_by_keyboard() {
 fn numbers_are_typed() {
     let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
-    enter(&mut harness, "n", "123.5");
+    enter(&mut harness, "Exponent (n)", "123.5");
     until(&mut harness, "the number", |h| {
         h.state().text() == "lewis ks = 0.5 n = 123.5"
     });
@@ -201,14 +201,14 @@ fn numbers_are_typed() {
 fn what_is_impossible_is_said_and_the_last_good_model_stays() {
     let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
-    enter(&mut harness, "ks", "1.5");
+    enter(&mut harness, "Specular reflectance (ks)", "1.5");
     let error = "ks is 1.5; it must be between 0 and 1.";
     until(&mut harness, "an error", |h| {
         h.query_by_label_contains(error).is_some()
     });
     assert_eq!(harness.state().text(), "lewis ks = 0.5 n = 20");
     assert!(harness.state().answers.is_empty());
-    enter(&mut harness, "ks", "0.7");
+    enter(&mut harness, "Specular reflectance (ks)", "0.7");
     until(&mut harness, "a good model", |h| {
         h.state().text() == "lewis ks = 0.7 n = 20"
     });
@@ -222,7 +222,7 @@ fn a_drag_is_one_step() {
     )));
     harness.run_steps(3);
     let slider = harness
-        .get_by_role_and_label(Role::Slider, "roughness")
+        .get_by_role_and_label(Role::Slider, "Roughness")
         .rect();
     harness.drag_at(slider.center());
     for k in 0..6 {
@@ -247,7 +247,7 @@ fn a_drag_is_one_step() {
 fn the_document_wins_over_the_editor() {
     let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
-    enter(&mut harness, "n", "-3");
+    enter(&mut harness, "Exponent (n)", "-3");
     harness.state_mut().material = Arc::new(of_model("blinn ks = 0.5 n = 8"));
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("must be between").is_none());
@@ -297,11 +297,11 @@ fn files_are_asked_for() {
 fn metals_are_chosen_by_name() {
     let mut harness = harness(EditorFixture::new(of_model("ggx_smith ax = 0.2 eta = 1.5")));
     harness.run_steps(3);
-    choose(&mut harness, "Fresnel", "a metal by name");
+    choose(&mut harness, "Fresnel", "Metal");
     until(&mut harness, "gold", |h| {
         h.state().text() == "ggx_smith ax = 0.2 metal = gold"
     });
-    choose(&mut harness, "metal", "titanium");
+    choose(&mut harness, "Metal", "titanium");
     until(&mut harness, "titanium", |h| {
         h.state().text() == "ggx_smith ax = 0.2 metal = titanium"
     });
@@ -438,7 +438,7 @@ fn the_editor_looks_as_it_did() {
     ));
     bench.others = vec![Arc::new(Material::diffuse("plaster", Rgb::grey(0.8)))];
     bench.editor.view.has_others = false;
-    let mut harness = drawn(bench, egui::Theme::Dark, 980.0);
+    let mut harness = drawn(bench, egui::Theme::Dark, 1040.0);
     // Monte Carlo noise does not belong in a snapshot.
     let sphere = harness
         .get_by_label_contains("Sphere of the material")

@@ -62,6 +62,28 @@ pub(super) fn row<R>(
     .inner
 }
 
+/// A row whose label is above the fields where it is too long to be beside them.
+pub(super) fn named<R>(
+    ui: &mut Ui,
+    name: &str,
+    about: &str,
+    fields: impl FnOnce(&mut Ui, &str) -> R,
+) -> R {
+    let label = egui::WidgetText::from(name);
+    let wrap = Some(egui::TextWrapMode::Extend);
+    let galley = label.into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body);
+    if galley.size().x <= NAMES {
+        return row(ui, name, about, fields);
+    }
+    ui.add(egui::Label::new(name).truncate())
+        .on_hover_text(about);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().slider_width = (ui.available_width() - 80.0).clamp(60.0, 300.0);
+        fields(ui, name)
+    })
+    .inner
+}
+
 /// A tick, or a triangle with an exclamation mark.
 pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
     let (place, _) = ui.allocate_exact_size(vec2(13.0, 13.0), Sense::hover());

@@ -157,8 +157,8 @@ impl LobeView {
                 });
                 shown.response.accessible_name(name);
                 let scale = |s| match s {
-                    RadialScale::Linear => language.tr("linear"),
-                    RadialScale::Logarithmic => language.tr("logarithmic"),
+                    RadialScale::Linear => language.tr("Linear"),
+                    RadialScale::Logarithmic => language.tr("Logarithmic"),
                 };
                 let combo = ComboBox::from_id_salt("scale")
                     .selected_text(scale(self.scale))
@@ -169,7 +169,7 @@ impl LobeView {
                     }
                 });
                 shown.response.accessible_name(language.tr("Scale"));
-                ui.checkbox(&mut self.has_others, language.tr("more angles"));
+                ui.checkbox(&mut self.has_others, language.tr("More angles"));
             },
         );
     }

@@ -50,10 +50,7 @@ impl BakeDialog {
 
     fn resolution(&mut self, ui: &mut Ui, cx: &PanelContext) {
         let density = &mut self.settings.texels_per_metre;
-        if ui
-            .radio(density.is_none(), cx.tr("Size of the page"))
-            .clicked()
-        {
+        if ui.radio(density.is_none(), cx.tr("Page size")).clicked() {
             *density = None;
         }
         let drag = DragValue::new(&mut self.settings.size)
@@ -61,9 +58,9 @@ impl BakeDialog {
             .speed(8.0)
             .update_while_editing(false);
         let field = ui.add_enabled(density.is_none(), drag);
-        label(&field, cx.tr("Size of the page"));
+        label(&field, cx.tr("Page size"));
         ui.end_row();
-        let about = cx.tr("On as many pages as that takes.");
+        let about = cx.tr("On as many pages as needed.");
         let radio = ui.radio(density.is_some(), cx.tr("Texels per metre"));
         if radio.on_hover_text(about).clicked() {
             density.get_or_insert(DEFAULT_DENSITY);
@@ -103,12 +100,11 @@ impl BakeDialog {
 
     fn light(&mut self, ui: &mut Ui, cx: &PanelContext) {
         let all = [
-            (BakedLight::Total, cx.tr("all light")),
-            (BakedLight::Indirect, cx.tr("indirect light alone")),
-            (BakedLight::Direct, cx.tr("direct light alone")),
+            (BakedLight::Total, cx.tr("Direct and indirect")),
+            (BakedLight::Indirect, cx.tr("Indirect only")),
+            (BakedLight::Direct, cx.tr("Direct only")),
         ];
-        let about =
-            cx.tr("Viewers that add the direct light of lamps need the indirect one alone.");
+        let about = cx.tr("Viewers that add direct light themselves need indirect light only.");
         choice(
             ui,
             cx.tr("Baked light"),
@@ -120,10 +116,10 @@ impl BakeDialog {
 
     fn sides(&mut self, ui: &mut Ui, cx: &PanelContext) {
         let all = [
-            (None, cx.tr("as the format says")),
-            (Some(BakedSides::Front), cx.tr("the front")),
-            (Some(BakedSides::Brighter), cx.tr("the brighter one")),
-            (Some(BakedSides::Both), cx.tr("both, as faces of their own")),
+            (None, cx.tr("Default of the file format")),
+            (Some(BakedSides::Front), cx.tr("Front")),
+            (Some(BakedSides::Brighter), cx.tr("Brighter side")),
+            (Some(BakedSides::Both), cx.tr("Both, as separate faces")),
         ];
         let about = cx.tr(
             "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",
@@ -135,9 +131,9 @@ impl BakeDialog {
         let all = [
             (Convention::Moz, cx.tr("MOZ_lightmap of materials")),
             (Convention::Mx, cx.tr("MX_lightmap of nodes")),
-            (Convention::Plain, cx.tr("texture coordinates alone")),
+            (Convention::Plain, cx.tr("Texture coordinates only")),
         ];
-        let about = cx.tr("What tells viewers of the lightmap in the file.");
+        let about = cx.tr("How the file refers to the lightmap.");
         let convention = &mut self.settings.convention;
         choice(ui, cx.tr("Convention"), about, &all, convention);
     }

@@ -258,7 +258,7 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
         FileRequest::Recipe => cx.tr("Choose a recipe"),
-        FileRequest::Environment(_) => cx.tr("Choose a picture of the surroundings"),
+        FileRequest::Environment(_) => cx.tr("Choose an environment map"),
         FileRequest::Font => cx.tr("Choose a font"),
         FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
         FileRequest::LoadBrdf => cx.tr("Load a reflection model"),

@@ -45,12 +45,12 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     ui.end_row();
     ui.label(tr("Theme"));
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut new.theme, Theme::System, tr("like the system"));
-        ui.selectable_value(&mut new.theme, Theme::Light, tr("bright"));
-        ui.selectable_value(&mut new.theme, Theme::Dark, tr("dark"));
+        ui.selectable_value(&mut new.theme, Theme::System, tr("System"));
+        ui.selectable_value(&mut new.theme, Theme::Light, tr("Light theme"));
+        ui.selectable_value(&mut new.theme, Theme::Dark, tr("Dark theme"));
     });
     ui.end_row();
-    let label = ui.label(tr("Text size"));
+    let label = ui.label(tr("Interface scale"));
     let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
     ui.add(slider.update_while_editing(false))
         .labelled_by(label.id);

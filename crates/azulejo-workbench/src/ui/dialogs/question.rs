@@ -26,7 +26,7 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
                     if ui.button(cx.tr("Save")).clicked() {
                         cx.send(Command::Save);
                     }
-                    if ui.button(cx.tr("Discard changes")).clicked() {
+                    if ui.button(cx.tr("Don't save")).clicked() {
                         cx.send(Command::Discard);
                     }
                     if ui.button(cx.tr("Cancel")).clicked() {
@@ -39,7 +39,7 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
                 ui.label(path.display().to_string());
                 ui.label(cx.tr("Another program has written it since it was opened here."));
                 ui.horizontal(|ui| {
-                    if ui.button(cx.tr("Overwrite with mine")).clicked() {
+                    if ui.button(cx.tr("Overwrite")).clicked() {
                         cx.send(Command::SaveAnyway);
                     }
                     if ui.button(cx.tr("Reload")).clicked() {

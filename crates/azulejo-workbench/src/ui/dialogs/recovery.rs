@@ -13,19 +13,19 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext, is_answered: &mut bool) {
     }
     let modal = Modal::new(Id::unique("recovery")).show(ui.ctx(), |ui| {
         ui.set_width(460.0);
-        ui.heading(cx.tr("azulejo was not closed properly last time"));
-        ui.label(cx.tr("Unsaved work was kept:"));
+        ui.heading(cx.tr("Recover unsaved work?"));
+        ui.label(cx.tr("Unsaved work from the last session:"));
         for one in found {
             ui.horizontal(|ui| {
                 let name = one.original.as_deref().and_then(Path::file_name);
                 let name = name.map(|n| n.to_string_lossy().into_owned());
-                ui.label(name.unwrap_or_else(|| cx.tr("without name").into()));
+                ui.label(name.unwrap_or_else(|| cx.tr("Unnamed").into()));
                 ui.weak(age(one.written, cx));
                 if ui.button(cx.tr("Recover")).clicked() {
                     cx.send(Command::Recover(one.copy.clone()));
                     *is_answered = true;
                 }
-                if ui.button(cx.tr("Delete it")).clicked() {
+                if ui.button(cx.tr("Delete")).clicked() {
                     cx.send(Command::DeleteRecovery(one.copy.clone()));
                 }
             });

@@ -26,33 +26,33 @@ pub(super) fn show(ui: &Ui, cx: &PanelContext, is_open: &mut bool) {
 
 fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
     let rows = [
-        (cx.tr("Drag"), cx.tr("orbit around the middle of the view")),
+        (cx.tr("Drag"), cx.tr("Orbit around the centre of the view")),
         (
             cx.tr("Right or middle drag, or Shift and drag"),
-            cx.tr("pan the view"),
+            cx.tr("Pan the view"),
         ),
-        (cx.tr("Wheel, or Ctrl and drag"), cx.tr("zoom")),
+        (cx.tr("Wheel, or Ctrl and drag"), cx.tr("Zoom")),
         (
             cx.tr("Click"),
-            cx.tr("select an object; with Ctrl, one more; with Alt, a face"),
+            cx.tr("Select an object; with Ctrl, add it to the selection; with Alt, select a face"),
         ),
-        (cx.tr("Double click"), cx.tr("frame the object")),
+        (cx.tr("Double click"), cx.tr("Frame the object")),
         (
             cx.tr("W A S D, R F"),
-            cx.tr("fly forward, left, back, right, up, down"),
+            cx.tr("Fly forward, left, back, right, up, down"),
         ),
-        (cx.tr("Drag while flying"), cx.tr("look around")),
-        (cx.tr("Arrows"), cx.tr("turn the camera")),
-        (cx.tr("Shift + arrows"), cx.tr("orbit around the model")),
-        (cx.tr("Ctrl + arrows"), cx.tr("pan the view")),
-        ("+ −", cx.tr("zoom")),
+        (cx.tr("Drag while flying"), cx.tr("Look around")),
+        (cx.tr("Arrows"), cx.tr("Turn the camera")),
+        (cx.tr("Shift + arrows"), cx.tr("Orbit around the model")),
+        (cx.tr("Ctrl + arrows"), cx.tr("Pan the view")),
+        ("+ −", cx.tr("Zoom")),
         (
             cx.tr("Enter, with the viewport in focus"),
-            cx.tr("a click in the middle of it; with Alt, on a face"),
+            cx.tr("Click at its centre; with Alt, select a face"),
         ),
         (
             cx.tr("Drag an arrow of the selection"),
-            cx.tr("move it along the axis"),
+            cx.tr("Move it along the axis"),
         ),
     ];
     Grid::new("mouse")

@@ -46,7 +46,7 @@ impl TextDialog {
                 let drag = DragValue::new(&mut self.size).range(1e-9..=1e9);
                 ui.add(drag.speed(speed)).labelled_by(label.id);
                 ui.end_row();
-                let label = ui.label(cx.tr("Depth, ems"));
+                let label = ui.label(cx.tr("Depth (em)"));
                 let drag = DragValue::new(&mut self.depth).range(1e-3..=1e3);
                 ui.add(drag.speed(0.01)).labelled_by(label.id);
                 ui.end_row();

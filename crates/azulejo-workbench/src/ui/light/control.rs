@@ -94,7 +94,7 @@ impl SolverState {
             SolverState::Done => {
                 let report = lighting.solution.as_ref().and_then(|s| s.report.as_ref());
                 let error = percent(report.map_or(0.0, |r| r.error));
-                let (done, after) = (cx.tr("Done: error"), cx.tr("it took"));
+                let (done, after) = (cx.tr("Done: error"), cx.tr("solved in"));
                 format!("{done} {error}, {after} {took}")
             }
         }
@@ -114,7 +114,7 @@ fn progress(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let bar = ProgressBar::new(share as f32).text(text);
     ui.add(bar.desired_width(ui.available_width().min(340.0)));
     if let Some(left) = cx.app.lighting.time_left(share).filter(|_| total > 0) {
-        let words = cx.tr("time left in this stage, about");
+        let words = cx.tr("Time left in this stage: about");
         ui.weak(format!("{words} {}", seconds(left)));
     }
 }

@@ -3,6 +3,7 @@
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
 use super::percent;
+use crate::ui::help::{self, HelpTerm};
 use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::value;
 use azulejo::radiosity::EnergyBalance;
@@ -14,6 +15,10 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
     let unit = ShownUnit::of(cx.app);
+    ui.horizontal(|ui| {
+        ui.weak(cx.tr("Emitted = absorbed + escaped + cut off"));
+        help::mark(ui, cx.language, HelpTerm::EnergyBalance);
+    });
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
     grid.show(ui, |ui| {
         let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {

@@ -3,6 +3,7 @@
 use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::first_pass::PatchFormFactors;
+use crate::ui::help::{self, HelpTerm};
 use egui::{Grid, ProgressBar, Ui};
 
 /// Number of objects listed.
@@ -16,9 +17,12 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
     let outside = (1.0 - seen.sum).max(0.0);
     let (sum, rest) = (cx.tr("Sum"), cx.tr("leaves the scene"));
     let text = format!("{sum} {:.4}; {} {rest}", seen.sum, percent(outside));
-    ui.label(text).on_hover_text(
-        cx.tr("Fractions of the light leaving the patch. In a closed scene they sum to 1."),
-    );
+    ui.horizontal(|ui| {
+        ui.label(text).on_hover_text(
+            cx.tr("Fractions of the light leaving the patch. In a closed scene they sum to 1."),
+        );
+        help::mark(ui, cx.language, HelpTerm::FormFactor);
+    });
     let grid = Grid::new("form factors").num_columns(3).striped(true);
     grid.show(ui, |ui| {
         ui.weak(cx.tr("Object"));

@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     }
     let report = cx.app.lighting.solution.as_ref();
     if let Some(report) = report.and_then(|s| s.report.as_ref()) {
-        section(ui, cx.tr("Energy"), |ui| {
+        section(ui, cx.tr("Energy balance"), |ui| {
             energy::show(ui, cx, &report.balance)
         });
         section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));

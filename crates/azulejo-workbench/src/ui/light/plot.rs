@@ -4,6 +4,7 @@ use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
 use super::percent;
 use super::series::ConvergenceCurves;
+use crate::ui::help::{self, HelpTerm};
 use crate::ui::viewport::number;
 use azulejo::trace::Measure;
 use egui::{Color32, Grid, Ui, WidgetInfo};
@@ -42,9 +43,14 @@ fn numbers(ui: &mut Ui, cx: &PanelContext) {
     });
     Grid::new("last measures").num_columns(2).show(ui, |ui| {
         if let Some((iteration, value)) = residual {
-            let after = cx.tr("after this many bounces:");
+            let after = cx.tr("at bounce");
             let value = format!("{} {after} {iteration}", number(value));
-            super::row(ui, cx.tr("Residual"), "", value);
+            ui.label(cx.tr("Remaining light (residual)"));
+            ui.horizontal(|ui| {
+                ui.label(value);
+                help::mark(ui, cx.language, HelpTerm::Residual);
+            });
+            ui.end_row();
         }
         if let Some(error) = error {
             let aim = percent(lighting.settings.error);
@@ -56,7 +62,12 @@ fn numbers(ui: &mut Ui, cx: &PanelContext) {
 
 fn residuals(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let colors = lines(ui);
-    let (replicate, bounces) = (cx.tr("replicate"), cx.tr("bounces"));
+    let (replicate, bounces) = (cx.tr("estimate"), cx.tr("bounces"));
+    let title = cx.tr("Residual against bounces");
+    ui.horizontal(|ui| {
+        ui.weak(title);
+        help::mark(ui, cx.language, HelpTerm::Replicate);
+    });
     let ys = curves.residuals.iter().flat_map(|c| &c.points);
     let plot = framed("residuals", Corner::RightTop, ys.map(|p| p[1]))
         .x_axis_label(bounces)
@@ -79,13 +90,14 @@ fn residuals(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             );
         }
     });
-    let words = cx.tr("Residual against bounces");
     shown
         .response
-        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
+        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, title));
 }
 
 fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
+    let title = cx.tr("Estimated error against time");
+    ui.weak(title);
     let [blue, orange, ..] = lines(ui);
     let ink = ui.visuals().strong_text_color();
     let aim = cx.app.lighting.settings.error.max(1e-9).log10();
@@ -124,10 +136,9 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             }
         }
     });
-    let words = cx.tr("Estimated error against seconds");
     shown
         .response
-        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
+        .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, title));
 }
 
 /// A fixed plot whose range is rounded to whole decades.

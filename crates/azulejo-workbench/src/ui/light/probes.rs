@@ -4,6 +4,7 @@ use super::super::panel_context::PanelContext;
 use crate::app::{Probe, ProbeSurface};
 use crate::command::Command;
 use crate::jobs::JobKind;
+use crate::ui::help::{self, HelpTerm};
 use crate::ui::inspector::named;
 use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::{number, value};
@@ -43,7 +44,10 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         ui.weak(cx.tr("Point"));
         let unit = ShownUnit::of(app).irradiance();
         ui.weak(format!("E, {unit}"));
-        ui.weak(format!("{}, {unit}", cx.tr("measured")));
+        ui.horizontal(|ui| {
+            ui.weak(format!("{}, {unit}", cx.tr("measured")));
+            help::mark(ui, cx.language, HelpTerm::StandardError);
+        });
         ui.end_row();
         for probe in &app.probes {
             row(ui, cx, probe);

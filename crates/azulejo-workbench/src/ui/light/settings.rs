@@ -3,6 +3,7 @@
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
+use crate::ui::help::{self, HelpTerm};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
 /// Number of bounces when the limit is switched on.
@@ -46,11 +47,11 @@ fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
 
 fn name(engine: EngineChoice, cx: &PanelContext) -> &'static str {
     match engine {
-        EngineChoice::Auto => cx.tr("auto"),
-        EngineChoice::Rays => cx.tr("rays"),
-        EngineChoice::Hemicube => cx.tr("hemicubes"),
-        EngineChoice::Hybrid => cx.tr("hemicubes and rays"),
-        EngineChoice::Analytic => cx.tr("formulas"),
+        EngineChoice::Auto => cx.tr("Auto"),
+        EngineChoice::Rays => cx.tr("Rays"),
+        EngineChoice::Hemicube => cx.tr("Hemicubes"),
+        EngineChoice::Hybrid => cx.tr("Hemicubes and rays"),
+        EngineChoice::Analytic => cx.tr("Analytic"),
     }
 }
 
@@ -78,7 +79,10 @@ fn patches(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
         .range(1..=10_000_000)
         .speed(speed)
         .update_while_editing(false);
-    ui.add(drag).labelled_by(label.id).on_hover_text(about);
+    ui.horizontal(|ui| {
+        ui.add(drag).labelled_by(label.id).on_hover_text(about);
+        help::mark(ui, cx.language, HelpTerm::Patch);
+    });
     ui.end_row();
 }
 
@@ -112,7 +116,7 @@ fn time(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     }
     match &mut settings.time {
         None => {
-            ui.weak(cx.tr("no limit"));
+            ui.weak(cx.tr("No limit"));
         }
         Some(seconds) => {
             let drag = DragValue::new(seconds)
@@ -139,7 +143,7 @@ fn bounces(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     }
     match &mut settings.bounces {
         None => {
-            ui.weak(cx.tr("unlimited"));
+            ui.weak(cx.tr("No limit"));
         }
         Some(bounces) => {
             let drag = DragValue::new(bounces)

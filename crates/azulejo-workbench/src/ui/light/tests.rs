@@ -168,7 +168,7 @@ fn settings_are_typed() {
     click(&mut harness, Role::CheckBox, "Limit bounces");
     type_into(&mut harness, "Limit bounces", "5");
     click(&mut harness, Role::ComboBox, "Engine");
-    click(&mut harness, Role::Button, "rays");
+    click(&mut harness, Role::Button, "Rays");
     let expected = LightSettings {
         engine: EngineChoice::Rays,
         patches: 321,
@@ -241,13 +241,40 @@ fn whatever_is_measured_is_plotted() {
         let mut harness = bench(app);
         harness.run_ok();
         let is_shown = values.iter().any(|v| *v > 0.0 && v.is_finite());
-        for words in [
-            "Residual against bounces",
-            "Estimated error against seconds",
-        ] {
+        for words in ["Residual against bounces", "Estimated error against time"] {
             let plot = harness.query_by_role_and_label(Role::Image, words);
             assert_eq!(plot.is_some(), is_shown, "{words}: {values:?}");
         }
+    }
+}
+
+#[test]
+fn terms_are_explained_with_the_mouse_and_with_the_keyboard() {
+    let mut app = cornell();
+    measured(&mut app, [1.0, 0.1, 0.01]);
+    solved(&mut app, balance(90.0));
+    let mut harness = bench(app);
+    harness.run_ok();
+    for (term, words) in [
+        ("Patch", "Piece of a surface"),
+        ("Residual", "What one more bounce"),
+        ("Independent estimates", "estimated several times"),
+        ("Energy balance", "All emitted light"),
+    ] {
+        let name = format!("Help: {term}");
+        assert!(harness.query_by_label_contains(words).is_none(), "{words}");
+        click(&mut harness, Role::Button, &name);
+        harness.get_by_label_contains(words);
+        harness.key_press(Key::Escape);
+        harness.run_steps(3);
+        assert!(harness.query_by_label_contains(words).is_none(), "{words}");
+        harness.get_by_role_and_label(Role::Button, &name).focus();
+        harness.run_steps(2);
+        harness.key_press(Key::Enter);
+        harness.run_steps(3);
+        harness.get_by_label_contains(words);
+        harness.key_press(Key::Escape);
+        harness.run_steps(3);
     }
 }
 
@@ -258,7 +285,7 @@ fn one_point_is_a_plot_too() {
     app.lighting.measures.truncate(3);
     let mut harness = bench(app);
     harness.run_ok();
-    harness.get_by_role_and_label(Role::Image, "Estimated error against seconds");
+    harness.get_by_role_and_label(Role::Image, "Estimated error against time");
 }
 
 #[test]

@@ -74,7 +74,7 @@ fn name_of<'a>(document: &'a SceneDocument, users: &[ItemId], language: Language
     let name = users.first().and_then(|&id| document.name(id));
     let last = name.and_then(|name| name.rsplit('/').next());
     let known = last.filter(|name| !name.is_empty());
-    known.unwrap_or(language.tr("without name"))
+    known.unwrap_or(language.tr("Unnamed"))
 }
 
 /// Shapes used by several objects. The undo history holds references as well, so addresses are
@@ -147,7 +147,7 @@ fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
 fn picture(texture: &Texture, language: Language) -> String {
     let name = texture.path.rsplit(['/', '\\']).next().unwrap_or_default();
     let name = match name {
-        "" => language.tr("without name"),
+        "" => language.tr("Unnamed"),
         known => known,
     };
     match &texture.image {
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn textures_say_their_file_their_size_and_who_has_them() {
         let mut document = sample();
-        assert_eq!(of(&document)[0].0, "without name (not found) × 2");
+        assert_eq!(of(&document)[0].0, "Unnamed (not found) × 2");
         document.textures = vec![Arc::new(Texture {
             path: "maps\\wood/oak.png".into(),
             image: Some(Image::new(4, 2)),

@@ -172,7 +172,7 @@ fn material(ui: &mut Ui, cx: &mut PanelContext, label: &str, material: MaterialI
     }
     let is_selected = cx.app.selection.material == Some(material);
     let label = match label {
-        "" => cx.tr("without name"),
+        "" => cx.tr("Unnamed"),
         other => other,
     };
     let response = ui.selectable_label(is_selected, label);
@@ -217,7 +217,7 @@ fn entry(
         _ => "",
     };
     let label = match row.label.as_str() {
-        "" => format!("{sign}{}", cx.tr("without name")),
+        "" => format!("{sign}{}", cx.tr("Unnamed")),
         name => format!("{sign}{name}"),
     };
     let response = ui.selectable_label(is_chosen, label);

@@ -207,7 +207,7 @@ fn objects<'d>(
     language: Language,
 ) -> Vec<(&'d str, GroupNode)> {
     let names = document.source_files.iter().map(|b| b.name.as_str());
-    let titles = names.chain([language.tr("created here")]);
+    let titles = names.chain([language.tr("Created here")]);
     let mut files: Vec<(&str, GroupNode)> =
         titles.map(|title| (title, GroupNode::default())).collect();
     let made_here = document.source_files.len();
@@ -325,7 +325,7 @@ mod tests {
     fn a_name_of_many_groups_is_not_many_rows() {
         let shallow = named("a/b/c");
         let labels: Vec<&str> = shallow.iter().map(|r| r.label.as_str()).collect();
-        assert_eq!(labels, ["created here", "a", "b", "c"]);
+        assert_eq!(labels, ["Created here", "a", "b", "c"]);
         let parents: Vec<_> = shallow.iter().map(|r| r.parent).collect();
         assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
         for levels in [4_000, 50_000] {
@@ -368,7 +368,7 @@ mod tests {
         let rows = rows(&document, "", Language::English);
         let top = rows.iter().filter(|r| r.parent.is_none());
         let labels: Vec<&str> = top.map(|r| r.label.as_str()).take(3).collect();
-        assert_eq!(labels, ["z", "a", "created here"]);
+        assert_eq!(labels, ["z", "a", "Created here"]);
     }
 
     #[test]
@@ -386,7 +386,7 @@ mod tests {
         assert_eq!(of(&[5]), ["bulb"]);
         assert_eq!(of(&[2, 5]), ["lamp", "Lights", "bulb", "room/lamp"]);
         let all = of(&[1, 2, 3, 4]);
-        assert_eq!(all[0], "created here");
+        assert_eq!(all[0], "Created here");
         assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");
     }
 
@@ -402,7 +402,7 @@ mod tests {
         assert_eq!(shown(&document, "room"), Some(true));
         Arc::make_mut(&mut document.objects[1]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(false));
-        assert_eq!(shown(&document, "created here"), Some(true));
+        assert_eq!(shown(&document, "Created here"), Some(true));
         assert_eq!(shown(&document, "Cameras"), Some(true));
         assert_eq!(shown(&document, "Materials"), None);
     }

@@ -218,7 +218,7 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
     } else if shading.shows_light() && !lighting.is_current {
         (
             cx.tr("This light is from an earlier state of the model."),
-            &["Solve", "Clear light"],
+            &["Solve", "Discard solution"],
         )
     } else {
         return Vec::new();

@@ -62,7 +62,7 @@ fn light(
         value(unit.rgb(irradiance)),
         error,
         unit.irradiance(),
-        cx.tr("matt"),
+        cx.tr("diffuse"),
         value(radiance),
         unit.radiance()
     ))
