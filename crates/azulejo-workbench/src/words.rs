@@ -10,6 +10,7 @@ use std::sync::OnceLock;
 mod app;
 mod brdf;
 mod dialogs;
+mod files;
 mod inspector;
 mod light;
 mod lightmap;
@@ -38,7 +39,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 11] = [
+const TABLES: [&[Translation]; 12] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -50,6 +51,7 @@ const TABLES: [&[Translation]; 11] = [
     lightmap::TABLE,
     view_tab::TABLE,
     dialogs::TABLE,
+    files::TABLE,
 ];
 
 impl Language {
