@@ -151,6 +151,18 @@ fn arrows_move_in_the_list_and_enter_goes_into_folders() {
 }
 
 #[test]
+fn presses_within_one_frame_all_count() {
+    let folder = TestFolder::new("key-frame");
+    let mut window = window_in(&folder);
+    open(&mut window);
+    window.key_press(Key::ArrowDown);
+    window.key_press(Key::ArrowDown);
+    window.step();
+    enter(&mut window);
+    assert_eq!(file_of(&window), Some(&*folder.path("cornell.grf")));
+}
+
+#[test]
 fn the_parent_folder_is_a_key_away() {
     let folder = TestFolder::new("key-parent");
     let mut window = window_in(&folder);

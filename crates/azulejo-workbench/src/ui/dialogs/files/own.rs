@@ -213,9 +213,12 @@ impl OwnFileDialog {
         let to_ends = [(Key::Home, isize::MIN), (Key::End, isize::MAX)];
         let to_ends = to_ends.into_iter().filter(|_| in_list);
         for (key, rows) in steps.into_iter().chain(to_ends) {
-            let extends = in_list && ui.input_mut(|i| i.consume_key(Modifiers::SHIFT, key));
-            if extends || ui.input_mut(|i| i.consume_key(Modifiers::NONE, key)) {
-                self.browser.step(rows, extends);
+            // A slow frame has several presses of a key that is held.
+            let count = |modifiers| ui.input_mut(|i| i.count_and_consume_key(modifiers, key));
+            let extending = if in_list { count(Modifiers::SHIFT) } else { 0 };
+            let moving = count(Modifiers::NONE);
+            for press in 0..moving + extending {
+                self.browser.step(rows, press >= moving);
                 self.rows.follow_cursor();
             }
         }
