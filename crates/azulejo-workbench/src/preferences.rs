@@ -21,6 +21,17 @@ pub enum Theme {
     Dark,
 }
 
+/// Which file dialogs are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FileDialogs {
+    /// The desktop's, where it has one.
+    #[default]
+    Native,
+    /// Azulejo's own.
+    Own,
+}
+
 /// Settings kept between sessions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -31,6 +42,8 @@ pub struct Preferences {
     pub theme: Theme,
     /// Scale of text and controls relative to the desktop's.
     pub scale: f32,
+    /// The file dialogs.
+    pub file_dialogs: FileDialogs,
     /// The default colour map.
     pub color_map: ColorMap,
     /// Seconds from a change to its recovery copy; 0 for never.
@@ -52,6 +65,7 @@ impl Default for Preferences {
             language: Language::from_system(),
             theme: Theme::default(),
             scale: 1.0,
+            file_dialogs: FileDialogs::default(),
             color_map: ColorMap::default(),
             autosave: 20,
             threads: 0,
@@ -170,6 +184,7 @@ mod tests {
         let mut mine = Preferences {
             language: Language::Portuguese,
             theme: Theme::Dark,
+            file_dialogs: FileDialogs::Own,
             autosave: 7,
             ..Preferences::default()
         };

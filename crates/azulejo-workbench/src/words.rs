@@ -11,6 +11,7 @@ mod app;
 mod brdf;
 mod cards;
 mod dialogs;
+mod files;
 mod inspector;
 mod light;
 mod lightmap;
@@ -40,7 +41,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 13] = [
+const TABLES: [&[Translation]; 14] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -54,6 +55,7 @@ const TABLES: [&[Translation]; 13] = [
     view_tab::TABLE,
     views::TABLE,
     dialogs::TABLE,
+    files::TABLE,
 ];
 
 impl Language {

@@ -4,7 +4,7 @@ mod closing;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::dialogs::{BakeDialog, BrdfFileChoice, Dialogs, PrismDialog, TextDialog};
+use super::dialogs::{BakeDialog, BrdfFileChoice, Dialogs, NativeSupport, PrismDialog, TextDialog};
 use super::lightmap::{LightmapView, LightmapWindow};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
@@ -126,11 +126,13 @@ impl Workbench {
         app.set_repaint(Arc::new(move || egui.request_repaint()));
         let mut window = Workbench::new(app);
         window.viewport = viewport;
+        window.dialogs.set_native_files(NativeSupport::ask());
         window
     }
 
-    /// Runs a script.
+    /// Runs a script. It cannot operate the desktop's file dialogs, so there will be none.
     pub fn play(&mut self, player: ScriptPlayer) {
+        self.dialogs.set_native_files(NativeSupport::default());
         self.player = Some(player);
     }
 
@@ -463,8 +465,9 @@ impl Workbench {
 }
 
 impl eframe::App for Workbench {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         self.show(ui);
+        self.dialogs.open_native_files(frame, ui.ctx());
     }
 
     /// A hidden window is not drawn, but its jobs continue.

@@ -194,7 +194,7 @@ fn a_file_for_a_dialog_is_asked_for_and_left_again() {
         ),
         ("Text…", "DejaVu Serif", "Choose a font", "Solid text"),
     ] {
-        let mut window = window_with_files(App::quiet());
+        let mut window = window(App::quiet());
         click(&mut window, "Add");
         click_last(&mut window, entry);
         click(&mut window, button);

@@ -184,7 +184,7 @@ fn open_picker(window: &mut TestWindow, name: &str) -> egui::Pos2 {
 fn a_colour_is_picked_and_the_strength_stays() {
     let mut app = App::quiet();
     app.execute(Command::AddLight(NewLightKind::Point));
-    let mut window = window_with_files(app);
+    let mut window = window(app);
     shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
     let square = open_picker(&mut window, "Emission colour");
     let shine = |window: &TestWindow| {
@@ -242,7 +242,7 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
 fn looking_at_numbers_and_colours_changes_nothing() {
     let mut app = App::quiet();
     app.execute(Command::AddLight(NewLightKind::Spot));
-    let mut window = window_with_files(app);
+    let mut window = window(app);
     let lamp = &window.state().app.document.lights[0];
     let (id, mut light) = (lamp.id, lamp.light.clone());
     if let LightKind::Spot {

@@ -41,7 +41,7 @@ fn open(path: PathBuf) -> App {
 
 #[test]
 fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
-    let mut window = window_with_files(opened("cornell.grf"));
+    let mut window = window(opened("cornell.grf"));
     press(&mut window, Modifiers::NONE, Key::F9);
     set(&mut window, "Page size", 64.0);
     set(&mut window, "Target error", 30.0);

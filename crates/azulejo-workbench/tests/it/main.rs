@@ -1,6 +1,7 @@
 //! Tests of the workbench from outside: windows without a screen, operated by role and label.
 
 mod dialogs;
+mod file_dialog;
 mod files;
 mod inspector;
 mod lightmap;

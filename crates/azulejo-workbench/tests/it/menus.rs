@@ -38,7 +38,7 @@ fn label(window: &TestWindow, action: &Action) -> String {
 /// Chooses every entry of every menu in turn; those that do not apply are disabled.
 fn check_menus(app: impl Fn() -> App) {
     for action in ACTIONS {
-        let mut window = window_with_files(app());
+        let mut window = window(app());
         open_menu(&mut window, action.menu);
         let makes_sense = (action.target)(&window.state().app).is_some();
         let text = label(&window, action);
@@ -71,7 +71,7 @@ fn every_entry_of_the_menus_can_be_chosen_with_a_model() {
 
 #[test]
 fn every_key_does_what_its_entry_does() {
-    let mut window = window_with_files(opened("cornell.grf"));
+    let mut window = window(opened("cornell.grf"));
     press(&mut window, Modifiers::COMMAND, Key::L);
     assert_eq!(window.state().app.undo_labels().0, Some("add a shape"));
     press(&mut window, Modifiers::COMMAND, Key::D);

@@ -14,7 +14,7 @@ fn play_in(app: App, text: &str) -> (Result<(), String>, TestWindow) {
     let steps = parse(text, "s.txt").unwrap();
     let player = ScriptPlayer::new(steps, "s.txt");
     let outcome = player.outcome();
-    let mut window = window_with_files(app);
+    let mut window = window(app);
     window.state_mut().play(player);
     let begin = Instant::now();
     loop {

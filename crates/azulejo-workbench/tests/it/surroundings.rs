@@ -131,7 +131,7 @@ fn looking_at_a_sky_changes_nothing() {
 fn the_menu_asks_for_a_picture_and_offers_a_studio() {
     let mut app = App::quiet();
     app.execute(Command::AddShape(NewShapeKind::Cuboid));
-    let mut window = window_with_files(app);
+    let mut window = window(app);
     click(&mut window, "Add");
     click(&mut window, "Studio");
     let document = &window.state().app.document;

@@ -18,19 +18,10 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A window around an app.
 pub fn window(app: App) -> TestWindow {
-    around(app, true)
-}
-
-/// A window for tests of the file dialog, which has two fields without names.
-pub fn window_with_files(app: App) -> TestWindow {
-    around(app, false)
-}
-
-fn around(app: App, check_accessibility: bool) -> TestWindow {
     let mut window = Harness::builder()
         .with_size([1200.0, 800.0])
         .with_max_steps(200)
-        .with_accessibility_check(check_accessibility)
+        .with_accessibility_check(true)
         .build_ui_state(
             |ui, window: &mut Workbench| window.show(ui),
             Workbench::new(app),
@@ -120,6 +111,22 @@ pub fn click_last(window: &mut TestWindow, label: &str) {
 pub fn press(window: &mut TestWindow, modifiers: Modifiers, key: Key) {
     window.key_press_modifiers(modifiers, key);
     window.run();
+}
+
+/// Types where the focus is.
+pub fn type_text(window: &mut TestWindow, text: &str) {
+    window.event(egui::Event::Text(text.into()));
+    window.run();
+}
+
+/// The label of the widget that has the focus.
+pub fn focused(window: &TestWindow) -> Option<String> {
+    let has_focus = |n: &egui_kittest::kittest::AccessKitNode<'_>| n.is_focused();
+    let focused = window.query_all(by().predicate(has_focus)).last()?;
+    let node = focused.accesskit_node();
+    let own = node.label();
+    let labels = node.labelled_by().filter_map(|n| n.label().or(n.value()));
+    own.or_else(|| labels.into_iter().next())
 }
 
 /// Sets the value of a number field.

@@ -1,22 +1,47 @@
-//! The file dialog.
+//! The file dialog: the desktop's, or azulejo's own where there is none.
 
-use super::show_all_files::ShowAllFiles;
-use crate::bake::LightmapFile;
+mod browser;
+mod listing;
+mod native;
+mod own;
+mod places;
+mod request;
+mod rows;
+mod typed_path;
+
 use crate::command::{Command, FileRequest};
+use crate::preferences::FileDialogs;
 use crate::ui::panel_context::PanelContext;
-use egui::{Id, Modal, Ui};
-use egui_file::{FileDialog, State};
+use browser::BrowserTask;
+use egui::{Context, Id, Modal, Ui};
+use listing::ListOptions;
+pub use native::NativeSupport;
+use native::{NativeAnswer, NativeDialog, NativeFileRequest};
+use own::{DialogAnswer, OwnFileDialog};
 use std::path::{Path, PathBuf};
 
 /// The file dialog, and the question before a file is replaced.
 #[derive(Default)]
 pub(super) struct FileChooser {
-    dialog: Option<(FileRequest, FileDialog)>,
-    all_files: ShowAllFiles,
+    dialog: Option<(FileRequest, FileDialogKind)>,
+    /// What the own dialog lists, from one time to the next.
+    options: ListOptions,
     /// An existing file that would be replaced, with the request it was chosen for.
     replacing: Option<(FileRequest, PathBuf)>,
-    /// The folder of the last chosen file.
+    /// The folder of the last dialog.
     folder: Option<PathBuf>,
+    /// Whether the desktop has a dialog that may be used.
+    native: NativeSupport,
+}
+
+/// An open dialog.
+enum FileDialogKind {
+    /// Azulejo's own.
+    Own(Box<OwnFileDialog>),
+    /// The desktop's, which the window opens after the frame.
+    NativeWanted(Box<NativeFileRequest>),
+    /// The desktop's.
+    Native(NativeDialog),
 }
 
 /// The files chosen for a request.
@@ -26,17 +51,25 @@ pub(super) struct ChosenFiles {
     pub all: Vec<PathBuf>,
 }
 
-/// Extensions of readable models, for the file dialog; the format is detected from the content.
-const MODELS: [&str; 34] = [
-    "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
-    "sff", "scn", "grf", "vs3", "msh", "off", "vtk", "vtu", "vtp", "bdf", "nas", "dat", "fem",
-    "blk", "inp", "foam", "json", "jsonl", "idf", "epjson", "gz",
-];
-
 impl FileChooser {
     /// Whether the dialog or the question is open.
     pub fn is_open(&self) -> bool {
         self.dialog.is_some() || self.replacing.is_some()
+    }
+
+    /// Sets whether the desktop's dialog may be used.
+    pub fn set_native(&mut self, native: NativeSupport) {
+        self.native = native;
+    }
+
+    /// Opens the desktop's dialog, if it was requested in this frame.
+    pub fn open_native(&mut self, frame: &eframe::Frame, context: &Context) {
+        if let Some((_, kind)) = &mut self.dialog
+            && let FileDialogKind::NativeWanted(request) = kind
+        {
+            let dialog = NativeDialog::open((**request).clone(), frame, context);
+            *kind = FileDialogKind::Native(dialog);
+        }
     }
 
     /// Opens the file dialog when the app requests a file, and draws it; returns what was chosen.
@@ -50,35 +83,71 @@ impl FileChooser {
         if let Some(chosen) = self.ask_replace(ui, cx) {
             return Some(chosen);
         }
-        let (what, dialog) = self.dialog.as_mut()?;
+        let (what, kind) = self.dialog.as_mut()?;
         let what = *what;
-        dialog.show(ui.ctx());
-        self.all_files
-            .show(ui.ctx(), cx, Id::unique("files"), dialog);
-        let paths: Vec<PathBuf> = match dialog.state() {
-            State::Open => return None,
-            State::Selected => match dialog.selection() {
-                // A typed name is not one of the list.
-                none if none.is_empty() => dialog.path().into_iter().map(Path::to_owned).collect(),
-                several => several.into_iter().map(Path::to_owned).collect(),
-            },
-            State::Closed | State::Cancelled => Vec::new(),
-        };
-        if let [folder] = &paths[..]
-            && folder.is_dir()
-        {
-            dialog.set_path(folder);
-            dialog.open();
-            return None;
+        match kind {
+            FileDialogKind::Own(own) => {
+                let answer = own.show(ui, cx, request::title(what, cx))?;
+                self.options = own.options();
+                self.folder = Some(own.folder().to_owned());
+                self.close(what, answer, false, cx)
+            }
+            FileDialogKind::NativeWanted(_) => {
+                wait_for_native(ui, cx, None);
+                None
+            }
+            FileDialogKind::Native(native) => {
+                let answer = wait_for_native(ui, cx, native.answer())?;
+                self.close_native(what, answer, cx)
+            }
         }
-        self.folder = Some(dialog.directory().to_owned());
+    }
+
+    /// Uses the answer of the desktop's dialog, or goes on with the own one if it failed.
+    fn close_native(
+        &mut self,
+        what: FileRequest,
+        answer: NativeAnswer,
+        cx: &mut PanelContext,
+    ) -> Option<ChosenFiles> {
+        match answer {
+            NativeAnswer::Chosen(paths) => {
+                let folder = paths.first().and_then(|p| p.parent());
+                self.folder = folder.map(Path::to_owned).or(self.folder.take());
+                self.close(what, DialogAnswer::Chosen(paths), true, cx)
+            }
+            NativeAnswer::Cancelled => self.close(what, DialogAnswer::Cancelled, true, cx),
+            NativeAnswer::Failed => {
+                // What failed once is not tried again.
+                self.native = NativeSupport::default();
+                self.dialog = Some((what, FileDialogKind::Own(self.open_own(what, cx))));
+                None
+            }
+        }
+    }
+
+    /// Closes the dialog; returns the chosen files, unless one of them would be replaced and the
+    /// dialog has not asked about it: `has_asked`.
+    fn close(
+        &mut self,
+        what: FileRequest,
+        answer: DialogAnswer,
+        has_asked: bool,
+        cx: &mut PanelContext,
+    ) -> Option<ChosenFiles> {
         self.dialog = None;
+        let paths = match answer {
+            DialogAnswer::Chosen(paths) => paths,
+            DialogAnswer::Cancelled => Vec::new(),
+        };
         let Some(mut first) = paths.first().cloned() else {
             cx.send(Command::CancelPending);
             return None;
         };
-        if let (None, Some(extension)) = (first.extension(), default_extension(what)) {
+        let mut may_replace = has_asked;
+        if let (None, Some(extension)) = (first.extension(), request::default_extension(what)) {
             first.set_extension(extension);
+            may_replace = false;
         }
         // Overwriting the document's own file needs no question, unless it has changed on disk.
         let own = cx
@@ -86,8 +155,8 @@ impl FileChooser {
             .file
             .as_ref()
             .filter(|f| what == FileRequest::SaveAs && f.path == first);
-        let is_meant = own.is_some_and(|f| !f.has_changed());
-        if saves(what) && first.exists() && !is_meant {
+        may_replace |= own.is_some_and(|f| !f.has_changed());
+        if request::saves(what) && first.exists() && !may_replace {
             self.replacing = Some((what, first));
             return None;
         }
@@ -132,136 +201,107 @@ impl FileChooser {
         }
     }
 
-    /// Creates the file dialog.
-    fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialog {
-        let file = cx.app.file.as_ref().map(|f| f.path.as_path());
-        let source_file = cx
-            .app
-            .document
-            .source_files
-            .first()
-            .map(|b| b.path.as_path());
-        let known = file.or(source_file);
-        let folder = self.folder.clone();
-        let folder = folder.or_else(|| known.and_then(Path::parent).map(Path::to_owned));
-        let folder = folder.filter(|f| f.is_dir());
-        let folder = folder.or_else(|| std::env::current_dir().ok());
-        let stem = known.and_then(Path::file_stem).unwrap_or_default();
-        let stem = if stem.is_empty() {
-            "azulejo".to_owned()
+    /// Opens the desktop's dialog if it has one and the user wants it, or the own one.
+    fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialogKind {
+        let wants_native = cx.app.preferences.file_dialogs == FileDialogs::Native;
+        if wants_native && self.native.is_known() {
+            FileDialogKind::NativeWanted(Box::new(self.native_request(what, cx)))
         } else {
-            stem.to_string_lossy().into_owned()
+            FileDialogKind::Own(self.open_own(what, cx))
+        }
+    }
+
+    fn open_own(&self, what: FileRequest, cx: &PanelContext) -> Box<OwnFileDialog> {
+        let task = BrowserTask {
+            saves: request::saves(what),
+            many: request::takes_many(what),
+            extensions: request::extensions(what),
         };
-        let dialog = match what {
-            FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),
-            FileRequest::Backdrop
-            | FileRequest::Environment(_)
-            | FileRequest::Recipe
-            | FileRequest::Font
-            | FileRequest::Outline
-            | FileRequest::LoadBrdf => FileDialog::open_file(),
-            FileRequest::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
-            FileRequest::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
-            FileRequest::SaveRender => {
-                FileDialog::save_file().default_filename(format!("{stem}.png"))
-            }
-            FileRequest::SaveLightmap(what) => {
-                FileDialog::save_file().default_filename(lightmap_name(&stem, what))
-            }
-            FileRequest::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
-        };
-        let mut dialog = dialog
-            .id(Id::unique("files"))
-            .initial_path(folder.unwrap_or_default())
-            .title(title(what, cx))
-            .default_size([640.0, 420.0])
-            .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
-            .show_rename(false)
-            .keep_on_top(true)
-            .show_files_filter(self.all_files.filter(move |path| is_offered(what, path)))
-            .open_button_text(cx.tr("Open").into())
-            .save_button_text(cx.tr("Save").into())
-            .cancel_button_text(cx.tr("Cancel").into())
-            .new_folder_button_text(cx.tr("New folder").into())
-            .new_folder_name_text(cx.tr("New folder").into())
-            .refresh_button_hover_text(cx.tr("Refresh").into())
-            .parent_folder_button_hover_text(cx.tr("Parent folder").into())
-            .file_label_text(cx.tr("File:").into())
-            .show_hidden_checkbox_text(cx.tr("Show hidden files").into());
-        dialog.open();
-        dialog
+        let folder = self.folder(cx).unwrap_or_default();
+        let name = request::proposed_name(what, &stem(cx));
+        Box::new(OwnFileDialog::new(task, folder, name, self.options, cx))
+    }
+
+    fn native_request(&self, what: FileRequest, cx: &PanelContext) -> NativeFileRequest {
+        NativeFileRequest {
+            title: request::title(what, cx).into(),
+            saves: request::saves(what),
+            many: request::takes_many(what),
+            folder: self.folder(cx),
+            name: request::proposed_name(what, &stem(cx)),
+            types: file_types(what, cx),
+        }
+    }
+
+    /// The folder in which a dialog opens.
+    fn folder(&self, cx: &PanelContext) -> Option<PathBuf> {
+        let folder = self.folder.clone();
+        let folder = folder.or_else(|| known_file(cx).and_then(Path::parent).map(Path::to_owned));
+        let folder = folder.filter(|f| f.is_dir());
+        folder.or_else(|| std::env::current_dir().ok())
     }
 }
 
-/// The extension added to a name without one.
-fn default_extension(what: FileRequest) -> Option<&'static str> {
-    match what {
-        FileRequest::SaveAs => Some("grf"),
-        FileRequest::SaveRender => Some("png"),
-        FileRequest::SaveLightmap(what) => Some(what.extension()),
-        FileRequest::SaveBrdf => Some("brdf"),
-        _ => None,
-    }
+/// Tells that the desktop's dialog is open; returns its answer, or that of the user who no longer
+/// waits for it.
+fn wait_for_native(
+    ui: &Ui,
+    cx: &PanelContext,
+    mut answer: Option<NativeAnswer>,
+) -> Option<NativeAnswer> {
+    let modal = Modal::new(Id::unique("native files")).show(ui.ctx(), |ui| {
+        ui.set_width(320.0);
+        ui.label(cx.tr("The file is being chosen in a window of the desktop."));
+        ui.horizontal(|ui| {
+            if ui.button(cx.tr("Choose it here")).clicked() {
+                answer = Some(NativeAnswer::Failed);
+            }
+            if ui.button(cx.tr("Cancel")).clicked() {
+                answer = Some(NativeAnswer::Cancelled);
+            }
+        });
+    });
+    // A click beside it comes from the other window as it closes.
+    let escapes = modal.is_top_modal && ui.input(|i| i.key_pressed(egui::Key::Escape));
+    answer.or(escapes.then_some(NativeAnswer::Cancelled))
 }
 
-/// The name that is proposed: another one than that of the model, which would be replaced.
-fn lightmap_name(stem: &str, what: LightmapFile) -> String {
-    let part = match what {
-        LightmapFile::Model => "baked",
-        LightmapFile::Irradiance => "irradiance",
-        LightmapFile::StandardError => "error",
+/// The types of files that the desktop's dialog offers. Its patterns know upper and lower case.
+fn file_types(what: FileRequest, cx: &PanelContext) -> Vec<(String, Vec<String>)> {
+    let mut types = Vec::new();
+    let extensions = match request::default_extension(what) {
+        // Some desktops add the first extension to a name without one.
+        Some(extension) if what == FileRequest::SaveAs => vec![extension],
+        _ => request::extensions(what).to_vec(),
     };
-    format!("{stem}-{part}.{}", what.extension())
-}
-
-fn saves(what: FileRequest) -> bool {
-    matches!(
-        what,
-        FileRequest::SaveAs
-            | FileRequest::Export
-            | FileRequest::SaveRender
-            | FileRequest::SaveLightmap(_)
-            | FileRequest::SaveBrdf
-    )
-}
-
-/// Whether the file dialog lists a file.
-fn is_offered(what: FileRequest, path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    let extension = extension.to_ascii_lowercase();
-    match what {
-        FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => {
-            MODELS.contains(&extension.as_str())
-        }
-        FileRequest::Recipe => extension == "toml",
-        FileRequest::Environment(_) => ["hdr", "exr"].contains(&extension.as_str()),
-        FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
-        FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
-        FileRequest::SaveLightmap(LightmapFile::Model) => {
-            ["glb", "gltf"].contains(&extension.as_str())
-        }
-        FileRequest::SaveLightmap(_) => extension == "exr",
-        FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
-        FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
+    if !extensions.is_empty() {
+        let name = if request::takes_many(what) {
+            cx.tr("Models").to_owned()
+        } else {
+            request::title(what, cx).to_owned()
+        };
+        let upper = extensions.iter().map(|e| e.to_uppercase());
+        let all = extensions.iter().map(|e| (*e).to_owned());
+        types.push((name, all.chain(upper).collect()));
     }
+    types.push((cx.tr("All files").to_owned(), vec!["*".into()]));
+    types
 }
 
-fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
-    match what {
-        FileRequest::Open => cx.tr("Open models"),
-        FileRequest::Add => cx.tr("Add models"),
-        FileRequest::SaveAs => cx.tr("Save as GRF"),
-        FileRequest::Export => cx.tr("Export a copy"),
-        FileRequest::SaveRender => cx.tr("Save the image"),
-        FileRequest::SaveLightmap(LightmapFile::Model) => cx.tr("Save the model with its lightmap"),
-        FileRequest::SaveLightmap(LightmapFile::Irradiance) => cx.tr("Save the irradiance"),
-        FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
-        FileRequest::Backdrop => cx.tr("Choose a background image"),
-        FileRequest::Recipe => cx.tr("Choose a recipe"),
-        FileRequest::Environment(_) => cx.tr("Choose an environment map"),
-        FileRequest::Font => cx.tr("Choose a font"),
-        FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
-        FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
-        FileRequest::SaveBrdf => cx.tr("Save the reflection model"),
-    }
+/// The file of the document, or the first one that was added to it.
+fn known_file<'a>(cx: &'a PanelContext) -> Option<&'a Path> {
+    let file = cx.app.file.as_ref().map(|f| f.path.as_path());
+    let sources = &cx.app.document.source_files;
+    file.or_else(|| sources.first().map(|b| b.path.as_path()))
 }
+
+/// The name of the document's file without its extension.
+fn stem(cx: &PanelContext) -> String {
+    let stem = known_file(cx).and_then(Path::file_stem);
+    let stem = stem.map(|s| s.to_string_lossy().into_owned());
+    stem.filter(|s| !s.is_empty())
+        .unwrap_or_else(|| "azulejo".into())
+}
+
+#[cfg(test)]
+mod tests;

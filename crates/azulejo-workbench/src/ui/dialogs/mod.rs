@@ -8,7 +8,6 @@ mod prism;
 mod question;
 mod recovery;
 mod shortcuts;
-mod show_all_files;
 mod text;
 
 use super::panel_context::PanelContext;
@@ -19,6 +18,7 @@ use files::{ChosenFiles, FileChooser};
 use std::path::PathBuf;
 
 pub(super) use bake::BakeDialog;
+pub use files::NativeSupport;
 pub use preferences::map_name;
 pub(super) use prism::PrismDialog;
 pub use text::TextDialog;
@@ -62,6 +62,16 @@ impl Dialogs {
         about::show(ui, cx, &mut self.about);
         let chosen = self.files.show(ui, cx)?;
         self.use_files(chosen, cx)
+    }
+
+    /// Sets whether the desktop's file dialog may be used.
+    pub fn set_native_files(&mut self, native: NativeSupport) {
+        self.files.set_native(native);
+    }
+
+    /// Opens the desktop's file dialog in front of a window, if it was requested in this frame.
+    pub fn open_native_files(&mut self, frame: &eframe::Frame, context: &egui::Context) {
+        self.files.open_native(frame, context);
     }
 
     /// Whether a dialog or question is open that takes the keyboard.

@@ -1,0 +1,98 @@
+//! What each request asks for: titles, names and extensions.
+
+use crate::bake::LightmapFile;
+use crate::command::FileRequest;
+use crate::ui::panel_context::PanelContext;
+
+/// Extensions of readable models, for the file dialog; the format is detected from the content.
+const MODELS: [&str; 34] = [
+    "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
+    "sff", "scn", "grf", "vs3", "msh", "off", "vtk", "vtu", "vtp", "bdf", "nas", "dat", "fem",
+    "blk", "inp", "foam", "json", "jsonl", "idf", "epjson", "gz",
+];
+
+/// The extension added to a name without one.
+pub fn default_extension(what: FileRequest) -> Option<&'static str> {
+    match what {
+        FileRequest::SaveAs => Some("grf"),
+        FileRequest::SaveRender => Some("png"),
+        FileRequest::SaveLightmap(what) => Some(what.extension()),
+        FileRequest::SaveBrdf => Some("brdf"),
+        _ => None,
+    }
+}
+
+/// The name that is proposed to save under; none to open a file.
+pub fn proposed_name(what: FileRequest, stem: &str) -> String {
+    match what {
+        FileRequest::SaveAs => format!("{stem}.grf"),
+        FileRequest::Export => format!("{stem}.glb"),
+        FileRequest::SaveRender => format!("{stem}.png"),
+        FileRequest::SaveLightmap(what) => lightmap_name(stem, what),
+        FileRequest::SaveBrdf => "material.brdf".into(),
+        _ => String::new(),
+    }
+}
+
+/// The name that is proposed: another one than that of the model, which would be replaced.
+fn lightmap_name(stem: &str, what: LightmapFile) -> String {
+    let part = match what {
+        LightmapFile::Model => "baked",
+        LightmapFile::Irradiance => "irradiance",
+        LightmapFile::StandardError => "error",
+    };
+    format!("{stem}-{part}.{}", what.extension())
+}
+
+/// Whether the request is for a file to write.
+pub fn saves(what: FileRequest) -> bool {
+    matches!(
+        what,
+        FileRequest::SaveAs
+            | FileRequest::Export
+            | FileRequest::SaveRender
+            | FileRequest::SaveLightmap(_)
+            | FileRequest::SaveBrdf
+    )
+}
+
+/// Whether several files may be chosen.
+pub fn takes_many(what: FileRequest) -> bool {
+    matches!(what, FileRequest::Open | FileRequest::Add)
+}
+
+/// The extensions of the files that the dialog lists; empty for all files.
+pub fn extensions(what: FileRequest) -> &'static [&'static str] {
+    match what {
+        FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => &MODELS,
+        FileRequest::Recipe => &["toml"],
+        FileRequest::Environment(_) => &["hdr", "exr"],
+        FileRequest::Backdrop => &["png", "jpg", "jpeg", "hdr"],
+        FileRequest::SaveRender => &["png", "exr", "hdr"],
+        FileRequest::SaveLightmap(LightmapFile::Model) => &["glb", "gltf"],
+        FileRequest::SaveLightmap(_) => &["exr"],
+        FileRequest::Outline => &["svg", "dxf"],
+        FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => &[],
+    }
+}
+
+/// The title of the dialog.
+pub fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
+    match what {
+        FileRequest::Open => cx.tr("Open models"),
+        FileRequest::Add => cx.tr("Add models"),
+        FileRequest::SaveAs => cx.tr("Save as GRF"),
+        FileRequest::Export => cx.tr("Export a copy"),
+        FileRequest::SaveRender => cx.tr("Save the image"),
+        FileRequest::SaveLightmap(LightmapFile::Model) => cx.tr("Save the model with its lightmap"),
+        FileRequest::SaveLightmap(LightmapFile::Irradiance) => cx.tr("Save the irradiance"),
+        FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
+        FileRequest::Backdrop => cx.tr("Choose a background image"),
+        FileRequest::Recipe => cx.tr("Choose a recipe"),
+        FileRequest::Environment(_) => cx.tr("Choose an environment map"),
+        FileRequest::Font => cx.tr("Choose a font"),
+        FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
+        FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
+        FileRequest::SaveBrdf => cx.tr("Save the reflection model"),
+    }
+}
