@@ -28,6 +28,10 @@ pub enum Command {
     Save,
     /// Saves it even if another program has changed the file.
     SaveAnyway,
+    /// Solves the light on the vertices of the model and saves it, in place of a finer mesh.
+    KeepFaces,
+    /// The user has seen that the saved mesh is finer than the model.
+    DismissFinerMesh,
     /// Saves it to another file, which becomes its own.
     SaveAs(PathBuf),
     /// Writes a copy in the format of the extension.

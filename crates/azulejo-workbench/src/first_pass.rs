@@ -68,6 +68,8 @@ pub struct LightSettings {
     pub time: Option<f64>,
     /// Number of diffuse bounces; `None` for all.
     pub bounces: Option<u32>,
+    /// Whether light is stored on the vertices of the model, and not on those of a finer mesh.
+    pub keep_mesh: bool,
 }
 
 /// Default time limit in seconds.
@@ -81,6 +83,7 @@ impl LightSettings {
             size: PatchSize::Squares(self.patches.max(1) as usize),
             error: Some(self.error),
             bounces: self.bounces,
+            keep_mesh: self.keep_mesh,
             memory: azulejo::machine::memory_budget(),
             ..FirstPass::default()
         }
@@ -104,6 +107,7 @@ impl Default for LightSettings {
             // percent, and interactive use needs results soon.
             time: Some(DEFAULT_TIME),
             bounces: None,
+            keep_mesh: false,
         }
     }
 }

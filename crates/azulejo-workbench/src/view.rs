@@ -313,12 +313,14 @@ pub struct ModelView {
     pub shows_grid: bool,
     /// Whether the scene's fog is drawn.
     pub shows_fog: bool,
+    /// Width of the viewport over its height, by which the model is framed.
+    pub aspect: f64,
 }
 
 impl Default for ModelView {
     fn default() -> ModelView {
         ModelView {
-            camera: camera_around(Aabb::EMPTY, Up::Y),
+            camera: camera_around(Aabb::EMPTY, 1.0, Up::Y),
             shading: Shading::default(),
             exposure: None,
             false_color: FalseColor::default(),
@@ -330,18 +332,19 @@ impl Default for ModelView {
             shows_markers: true,
             shows_grid: false,
             shows_fog: true,
+            aspect: 1.0,
         }
     }
 }
 
 /// A camera that sees all of `bounds`; a unit cube if they are empty.
-pub fn camera_around(bounds: Aabb, up: Up) -> Camera {
+pub fn camera_around(bounds: Aabb, aspect: f64, up: Up) -> Camera {
     let bounds = if bounds.is_empty() {
         Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)])
     } else {
         bounds
     };
-    Camera::framing(bounds, 1.0, up.axis())
+    Camera::framing(bounds, aspect.min(1.0), up.axis())
 }
 
 /// Minimum distance of an orbit from the pole, radians.
@@ -406,7 +409,10 @@ impl ModelView {
         }
         let (_, _, forward) = self.camera.axes();
         let radius = (0.5 * bounds.diagonal()).max(1e-9);
-        let distance = radius / (0.5 * self.camera.vertical_fov).sin();
+        let half = 0.5 * self.camera.vertical_fov;
+        // In a narrow viewport the sides are nearer than the top.
+        let narrow = half.min((half.tan() * self.aspect).atan());
+        let distance = radius / narrow.max(1e-3).sin();
         self.camera.target = bounds.centre();
         self.camera.eye = self.camera.target - forward * distance;
     }
@@ -532,7 +538,7 @@ mod tests {
             (camera.eye, camera.target) = (eye, target);
             sees_most(&camera, bounds)
         };
-        assert!(sees_most(&camera_around(bounds, Up::Z), bounds));
+        assert!(sees_most(&camera_around(bounds, 1.0, Up::Z), bounds));
         assert!(looks_from(DVec3::new(0.0, 0.5, 5.0), DVec3::ZERO));
         assert!(!looks_from(DVec3::new(0.0, 0.0, 0.5), DVec3::ZERO));
         assert!(!looks_from(

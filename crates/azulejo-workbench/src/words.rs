@@ -11,6 +11,7 @@ mod app;
 mod brdf;
 mod cards;
 mod dialogs;
+mod failures;
 mod files;
 mod inspector;
 mod light;
@@ -41,7 +42,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 14] = [
+const TABLES: [&[Translation]; 15] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -50,6 +51,7 @@ const TABLES: [&[Translation]; 14] = [
     surroundings::TABLE,
     brdf::TABLE,
     cards::TABLE,
+    failures::TABLE,
     light::TABLE,
     lightmap::TABLE,
     view_tab::TABLE,

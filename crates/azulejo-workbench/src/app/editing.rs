@@ -134,6 +134,7 @@ impl App {
     fn edited(&mut self) {
         self.changed_at.get_or_insert_with(Instant::now);
         self.jobs.cancel_kind(JobKind::FormFactors);
+        (self.finer_mesh, self.save_when_solved) = (None, None);
         self.lightmap_outdated();
         if self.lighting.document_changed(&self.document) {
             self.light_changed();

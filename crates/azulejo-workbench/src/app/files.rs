@@ -1,5 +1,6 @@
 //! Loading files into the document.
 
+use super::failures::describe;
 use super::recipes::ImportedRecipes;
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
@@ -107,6 +108,7 @@ impl App {
             [one] => one.display().to_string(),
             several => format!("{} {}", several.len(), self.tr("files")),
         };
+        let language = self.preferences.language;
         self.jobs
             .start(JobKind::Load, title, move |progress, outbox| {
                 let mut reader = ModelReader { units, taken, home };
@@ -114,7 +116,10 @@ impl App {
                     match reader.read(&path, progress) {
                         Ok(model) => outbox.send(JobResult::Model(Box::new(model))),
                         Err(models::ReadFailure::Cancelled) => return Ok(()),
-                        Err(failure) => outbox.send(JobResult::NoModel(path, failure.to_string())),
+                        Err(failure) => {
+                            let why = describe(language, &path, &failure);
+                            outbox.send(JobResult::NoModel(why));
+                        }
                     }
                 }
                 Ok(())
@@ -229,16 +234,6 @@ impl App {
             _ => {}
         }
         self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
-    }
-
-    pub(super) fn take_failure(&mut self, path: &Path, why: &str) {
-        let named = why.contains(&*path.to_string_lossy());
-        let text = if named {
-            why.to_owned()
-        } else {
-            format!("{}: {why}", path.display())
-        };
-        self.report(Severity::Error, text);
     }
 
     /// Ends loading, successfully or not, and starts on the files that are waiting.

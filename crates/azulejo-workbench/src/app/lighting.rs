@@ -327,6 +327,7 @@ impl App {
     pub(super) fn take_light_of_file(&mut self) {
         if let Some(solution) = Solution::of_file(&self.document) {
             self.take_light(solution);
+            self.show_own_light();
         }
     }
 

@@ -8,6 +8,7 @@ mod autosave;
 mod bake;
 mod editing;
 mod examples;
+mod failures;
 mod files;
 mod lighting;
 mod materials;
@@ -24,7 +25,7 @@ pub use examples::Example;
 pub use lighting::{IrradianceRange, Lighting, Stopwatch};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
 pub use render::{RenderedImage, shown};
-pub use saving::{OnDisk, PendingQuestion};
+pub use saving::{FinerMesh, OnDisk, PendingQuestion};
 pub use thumbnails::{THUMBNAIL, Thumbnails};
 
 use crate::command::{Command, FileRequest, Selection};
@@ -33,7 +34,7 @@ use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, ModelView, camera_around, sees_all, sees_most};
+use crate::view::{Backdrop, ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
 use azulejo::scene::{Camera, Image};
 use azulejo::trace::Tracer;
@@ -46,8 +47,8 @@ use std::time::Instant;
 pub enum JobResult {
     /// A model read from a file.
     Model(Box<files::LoadedModel>),
-    /// A file that could not be read; others may follow.
-    NoModel(PathBuf, String),
+    /// Why a file could not be read; others may follow.
+    NoModel(String),
     /// The document has been saved.
     Saved(saving::SavedModel),
     /// A recovery copy of this revision has been written.
@@ -147,6 +148,10 @@ pub struct App {
     pub preferences: Preferences,
     /// Whether the window should close.
     pub closing: bool,
+    /// The file last saved, if light made its mesh finer than the model.
+    pub finer_mesh: Option<FinerMesh>,
+    /// The file to save once the light is solved.
+    save_when_solved: Option<PathBuf>,
     /// Small pictures of recent files.
     pub thumbnails: Thumbnails,
     /// The file whose thumbnail the viewport makes once it has drawn the model.
@@ -222,6 +227,8 @@ impl App {
             asking: None,
             preferences,
             closing: false,
+            finer_mesh: None,
+            save_when_solved: None,
             thumbnails: Thumbnails::new(dirs.thumbnails),
             thumbnail_wanted: None,
             revision: 0,
@@ -295,6 +302,8 @@ impl App {
             Command::Add(paths) => self.load(paths, false),
             Command::Save => self.save(false),
             Command::SaveAnyway => self.save(true),
+            Command::KeepFaces => self.keep_faces(),
+            Command::DismissFinerMesh => self.finer_mesh = None,
             Command::SaveAs(path) => self.save_as(path),
             Command::Export(path) => self.export(path),
             Command::SaveRender(path) => self.save_render(path),
@@ -380,7 +389,7 @@ impl App {
     fn take(&mut self, job: &Job, found: JobResult) {
         match found {
             JobResult::Model(model) => self.take_model(job, *model),
-            JobResult::NoModel(path, why) => self.take_failure(&path, &why),
+            JobResult::NoModel(why) => self.report(Severity::Error, why),
             JobResult::Saved(saved) => self.take_saved(saved),
             JobResult::Autosaved(revision) => self.recovery.done(revision),
             JobResult::Light(solution) => self.take_light_of(job, *solution),
@@ -413,7 +422,10 @@ impl App {
         }
         match job.kind {
             JobKind::Load => self.end_loading(),
-            JobKind::Solve => self.end_solving(),
+            JobKind::Solve => {
+                self.end_solving();
+                self.save_solved();
+            }
             JobKind::Render => self.end_render(),
             // Whatever happened to this copy, remaining changes are written by the next one.
             JobKind::Autosave if self.is_changed() => {
@@ -551,7 +563,7 @@ impl App {
         let bounds = self.document.model_bounds();
         let own = self.document.cameras.first().map(|c| c.camera.clone());
         let own = own.filter(|camera| sees_most(camera, bounds) || self.is_within(camera));
-        let framing = || camera_around(bounds, self.document.units.up);
+        let framing = || camera_around(bounds, self.view.aspect, self.document.units.up);
         self.view.camera = own.unwrap_or_else(framing);
     }
 
@@ -649,6 +661,15 @@ impl App {
         self.forget_copy();
         self.lighting.replaced(&self.document);
         self.drop_lightmap();
+        (self.finer_mesh, self.save_when_solved) = (None, None);
         self.frame_all();
+        self.show_own_light();
+    }
+
+    /// Shows the light that came with a file.
+    fn show_own_light(&mut self) {
+        if self.lighting.solution.is_some() && !self.view.shading.shows_light() {
+            self.view.shading = Shading::Irradiance;
+        }
     }
 }

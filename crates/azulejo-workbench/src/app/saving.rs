@@ -3,6 +3,7 @@
 use super::files::absolute;
 use super::{App, DocumentState, JobResult, Severity};
 use crate::command::{Command, FileRequest};
+use crate::document::SceneDocument;
 use crate::jobs::{JobKind, JobSender};
 use azulejo::models;
 use azulejo::output::Output;
@@ -103,6 +104,19 @@ pub struct SavedModel {
     lit: bool,
     /// Whether light that was loaded on some surfaces was not written.
     drops_light: bool,
+    /// Faces that were written, and those of the model.
+    faces: [usize; 2],
+}
+
+/// A saved file whose mesh is finer than the model, because it carries light.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FinerMesh {
+    /// The file.
+    pub path: PathBuf,
+    /// Faces of the file.
+    pub saved: usize,
+    /// Faces of the model.
+    pub model: usize,
 }
 
 impl App {
@@ -158,6 +172,10 @@ impl App {
                 state,
                 lit,
                 drops_light: !lit && solution.is_none() && document.brings_light(),
+                faces: [
+                    SceneDocument::of_scene(scene, None).face_count(),
+                    document.face_count(),
+                ],
             }));
             Ok(())
         });
@@ -186,6 +204,13 @@ impl App {
     pub(super) fn take_saved(&mut self, saved: SavedModel) {
         let path = saved.on_disk.path.clone();
         self.report_saved(&saved);
+        let [written, model] = saved.faces;
+        let is_finer = saved.lit && saved.state.is_some() && written > model;
+        self.finer_mesh = is_finer.then(|| FinerMesh {
+            path: path.clone(),
+            saved: written,
+            model,
+        });
         self.thumbnail_wanted = saved.state.is_some().then(|| path.clone());
         self.preferences.note_recent(&path);
         self.store_preferences();
@@ -203,6 +228,26 @@ impl App {
             // An export over the document's own file is not a change by another program.
             (None, Some(file)) if file.is_at(&path) => self.file = Some(saved.on_disk),
             (None, _) => {}
+        }
+    }
+
+    /// Solves the light again on the vertices of the model, and saves it to the file that has a
+    /// finer mesh.
+    pub(super) fn keep_faces(&mut self) {
+        let Some(finer) = self.finer_mesh.take() else {
+            return;
+        };
+        self.lighting.settings.keep_mesh = true;
+        self.solve();
+        self.save_when_solved = Some(finer.path);
+    }
+
+    /// Saves the light that was solved for it.
+    pub(super) fn save_solved(&mut self) {
+        let is_done = self.lighting.is_current
+            && (self.lighting.solution.as_ref()).is_some_and(|s| s.report.is_some());
+        if let Some(path) = self.save_when_solved.take().filter(|_| is_done) {
+            self.save_as(path);
         }
     }
 
@@ -291,6 +336,7 @@ mod tests {
             state: Some(app.state()),
             lit: false,
             drops_light: false,
+            faces: [0, 0],
         };
         std::fs::write(&path, "of others").unwrap();
         app.take_saved(saved);

@@ -173,7 +173,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 64] = [
+pub(super) const STEPS: [&str; 65] = [
     "size",
     "open",
     "add",
@@ -222,6 +222,7 @@ pub(super) const STEPS: [&str; 64] = [
     "patches",
     "time",
     "bounces",
+    "keep-mesh",
     "solve",
     "probe",
     "remove-probe",

@@ -1,6 +1,6 @@
 //! Steps that set and start the solver, by their first word.
 
-use super::fields::{number, one_of, unless, whole};
+use super::fields::{number, one_of, switch, unless, whole};
 use crate::app::App;
 use crate::command::Command;
 use crate::first_pass::{EngineChoice, LightSettings};
@@ -16,6 +16,8 @@ pub enum SolverStep {
     Time(Option<f64>),
     /// `bounces N`, `bounces none`: limits diffuse bounces.
     Bounces(Option<u32>),
+    /// `keep-mesh on`, `off`: whether light is stored on the vertices of the model.
+    KeepMesh(bool),
     /// `solve` or `solve 5%`: solves the light, optionally to a given error.
     Solve(Option<f64>),
 }
@@ -31,6 +33,7 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<Result<SolverStep, String>
         "time" => unless("none", rest, seconds).map(SolverStep::Time),
         "bounces" if rest == "0" => Ok(SolverStep::Bounces(Some(0))),
         "bounces" => unless("none", rest, |n| whole(n, 1_000)).map(SolverStep::Bounces),
+        "keep-mesh" => switch(rest).map(SolverStep::KeepMesh),
         "solve" => error(rest).map(SolverStep::Solve),
         _ => return None,
     })
@@ -66,6 +69,7 @@ impl SolverStep {
             SolverStep::Patches(patches) => set(LightSettings { patches, ..old }),
             SolverStep::Time(time) => set(LightSettings { time, ..old }),
             SolverStep::Bounces(bounces) => set(LightSettings { bounces, ..old }),
+            SolverStep::KeepMesh(keep_mesh) => set(LightSettings { keep_mesh, ..old }),
             SolverStep::Solve(None) => vec![Command::Solve],
             SolverStep::Solve(Some(error)) => {
                 // A script that specifies an error wants it reached, however long it takes.

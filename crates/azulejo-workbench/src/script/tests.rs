@@ -15,7 +15,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Commands without a step, and why they need none.
-const WITHOUT_STEP: [(&str, &str); 14] = [
+const WITHOUT_STEP: [(&str, &str); 16] = [
+    ("KeepFaces", "the step `keep-mesh` says so before solving"),
+    ("DismissFinerMesh", "closes a message"),
     ("DismissFailure", "closes a message, which fails the script"),
     (
         "SaveUnfinishedRender",

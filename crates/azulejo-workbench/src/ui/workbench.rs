@@ -166,6 +166,8 @@ impl Workbench {
             targets = actions::pressed(ui.ctx(), &self.app);
         }
         let (commands, loss) = self.parts(ui, &mut targets);
+        let (width, height) = self.viewport.size();
+        self.app.view.aspect = f64::from(width) / f64::from(height);
         let acted = !commands.is_empty() || !targets.is_empty();
         commands.into_iter().for_each(|c| self.app.execute(c));
         targets.into_iter().for_each(|w| self.run_action(w));

@@ -96,6 +96,28 @@ pub const TABLE: &[Translation] = &[
         "La luz aún no está calculada.",
         "A luz ainda não está calculada.",
     ],
+    // Saved light.
+    [
+        "Saved with its light on a finer mesh:",
+        "Guardado con su luz en una malla más fina:",
+        "Guardado com a sua luz numa malha mais fina:",
+    ],
+    ["instead of", "en lugar de", "em vez de"],
+    [
+        "Keep the faces of the model",
+        "Conservar las caras del modelo",
+        "Manter as faces do modelo",
+    ],
+    [
+        "Solves the light on the vertices of the model and saves again.",
+        "Calcula la luz en los vértices del modelo y guarda de nuevo.",
+        "Calcula a luz nos vértices do modelo e guarda de novo.",
+    ],
+    [
+        "Stores the light on the vertices of the model. Without it, the light is stored on a finer mesh, which shows finer shadows.",
+        "Guarda la luz en los vértices del modelo. Sin esta opción, se guarda en una malla más fina, que muestra sombras más finas.",
+        "Guarda a luz nos vértices do modelo. Sem esta opção, é guardada numa malha mais fina, que mostra sombras mais finas.",
+    ],
     // Failures.
     [
         "That did not work",

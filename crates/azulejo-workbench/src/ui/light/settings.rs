@@ -21,6 +21,11 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
         time(ui, cx, &mut new);
         bounces(ui, cx, &mut new);
     });
+    let about = cx.tr(
+        "Stores the light on the vertices of the model. Without it, the light is stored on a finer mesh, which shows finer shadows.",
+    );
+    ui.checkbox(&mut new.keep_mesh, cx.tr("Keep the faces of the model"))
+        .on_hover_text(about);
     if new != old {
         cx.send(Command::SetLight(new));
     }

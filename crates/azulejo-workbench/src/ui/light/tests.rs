@@ -175,6 +175,7 @@ fn settings_are_typed() {
         error: 0.125,
         time: Some(7.5),
         bounces: Some(5),
+        keep_mesh: false,
     };
     assert_eq!(harness.state().app.lighting.settings, expected);
     click(&mut harness, Role::CheckBox, "Time limit");

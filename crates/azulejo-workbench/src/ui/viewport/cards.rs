@@ -1,7 +1,7 @@
 //! Cards over the model: what is being done and how long it takes, and what can be done next.
 
 use super::super::actions::{ACTIONS, ActionTarget};
-use super::super::light::{percent, seconds};
+use super::super::light::{count, percent, seconds};
 use super::super::panel_context::PanelContext;
 use crate::app::RenderedImage;
 use crate::command::Command;
@@ -236,6 +236,29 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
         });
     });
     targets
+}
+
+/// Tells that the saved mesh is finer than the model, and offers to keep the model's.
+pub fn show_finer_mesh(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
+    let Some(finer) = cx.app.finer_mesh.clone() else {
+        return;
+    };
+    card(ui, rect, Align2::CENTER_BOTTOM, "finer mesh", |ui| {
+        let [saved, model] = [finer.saved, finer.model].map(|n| count(n as u64));
+        let words = cx.tr("Saved with its light on a finer mesh:");
+        let [faces, than] = [cx.tr("faces"), cx.tr("instead of")];
+        ui.label(format!("{words} {saved} {faces} {than} {model}."));
+        ui.horizontal_wrapped(|ui| {
+            let about = cx.tr("Solves the light on the vertices of the model and saves again.");
+            let keep = ui.button(cx.tr("Keep the faces of the model"));
+            if keep.on_hover_text(about).clicked() {
+                cx.send(Command::KeepFaces);
+            }
+            if ui.button(cx.tr("Close")).clicked() {
+                cx.send(Command::DismissFinerMesh);
+            }
+        });
+    });
 }
 
 /// The last failure, in the middle of the viewport, until it is dismissed.

@@ -256,6 +256,7 @@ impl Viewport {
         if cx.app.render.is_some() {
             cards::show_render(ui, rect, cx)
         } else {
+            cards::show_finer_mesh(ui, rect, cx);
             cards::show_next(ui, rect, cx)
         }
     }
