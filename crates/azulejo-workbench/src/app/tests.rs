@@ -2,6 +2,7 @@
 
 mod edits;
 mod files;
+mod first_minute;
 mod light;
 mod recipes;
 mod recovery;

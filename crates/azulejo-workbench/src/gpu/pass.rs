@@ -9,7 +9,7 @@ use super::renderer::DefaultAttributes;
 use super::textures::TextureCache;
 use super::uniforms::{self, UniformBlocks};
 use crate::view::Shading;
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
 /// What a shading mode draws for each mesh.
@@ -140,12 +140,19 @@ pub struct PassEncoder<'a> {
 }
 
 /// An object with its draw stages and the offset of its uniforms.
+#[derive(Clone, Copy)]
 struct ObjectDraw<'a> {
     drawn: &'a DrawnMesh<'a>,
     geometry: &'a GpuMesh,
     visible: &'a VisibleObject,
     number: u32,
     culled: Option<wgpu::Face>,
+}
+
+/// The middle of a piece of an object, in view space.
+fn centre(one: &ObjectDraw, piece: &PieceBuffers) -> DVec3 {
+    let place = piece.centre.as_dvec3();
+    one.visible.view_from.transform_point3(place)
 }
 
 impl PassEncoder<'_> {
@@ -171,10 +178,12 @@ impl PassEncoder<'_> {
         pass.set_bind_group(0, self.frame_group, &[]);
         self.set(&mut pass, DrawStage::Background, None);
         pass.draw(0..3, 0..1);
-        for glass in [false, true] {
-            for one in self.object_draws() {
-                self.faces(&mut pass, &one, glass);
-            }
+        for one in self.object_draws() {
+            self.faces(&mut pass, &one, false, &self.pieces(&one));
+        }
+        // Each glass is seen through those before it, so that the farthest is drawn first.
+        for (one, piece) in self.glasses() {
+            self.faces(&mut pass, &one, true, &[piece]);
         }
         for one in self.object_draws() {
             self.lines_and_points(&mut pass, &one);
@@ -264,19 +273,42 @@ impl PassEncoder<'_> {
     }
 
     /// The pieces of an object that may be visible.
-    fn pieces<'b>(&self, one: &ObjectDraw<'b>) -> impl Iterator<Item = &'b PieceBuffers> {
-        let (view, visible) = (self.view, one.visible);
-        one.geometry.pieces.iter().filter(move |piece| {
-            let centre = visible.view_from.transform_point3(piece.centre.as_dvec3());
-            view.sees(centre, f64::from(piece.radius) * visible.stretch)
-        })
+    fn pieces<'b>(&self, one: &ObjectDraw<'b>) -> Vec<&'b PieceBuffers> {
+        let pieces = one.geometry.pieces.iter().filter(|piece| {
+            let radius = f64::from(piece.radius) * one.visible.stretch;
+            self.view.sees(centre(one, piece), radius)
+        });
+        pieces.collect()
+    }
+
+    /// The pieces with glass, from the farthest to the nearest.
+    fn glasses(&self) -> Vec<(ObjectDraw<'_>, &PieceBuffers)> {
+        let mut glasses: Vec<(f64, ObjectDraw<'_>, &PieceBuffers)> = Vec::new();
+        for one in self.object_draws() {
+            for piece in self.pieces(&one) {
+                if piece.ranges.iter().any(|r| self.is_glass(r.0)) {
+                    glasses.push((centre(&one, piece).length(), one, piece));
+                }
+            }
+        }
+        glasses.sort_by(|a, b| b.0.total_cmp(&a.0));
+        glasses
+            .into_iter()
+            .map(|(_, one, piece)| (one, piece))
+            .collect()
     }
 
     fn set_object(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
         pass.set_bind_group(1, &self.objects.group, &[self.objects.offset(one.number)]);
     }
 
-    fn faces(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw, glass: bool) {
+    fn faces(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        one: &ObjectDraw,
+        glass: bool,
+        pieces: &[&PieceBuffers],
+    ) {
         if self.plan.hides && !glass {
             self.hiding(pass, one);
         }
@@ -285,7 +317,7 @@ impl PassEncoder<'_> {
         };
         let is_wanted = |material: u32| self.is_glass(material) == glass;
         let has_wanted = |p: &PieceBuffers| p.ranges.iter().any(|r| is_wanted(r.0));
-        for piece in self.pieces(one).filter(|p| has_wanted(p)) {
+        for piece in pieces.iter().filter(|p| has_wanted(p)) {
             self.set(pass, stage, one.culled);
             self.set_object(pass, one);
             let is_indexed = self.set_corners(pass, piece);

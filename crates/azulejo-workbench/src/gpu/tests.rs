@@ -392,6 +392,68 @@ fn nothing_is_seen_through_numbers() {
 }
 
 #[test]
+fn glass_behind_glass_looks_the_same_in_any_order() {
+    let tinted = |r, b| {
+        let mut glass = Material::dielectric("", 1.5);
+        glass.emission = Rgb::new(r, 0.0, b);
+        glass
+    };
+    let materials = [tinted(1.0, 0.0), tinted(0.0, 1.0)];
+    let materials: Vec<&Material> = materials.iter().collect();
+    let (near, far) = (square(0.9, 0.5, 0), square(0.9, -0.5, 1));
+    let camera = camera(4.0);
+    on_each_driver(|renderer| {
+        let [near, far] = [DrawnMesh::new(1, &near), DrawnMesh::new(2, &far)];
+        let mut drawn = |objects: [DrawnMesh; 2]| {
+            let frame = ViewportFrame::new(SIZE, &camera, &objects, &materials);
+            draw(renderer, &frame).color(32, 32)
+        };
+        let shown = drawn([near, far]);
+        assert_eq!(shown, drawn([far, near]));
+        // The nearer one, which is red, covers some of the farther one.
+        assert!(shown[0] > shown[2] && shown[2] > 60, "{shown:?}");
+    });
+}
+
+#[test]
+fn a_section_cuts_what_is_drawn_and_what_is_picked() {
+    let white = Material::diffuse("", Rgb::WHITE);
+    let (near, far) = (square(0.9, 0.5, 0), square(0.9, -0.5, 0));
+    let camera = camera(4.0);
+    let objects = [DrawnMesh::new(1, &near), DrawnMesh::new(2, &far)];
+    let section = Some((DVec3::Z, 0.0));
+    let cut = Cutaway {
+        hides_backs: false,
+        section,
+    };
+    let ray = azulejo::scene::math::Ray::new(DVec3::new(0.1, 0.1, 4.0), DVec3::NEG_Z);
+    assert_eq!(
+        Cutaway::default().pick(&objects, &ray).map(|h| h.object),
+        Some(0)
+    );
+    let hit = cut.pick(&objects, &ray).expect("the far one");
+    assert_eq!((hit.object, hit.distance), (1, 4.5));
+    // From behind, what is nearer is kept, and beyond the plane there is nothing.
+    let away = azulejo::scene::math::Ray::new(DVec3::new(0.1, 0.1, -0.2), DVec3::Z);
+    assert!(cut.pick(&objects, &away).is_none());
+    on_each_driver(|renderer| {
+        let mut drawn = |objects: &[DrawnMesh], section| {
+            let materials = [&white];
+            let frame = ViewportFrame::new(SIZE, &camera, objects, &materials);
+            draw(renderer, &ViewportFrame { section, ..frame })
+        };
+        let all = drawn(&objects, section);
+        let alone = drawn(&objects[1..], None);
+        let differ = all
+            .rgba
+            .iter()
+            .zip(&alone.rgba)
+            .filter(|(a, b)| a.abs_diff(**b) > 2);
+        assert!(differ.count() < 40, "the near square is cut away");
+    });
+}
+
+#[test]
 fn fog_takes_its_share_at_a_distance() {
     let white = Material::diffuse("", Rgb::WHITE);
     let mut mesh = square(0.9, 0.0, 0);

@@ -1,5 +1,6 @@
 //! Tests of the workbench from outside: windows without a screen, operated by role and label.
 
+mod cards;
 mod dialogs;
 mod file_dialog;
 mod files;

@@ -105,10 +105,8 @@ fn bar(ui: &mut Ui, cx: &PanelContext, job: &Job) {
     let stage = job.progress.stage();
     let stage = cx.stage(&stage);
     if total == 0 {
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label(stage);
-        });
+        // Nothing that moves by itself: frames would take time from the solver.
+        ui.label(format!("{stage}…"));
         return;
     }
     let share = (done as f32 / total as f32).min(1.0);
