@@ -45,8 +45,7 @@ impl Division {
                 Division::of_count(plan, target)
             }
             PatchSize::Squares(count) => {
-                let area: f64 = outline.regions.iter().map(|r| r.area).sum();
-                let edge = (area / count.max(1) as f64).sqrt();
+                let edge = (area(outline) / count.max(1) as f64).sqrt();
                 let edge = if edge > 0.0 { edge } else { f64::INFINITY };
                 let most = plan.estimate(f64::INFINITY) as usize;
                 let most = most.saturating_add(count.saturating_mul(MOST_CUTS));
@@ -331,6 +330,16 @@ fn cells(
             size,
         )))
     })
+}
+
+/// The area of all surfaces. Regions of exact shapes have no polygon, and no area of their own.
+fn area(outline: &Outline) -> f64 {
+    let polygons: f64 = outline.regions.iter().map(|r| r.area).sum();
+    let exact = outline.scene.objects.iter().map(|o| match &o.shape {
+        Shape::Primitive(primitive) => primitive.area(),
+        Shape::Mesh(_) | Shape::Instance(_) | Shape::Exact(_) => 0.0,
+    });
+    polygons + exact.sum::<f64>()
 }
 
 /// The grids of an exact shape at a patch size.

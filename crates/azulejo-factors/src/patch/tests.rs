@@ -521,6 +521,23 @@ fn fine_figures_leave_patches_for_the_room() {
     assert!((300..700).contains(&even), "{even}");
 }
 
+/// Exact shapes have their share of the area, as the polygons have that stand for them.
+#[test]
+fn squares_divide_exact_shapes_as_they_do_meshes() {
+    let exact = |kind| Primitive::new(kind, DAffine3::from_scale(DVec3::splat(3.0)), 0);
+    for kind in [
+        PrimitiveKind::Square,
+        PrimitiveKind::Cuboid,
+        PrimitiveKind::Sphere,
+        PrimitiveKind::Cylinder,
+    ] {
+        let scene = scene(vec![Shape::Primitive(exact(kind))]);
+        let patches = Patches::new(&scene, PatchSize::Squares(900)).len();
+        // The cells of a sphere are narrow at its poles.
+        assert!((800..1_500).contains(&patches), "{kind:?}: {patches}");
+    }
+}
+
 /// A million details must not hide in the tolerance of the count what the floor lacks.
 #[test]
 fn floors_get_their_share_beside_any_number_of_details() {

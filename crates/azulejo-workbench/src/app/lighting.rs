@@ -247,6 +247,7 @@ impl App {
         // What is solved is to be seen, not a lightmap.
         self.show_lightmap(false);
         self.jobs.cancel_kind(JobKind::Solve);
+        self.forget_measurements();
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;

@@ -213,6 +213,12 @@ impl App {
         self.probes.retain(|p| p.number != number);
     }
 
+    /// Drops what was measured: with other settings it would be something else.
+    pub(super) fn forget_measurements(&mut self) {
+        self.measured_in = None;
+        self.probes.iter_mut().for_each(|p| p.measured = None);
+    }
+
     /// Updates all probes after a change of the document or its light. Measurements are valid for
     /// one document only.
     pub(super) fn refresh_probes(&mut self) {
@@ -222,8 +228,7 @@ impl App {
             probe.refresh(document, solution);
         }
         if (self.measured_in.as_ref()).is_some_and(|of| !same_light(of, document)) {
-            self.measured_in = None;
-            self.probes.iter_mut().for_each(|p| p.measured = None);
+            self.forget_measurements();
         }
     }
 
