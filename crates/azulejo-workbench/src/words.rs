@@ -12,6 +12,7 @@ mod brdf;
 mod cards;
 mod dialogs;
 mod inspector;
+mod library;
 mod light;
 mod lightmap;
 mod menu;
@@ -40,7 +41,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 13] = [
+const TABLES: [&[Translation]; 14] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -50,6 +51,7 @@ const TABLES: [&[Translation]; 13] = [
     brdf::TABLE,
     cards::TABLE,
     light::TABLE,
+    library::TABLE,
     lightmap::TABLE,
     view_tab::TABLE,
     views::TABLE,

@@ -51,6 +51,7 @@ const SCRIPTS: [&str; 4] = [
      place 1 0 0 0 45 0 1 2 1\n action Duplicate\n action Hide\n action Show all\n action Delete\n\
      action Undo\n action Redo\n select all\n action Cone\n cone 0.5\n text 0.2 0.25 - hi\n\
      prism 0.5 1 6\n material new wood\n material mirror 0.5 0.5 0.5\n material glass 1.5 thin\n\
+     material library brushed-steel\n\
      material rename pane\n material color 0.5 0.4 0.3\n material load DIR/ward.brdf\n\
      action Material\n select nothing\n select-material material\n action Delete\n select plate\n\
      select-faces 0 1\n material use pane\n action Remove unused materials\n\

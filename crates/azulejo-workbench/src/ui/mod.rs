@@ -21,6 +21,7 @@ mod light_unit;
 pub mod lightmap;
 mod material;
 mod material_actions;
+mod material_library;
 pub mod menu;
 pub mod messages;
 pub mod panel_context;
@@ -30,5 +31,6 @@ pub mod view_tab;
 pub mod viewport;
 mod workbench;
 
+pub(crate) use material_library::replacing;
 pub use viewport::Viewport;
 pub use workbench::{PanelTab, Rescued, Workbench};

@@ -3,6 +3,7 @@
 mod dialogs;
 mod files;
 mod inspector;
+mod library;
 mod lightmap;
 mod menus;
 mod script;

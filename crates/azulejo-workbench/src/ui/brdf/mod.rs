@@ -43,6 +43,7 @@ mod lobes;
 mod model;
 mod parameter;
 mod parameter_name;
+mod pictures;
 mod plots;
 mod polar;
 mod reflection;
@@ -58,6 +59,7 @@ mod tests;
 
 pub use file::{ModelFile, apply_file, with_description};
 pub use light::{PreviewLamp, PreviewLight};
+pub use pictures::SpherePictures;
 
 use crate::words::Language;
 use azulejo::scene::brdf::Description;

@@ -1,8 +1,10 @@
 //! The file dialog.
 
 use super::show_all_files::ShowAllFiles;
+use crate::app::App;
 use crate::bake::LightmapFile;
 use crate::command::{Command, FileRequest};
+use crate::library::slug;
 use crate::ui::panel_context::PanelContext;
 use egui::{Id, Modal, Ui};
 use egui_file::{FileDialog, State};
@@ -168,7 +170,7 @@ impl FileChooser {
             FileRequest::SaveLightmap(what) => {
                 FileDialog::save_file().default_filename(lightmap_name(&stem, what))
             }
-            FileRequest::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
+            FileRequest::SaveBrdf => FileDialog::save_file().default_filename(brdf_name(cx.app)),
         };
         let mut dialog = dialog
             .id(Id::unique("files"))
@@ -202,6 +204,15 @@ fn default_extension(what: FileRequest) -> Option<&'static str> {
         FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
+}
+
+/// The name that is proposed for a reflection model: that of its material.
+fn brdf_name(app: &App) -> String {
+    let id = app.selection.material;
+    let material = id.and_then(|id| app.document.materials.get(id as usize));
+    let name = material.map_or(String::new(), |m| slug(&m.name));
+    let name = if name.is_empty() { "material" } else { &name };
+    format!("{name}.brdf")
 }
 
 /// The name that is proposed: another one than that of the model, which would be replaced.
