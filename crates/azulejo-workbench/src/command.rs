@@ -115,6 +115,8 @@ pub enum Command {
     /// Computes the irradiance at the probes themselves instead of interpolating it between
     /// vertices.
     MeasureProbes,
+    /// Writes the table of probes as CSV.
+    SaveProbes(PathBuf),
 
     /// Renders the current view progressively.
     Render {
@@ -214,6 +216,8 @@ pub enum FileRequest {
     SaveRender,
     /// The file for a part of the lightmap.
     SaveLightmap(LightmapFile),
+    /// The file for the table of probes.
+    SaveProbes,
     /// An image for the background.
     Backdrop,
     /// A recipe to apply.

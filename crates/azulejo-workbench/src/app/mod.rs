@@ -15,6 +15,7 @@ mod probes;
 mod recipes;
 mod render;
 mod saving;
+mod table;
 #[cfg(test)]
 mod tests;
 mod thumbnails;
@@ -336,6 +337,7 @@ impl App {
             Command::AddProbe(place) => self.add_probe(place),
             Command::RemoveProbe(number) => self.remove_probe(number),
             Command::MeasureProbes => self.measure_probes(),
+            Command::SaveProbes(path) => self.save_probes(path),
             Command::Render {
                 width,
                 height,

@@ -57,6 +57,8 @@ pub enum ScriptStep {
     FormFactors(DVec3, DVec3),
     /// `remove-probe N`.
     RemoveProbe(u32),
+    /// `save-probes FILE`: writes the table of probes as CSV.
+    SaveProbes(PathBuf),
     /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
     /// `stop-render`: stops rendering and keeps the image.
@@ -145,6 +147,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
         "probe" => two_points(rest).map(|[from, to]| ScriptStep::Probe(from, to))?,
         "form-factors" => two_points(rest).map(|[from, to]| ScriptStep::FormFactors(from, to))?,
         "remove-probe" => ScriptStep::RemoveProbe(whole(rest, u32::MAX)?),
+        "save-probes" => ScriptStep::SaveProbes(path()?),
         "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
         "stop-render" => ScriptStep::StopRender,
         "resume-render" => ScriptStep::ResumeRender,
@@ -173,7 +176,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 64] = [
+pub(super) const STEPS: [&str; 65] = [
     "size",
     "open",
     "add",
@@ -225,6 +228,7 @@ pub(super) const STEPS: [&str; 64] = [
     "solve",
     "probe",
     "remove-probe",
+    "save-probes",
     "form-factors",
     "render",
     "stop-render",

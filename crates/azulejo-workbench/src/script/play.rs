@@ -281,6 +281,7 @@ fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
         ScriptStep::Solver(step) => Ok(step.commands(app)),
         ScriptStep::Bake(step) => step.commands(app),
         ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
+        ScriptStep::SaveProbes(path) => one(Command::SaveProbes(path)),
         ScriptStep::StopRender => one(Command::StopRender),
         ScriptStep::ResumeRender => one(Command::ResumeRender),
         ScriptStep::CloseRender => one(Command::CloseRender),

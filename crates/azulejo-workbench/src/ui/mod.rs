@@ -17,7 +17,7 @@ mod inputs;
 pub mod inspector;
 mod lamps;
 pub mod light;
-mod light_unit;
+pub(crate) mod light_unit;
 pub mod lightmap;
 mod material;
 mod material_actions;

@@ -1,4 +1,4 @@
-//! Texts of the material library.
+//! Texts of the material library, and of tables of light.
 
 use super::Translation;
 
@@ -40,4 +40,16 @@ pub(super) const TABLE: &[Translation] = &[
     ["Copper", "Cobre", "Cobre"],
     ["Aluminium", "Aluminio", "Alumínio"],
     ["Window glass", "Vidrio de ventana", "Vidro de janela"],
+    ["Save as CSV…", "Guardar como CSV…", "Guardar como CSV…"],
+    ["Save the probes", "Guardar las sondas", "Guardar as sondas"],
+    [
+        "All probes with their places, in the unit that is shown.",
+        "Todas las sondas con sus posiciones, en la unidad mostrada.",
+        "Todas as sondas com as suas posições, na unidade mostrada.",
+    ],
+    [
+        "there are no probes yet: pin one first",
+        "aún no hay sondas: coloque una primero",
+        "ainda não há sondas: coloque uma primeiro",
+    ],
 ];

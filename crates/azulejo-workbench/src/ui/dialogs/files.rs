@@ -170,6 +170,9 @@ impl FileChooser {
             FileRequest::SaveLightmap(what) => {
                 FileDialog::save_file().default_filename(lightmap_name(&stem, what))
             }
+            FileRequest::SaveProbes => {
+                FileDialog::save_file().default_filename(format!("{stem}-probes.csv"))
+            }
             FileRequest::SaveBrdf => FileDialog::save_file().default_filename(brdf_name(cx.app)),
         };
         let mut dialog = dialog
@@ -201,6 +204,7 @@ fn default_extension(what: FileRequest) -> Option<&'static str> {
         FileRequest::SaveAs => Some("grf"),
         FileRequest::SaveRender => Some("png"),
         FileRequest::SaveLightmap(what) => Some(what.extension()),
+        FileRequest::SaveProbes => Some("csv"),
         FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
@@ -232,6 +236,7 @@ fn saves(what: FileRequest) -> bool {
             | FileRequest::Export
             | FileRequest::SaveRender
             | FileRequest::SaveLightmap(_)
+            | FileRequest::SaveProbes
             | FileRequest::SaveBrdf
     )
 }
@@ -252,6 +257,7 @@ fn is_offered(what: FileRequest, path: &Path) -> bool {
             ["glb", "gltf"].contains(&extension.as_str())
         }
         FileRequest::SaveLightmap(_) => extension == "exr",
+        FileRequest::SaveProbes => extension == "csv",
         FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
         FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
     }
@@ -267,6 +273,7 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::SaveLightmap(LightmapFile::Model) => cx.tr("Save the model with its lightmap"),
         FileRequest::SaveLightmap(LightmapFile::Irradiance) => cx.tr("Save the irradiance"),
         FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
+        FileRequest::SaveProbes => cx.tr("Save the probes"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
         FileRequest::Recipe => cx.tr("Choose a recipe"),
         FileRequest::Environment(_) => cx.tr("Choose an environment map"),

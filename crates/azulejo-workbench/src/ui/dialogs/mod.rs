@@ -110,6 +110,7 @@ impl Dialogs {
             FileRequest::Export => Command::Export(first),
             FileRequest::SaveRender => Command::SaveRender(first),
             FileRequest::SaveLightmap(what) => Command::SaveLightmap(what, first),
+            FileRequest::SaveProbes => Command::SaveProbes(first),
             FileRequest::Backdrop => Command::LoadBackdrop(first),
             FileRequest::Recipe => Command::ApplyRecipe(first),
             FileRequest::Environment(into) => Command::LoadEnvironment(first, into),
