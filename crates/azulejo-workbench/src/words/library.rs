@@ -52,4 +52,79 @@ pub(super) const TABLE: &[Translation] = &[
         "aún no hay sondas: coloque una primero",
         "ainda não há sondas: coloque uma primeiro",
     ],
+    // The task plane.
+    ["Task plane", "Plano de trabajo", "Plano de trabalho"],
+    ["task plane", "plano de trabajo", "plano de trabalho"],
+    [
+        "Save the task plane",
+        "Guardar el plano de trabajo",
+        "Guardar o plano de trabalho",
+    ],
+    [
+        "Solves the light again with the settings above, and gathers it at the points of the plane.",
+        "Resuelve de nuevo la iluminación con los ajustes anteriores y la recoge en los puntos del plano.",
+        "Resolve de novo a iluminação com as definições acima e recolhe-a nos pontos do plano.",
+    ],
+    ["Measure the plane", "Medir el plano", "Medir o plano"],
+    ["Remove the plane", "Quitar el plano", "Remover o plano"],
+    [
+        "Above the lowest point of the model.",
+        "Sobre el punto más bajo del modelo.",
+        "Acima do ponto mais baixo do modelo.",
+    ],
+    ["Margin", "Margen", "Margem"],
+    [
+        "Distance of the plane from the edges of the model's footprint.",
+        "Distancia del plano a los bordes de la planta del modelo.",
+        "Distância do plano às margens da planta do modelo.",
+    ],
+    [
+        "Numbers of points along x, and along the other horizontal axis.",
+        "Números de puntos a lo largo de x y del otro eje horizontal.",
+        "Números de pontos ao longo de x e do outro eixo horizontal.",
+    ],
+    ["Minimum", "Mínimo", "Mínimo"],
+    ["Mean", "Media", "Média"],
+    ["Maximum", "Máximo", "Máximo"],
+    ["Uniformity U0", "Uniformidad U0", "Uniformidade U0"],
+    [
+        "Smallest irradiance relative to the mean.",
+        "Irradiancia mínima respecto a la media.",
+        "Irradiância mínima em relação à média.",
+    ],
+    [
+        "Minimum to maximum",
+        "Mínimo entre máximo",
+        "Mínimo sobre máximo",
+    ],
+    [
+        "Smallest irradiance relative to the largest.",
+        "Irradiancia mínima respecto a la máxima.",
+        "Irradiância mínima em relação à máxima.",
+    ],
+    [
+        "All points lie inside of solids.",
+        "Todos los puntos están dentro de sólidos.",
+        "Todos os pontos estão dentro de sólidos.",
+    ],
+    [
+        "points inside of solids are left out",
+        "puntos dentro de sólidos se omiten",
+        "pontos dentro de sólidos são omitidos",
+    ],
+    [
+        "the margin leaves nothing of the model's footprint",
+        "el margen no deja nada de la planta del modelo",
+        "a margem não deixa nada da planta do modelo",
+    ],
+    [
+        "the model changed while the task plane was measured: measure again",
+        "el modelo cambió mientras se medía el plano de trabajo: mida de nuevo",
+        "o modelo mudou enquanto se media o plano de trabalho: meça de novo",
+    ],
+    [
+        "the task plane has not been measured yet",
+        "el plano de trabajo aún no se ha medido",
+        "o plano de trabalho ainda não foi medido",
+    ],
 ];

@@ -9,6 +9,7 @@ mod menus;
 mod script;
 mod snapshots;
 mod surroundings;
+mod task_plane;
 mod tree;
 mod viewport;
 mod window;

@@ -173,6 +173,9 @@ impl FileChooser {
             FileRequest::SaveProbes => {
                 FileDialog::save_file().default_filename(format!("{stem}-probes.csv"))
             }
+            FileRequest::SaveTaskPlane => {
+                FileDialog::save_file().default_filename(format!("{stem}-task-plane.csv"))
+            }
             FileRequest::SaveBrdf => FileDialog::save_file().default_filename(brdf_name(cx.app)),
         };
         let mut dialog = dialog
@@ -204,7 +207,7 @@ fn default_extension(what: FileRequest) -> Option<&'static str> {
         FileRequest::SaveAs => Some("grf"),
         FileRequest::SaveRender => Some("png"),
         FileRequest::SaveLightmap(what) => Some(what.extension()),
-        FileRequest::SaveProbes => Some("csv"),
+        FileRequest::SaveProbes | FileRequest::SaveTaskPlane => Some("csv"),
         FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
@@ -237,6 +240,7 @@ fn saves(what: FileRequest) -> bool {
             | FileRequest::SaveRender
             | FileRequest::SaveLightmap(_)
             | FileRequest::SaveProbes
+            | FileRequest::SaveTaskPlane
             | FileRequest::SaveBrdf
     )
 }
@@ -257,7 +261,7 @@ fn is_offered(what: FileRequest, path: &Path) -> bool {
             ["glb", "gltf"].contains(&extension.as_str())
         }
         FileRequest::SaveLightmap(_) => extension == "exr",
-        FileRequest::SaveProbes => extension == "csv",
+        FileRequest::SaveProbes | FileRequest::SaveTaskPlane => extension == "csv",
         FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
         FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
     }
@@ -274,6 +278,7 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::SaveLightmap(LightmapFile::Irradiance) => cx.tr("Save the irradiance"),
         FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
         FileRequest::SaveProbes => cx.tr("Save the probes"),
+        FileRequest::SaveTaskPlane => cx.tr("Save the task plane"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
         FileRequest::Recipe => cx.tr("Choose a recipe"),
         FileRequest::Environment(_) => cx.tr("Choose an environment map"),

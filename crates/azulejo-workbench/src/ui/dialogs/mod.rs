@@ -111,6 +111,7 @@ impl Dialogs {
             FileRequest::SaveRender => Command::SaveRender(first),
             FileRequest::SaveLightmap(what) => Command::SaveLightmap(what, first),
             FileRequest::SaveProbes => Command::SaveProbes(first),
+            FileRequest::SaveTaskPlane => Command::SaveTaskPlane(first),
             FileRequest::Backdrop => Command::LoadBackdrop(first),
             FileRequest::Recipe => Command::ApplyRecipe(first),
             FileRequest::Environment(into) => Command::LoadEnvironment(first, into),
