@@ -1,6 +1,6 @@
 //! Commands: everything the user can do.
 
-use crate::app::Example;
+use crate::app::{Example, TaskPlaneSettings};
 use crate::bake::{BakeSettings, LightmapFile};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::first_pass::LightSettings;
@@ -119,6 +119,18 @@ pub enum Command {
     /// Computes the irradiance at the probes themselves instead of interpolating it between
     /// vertices.
     MeasureProbes,
+    /// Writes the table of probes as CSV.
+    SaveProbes(PathBuf),
+    /// Changes where the task plane lies.
+    SetTaskPlane(TaskPlaneSettings),
+    /// Adds a task plane that suits the model, and measures it.
+    AddTaskPlane,
+    /// Measures the task plane, which is added if there is none.
+    MeasureTaskPlane,
+    /// Removes the task plane.
+    RemoveTaskPlane,
+    /// Writes the points of the task plane as CSV.
+    SaveTaskPlane(PathBuf),
 
     /// Renders the current view progressively.
     Render {
@@ -218,6 +230,10 @@ pub enum FileRequest {
     SaveRender,
     /// The file for a part of the lightmap.
     SaveLightmap(LightmapFile),
+    /// The file for the table of probes.
+    SaveProbes,
+    /// The file for the points of the task plane.
+    SaveTaskPlane,
     /// An image for the background.
     Backdrop,
     /// A recipe to apply.

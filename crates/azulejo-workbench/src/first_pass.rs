@@ -171,6 +171,51 @@ pub fn measure(
     }
 }
 
+/// Irradiance at points of space on the side of their normals; `None` inside of solids. All is `None`
+/// if the job was cancelled.
+///
+/// # Errors
+///
+/// The solver's error as text.
+pub fn measure_in_space(
+    document: &SceneDocument,
+    settings: &LightSettings,
+    points: &[PointNormal],
+    progress: &Progress,
+) -> Result<Option<Vec<Option<Estimate>>>, String> {
+    settings.limit_time(progress);
+    let scene = document.scene();
+    let tracer = Tracer::new(&scene);
+    let mut is_free: Vec<bool> = points.iter().map(|p| !is_inside(&tracer, p)).collect();
+    if !is_free.contains(&true) {
+        // A model that is turned inside out is not solid.
+        is_free.fill(true);
+    }
+    let both = points.iter().zip(&is_free);
+    let free: Vec<PointNormal> = both.filter(|(_, free)| **free).map(|(p, _)| *p).collect();
+    match probe(&scene, &tracer, &free, &settings.first_pass(), progress) {
+        Err(SolveError::Cancelled) => Ok(None),
+        Err(other) => Err(other.to_string()),
+        Ok(probed) => {
+            let mut found = probed.estimates.into_iter();
+            let of = |free: bool| if free { found.next() } else { None };
+            Ok(Some(is_free.into_iter().map(of).collect()))
+        }
+    }
+}
+
+/// Whether a point lies in a solid: along its normal it sees a back, and so it does in most other
+/// directions. Below a shelf or a ceiling of one face it sees walls, too.
+fn is_inside(tracer: &Tracer, point: &PointNormal) -> bool {
+    let (u, v) = point.normal.any_orthonormal_pair();
+    let sees_back = |direction: &DVec3| {
+        let hit = tracer.hit(&Ray::new(point.position, *direction));
+        hit.is_some_and(|hit| !hit.entering)
+    };
+    let others = [-point.normal, u, -u, v, -v];
+    sees_back(&point.normal) && others.iter().filter(|d| sees_back(d)).count() >= 3
+}
+
 /// A point on the exact surface.
 struct ExactPoint {
     position: DVec3,

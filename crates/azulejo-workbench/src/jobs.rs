@@ -37,6 +37,8 @@ pub enum JobKind {
     FormFactors,
     /// Measuring irradiance at probes.
     Probe,
+    /// Measuring irradiance on the task plane.
+    TaskPlane,
 }
 
 /// A running job.

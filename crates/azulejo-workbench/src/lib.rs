@@ -11,6 +11,7 @@ pub mod first_pass;
 pub mod gpu;
 pub mod history;
 pub mod jobs;
+pub mod library;
 pub mod preferences;
 pub mod recovery;
 pub mod script;

@@ -14,6 +14,7 @@ mod dialogs;
 mod failures;
 mod files;
 mod inspector;
+mod library;
 mod light;
 mod lightmap;
 mod menu;
@@ -42,7 +43,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 15] = [
+const TABLES: [&[Translation]; 16] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -53,6 +54,7 @@ const TABLES: [&[Translation]; 15] = [
     cards::TABLE,
     failures::TABLE,
     light::TABLE,
+    library::TABLE,
     lightmap::TABLE,
     view_tab::TABLE,
     views::TABLE,

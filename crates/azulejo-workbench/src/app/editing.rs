@@ -140,6 +140,7 @@ impl App {
             self.light_changed();
         }
         self.refresh_probes();
+        self.refresh_task_plane();
         self.close_render();
         self.update_recipe_notes();
     }

@@ -16,6 +16,8 @@ mod probes;
 mod recipes;
 mod render;
 mod saving;
+mod table;
+mod task_plane;
 #[cfg(test)]
 mod tests;
 mod thumbnails;
@@ -26,6 +28,9 @@ pub use lighting::{IrradianceRange, Lighting, Stopwatch};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
 pub use render::{RenderedImage, shown};
 pub use saving::{FinerMesh, OnDisk, PendingQuestion};
+pub use task_plane::{
+    MAX_POINTS, Measured, TaskGrid, TaskPlane, TaskPlaneFigures, TaskPlaneSettings, TaskPlaneState,
+};
 pub use thumbnails::{THUMBNAIL, Thumbnails};
 
 use crate::command::{Command, FileRequest, Selection};
@@ -67,6 +72,8 @@ pub enum JobResult {
     FormFactors(Box<crate::first_pass::PatchFormFactors>),
     /// Irradiance measured at probes.
     Measured(Box<ProbeMeasurement>),
+    /// A measured task plane.
+    TaskPlane(Box<TaskPlane>),
     /// A message for the user.
     Note(String),
 }
@@ -130,6 +137,8 @@ pub struct App {
     pub lightmap: LightmapState,
     /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
+    /// The task plane.
+    pub task_plane: TaskPlaneState,
     /// The image being rendered, if there is one.
     pub render: Option<RenderedImage>,
     /// The file of the document.
@@ -218,6 +227,7 @@ impl App {
             lighting: Lighting::default(),
             lightmap: LightmapState::default(),
             probes: Vec::new(),
+            task_plane: TaskPlaneState::default(),
             render: None,
             file: None,
             messages: Vec::new(),
@@ -345,6 +355,12 @@ impl App {
             Command::AddProbe(place) => self.add_probe(place),
             Command::RemoveProbe(number) => self.remove_probe(number),
             Command::MeasureProbes => self.measure_probes(),
+            Command::SaveProbes(path) => self.save_probes(path),
+            Command::SetTaskPlane(settings) => self.task_plane.settings = settings,
+            Command::AddTaskPlane => self.add_task_plane(),
+            Command::MeasureTaskPlane => self.measure_task_plane(),
+            Command::RemoveTaskPlane => self.remove_task_plane(),
+            Command::SaveTaskPlane(path) => self.save_task_plane(path),
             Command::Render {
                 width,
                 height,
@@ -399,6 +415,7 @@ impl App {
             JobResult::Environment(loaded) => self.take_environment(loaded),
             JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
+            JobResult::TaskPlane(found) => self.take_task_plane(*found),
             JobResult::Note(text) => self.report(Severity::Note, text),
         }
     }
@@ -650,6 +667,7 @@ impl App {
         self.close_render();
         self.jobs.cancel_kind(JobKind::FormFactors);
         self.drop_probes();
+        self.remove_task_plane();
         self.document = document;
         self.file = file;
         self.history = History::default();

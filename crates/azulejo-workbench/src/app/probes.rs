@@ -1,15 +1,19 @@
 //! Probes: pinned surface points at which the light is displayed.
 
+use super::table::{CsvTable, cell};
 use super::{App, JobResult, Severity};
 use crate::command::SurfacePick;
 use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
 use crate::first_pass::measure;
 use crate::gpu::display_mesh;
 use crate::jobs::{JobKind, in_thread_pool};
+use crate::ui::light_unit::ShownUnit;
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A pinned surface point.
@@ -190,6 +194,24 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     [va / sum, vb / sum, vc / sum]
 }
 
+/// The columns of the table of probes.
+const PROBE_COLUMNS: [&str; 14] = [
+    "number",
+    "object",
+    "material",
+    "x",
+    "y",
+    "z",
+    "nx",
+    "ny",
+    "nz",
+    "E",
+    "standard error",
+    "measured E",
+    "standard error of measured E",
+    "unit",
+];
+
 impl App {
     /// Pins a probe at a picked point.
     pub(super) fn add_probe(&mut self, pick: SurfacePick) {
@@ -259,6 +281,51 @@ impl App {
         };
         let title = self.tr("probes");
         self.jobs.start(JobKind::Probe, title, work);
+    }
+
+    /// Writes the table of probes in the unit that is shown.
+    pub(super) fn save_probes(&mut self, path: PathBuf) {
+        self.asking = None;
+        if self.probes.is_empty() {
+            let text = self.tr("there are no probes yet: pin one first");
+            self.report(Severity::Error, text);
+            return;
+        }
+        let table = self.probe_table();
+        self.save_table(path, table);
+    }
+
+    fn probe_table(&self) -> CsvTable {
+        let unit = ShownUnit::of(self);
+        let shown = |light: Option<Rgb>| cell(light.map(|e| unit.rgb(e).luminance()));
+        let mut table = CsvTable::new(&PROBE_COLUMNS);
+        for probe in &self.probes {
+            let site = probe.site.as_ref();
+            let id = site.map(|s| s.paint.material as usize);
+            let material = id.and_then(|id| self.document.materials.get(id));
+            let light = site.filter(|s| s.paint.is_front).and_then(|s| s.light);
+            let SurfacePick {
+                item,
+                position,
+                normal,
+            } = probe.pick;
+            let numbers = position.to_array().into_iter().chain(normal.to_array());
+            let head = [
+                Cow::from(probe.number.to_string()),
+                Cow::from(self.document.name(item).unwrap_or_default()),
+                Cow::from(material.map_or("", |m| m.name.as_str())),
+            ];
+            let tail = [
+                shown(light.map(|l| l.0)),
+                shown(light.and_then(|l| l.1)),
+                shown(probe.measured.map(|m| m.value)),
+                shown(probe.measured.map(|m| m.error)),
+                Cow::from(unit.irradiance()),
+            ];
+            let numbers = numbers.map(|x| cell(Some(x)));
+            table.row(head.into_iter().chain(numbers).chain(tail));
+        }
+        table
     }
 
     pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {

@@ -1,11 +1,13 @@
 //! Steps `material ...`: what the selected material becomes.
 
-use super::fields::{name, number, path, split, vector};
+use super::fields::{name, number, one_of, path, split, vector};
 use super::selected::{material_named, selected, selected_material};
 use crate::app::App;
 use crate::command::{Command, Selection};
 use crate::document::Edit;
+use crate::library::{LIBRARY, slug};
 use crate::ui::brdf::with_description;
+use crate::ui::replacing;
 use azulejo::scene::brdf::Description;
 use azulejo::scene::{Dielectric, Material, Rgb};
 use glam::DVec3;
@@ -30,6 +32,8 @@ pub enum MaterialStep {
     Mirror(DVec3),
     /// `glass IOR`, `glass IOR thin`: makes it the surface of glass, or a whole pane.
     Glass(f64, bool),
+    /// `library NAME`: gives it the reflection of a material of the library.
+    Library(usize),
     /// `emit R G B`: sets the emission, W/(sr·m²) or cd/m².
     Emit(DVec3),
 }
@@ -52,13 +56,22 @@ pub(super) fn parse(text: &str) -> Result<MaterialStep, String> {
             };
             MaterialStep::Glass(number(ior)?, thin)
         }
+        "library" => MaterialStep::Library(library_index(rest)?),
         "emit" => MaterialStep::Emit(vector(rest)?),
         other => {
             return Err(format!(
-                "material \"{other}\", expected new, use, rename, brdf, load, color, mirror, glass \
-                 or emit"
+                "material \"{other}\", expected new, use, rename, brdf, load, color, mirror, glass, \
+                 library or emit"
             ));
         }
+    })
+}
+
+/// The place of a material of the library by its name.
+fn library_index(name: &str) -> Result<usize, String> {
+    let places: Vec<usize> = (0..LIBRARY.len()).collect();
+    one_of("material of the library", &slug(name), &places, |k| {
+        LIBRARY[k].script_name()
     })
 }
 
@@ -106,6 +119,13 @@ impl MaterialStep {
                 });
                 replace_reflection(m, glass);
             }),
+            MaterialStep::Library(index) => {
+                let (id, _) = selected_material(app)?;
+                let entry = LIBRARY.get(index);
+                let edit = entry.and_then(|m| replacing(app, m, id, app.preferences.language));
+                let edit = edit.ok_or("the library has no such material")?;
+                Ok(vec![Command::Edit(edit, None)])
+            }
             MaterialStep::Emit(c) => changed(&|m| m.emission = Rgb::from(c.to_array())),
         }
     }

@@ -7,7 +7,7 @@ use super::material::{self, MaterialStep};
 use super::scene::{self, SceneStep};
 use super::solver::{self, SolverStep};
 use super::view::{self, ViewStep};
-use crate::app::Example;
+use crate::app::{Example, MAX_POINTS, TaskPlaneSettings};
 use crate::ui::PanelTab;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -57,6 +57,14 @@ pub enum ScriptStep {
     FormFactors(DVec3, DVec3),
     /// `remove-probe N`.
     RemoveProbe(u32),
+    /// `save-probes FILE`: writes the table of probes as CSV.
+    SaveProbes(PathBuf),
+    /// `task-plane HEIGHT MARGIN NX NY`: measures a task plane, metres.
+    TaskPlane(TaskPlaneSettings),
+    /// `remove-task-plane`.
+    RemoveTaskPlane,
+    /// `save-task-plane FILE`: writes its points as CSV.
+    SaveTaskPlane(PathBuf),
     /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
     /// `stop-render`: stops rendering and keeps the image.
@@ -145,6 +153,10 @@ fn step(line: &str) -> Result<ScriptStep, String> {
         "probe" => two_points(rest).map(|[from, to]| ScriptStep::Probe(from, to))?,
         "form-factors" => two_points(rest).map(|[from, to]| ScriptStep::FormFactors(from, to))?,
         "remove-probe" => ScriptStep::RemoveProbe(whole(rest, u32::MAX)?),
+        "save-probes" => ScriptStep::SaveProbes(path()?),
+        "task-plane" => ScriptStep::TaskPlane(task_plane(rest)?),
+        "remove-task-plane" => ScriptStep::RemoveTaskPlane,
+        "save-task-plane" => ScriptStep::SaveTaskPlane(path()?),
         "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
         "stop-render" => ScriptStep::StopRender,
         "resume-render" => ScriptStep::ResumeRender,
@@ -173,7 +185,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 65] = [
+pub(super) const STEPS: [&str; 69] = [
     "size",
     "open",
     "add",
@@ -226,6 +238,10 @@ pub(super) const STEPS: [&str; 65] = [
     "solve",
     "probe",
     "remove-probe",
+    "save-probes",
+    "task-plane",
+    "save-task-plane",
+    "remove-task-plane",
     "form-factors",
     "render",
     "stop-render",
@@ -240,6 +256,19 @@ pub(super) const STEPS: [&str; 65] = [
     "wait",
     "quit",
 ];
+
+fn task_plane(text: &str) -> Result<TaskPlaneSettings, String> {
+    let [height, margin, x, y] = numbers(text)?;
+    let whole = |n: f64| n.fract() == 0.0 && (1.0..=f64::from(MAX_POINTS)).contains(&n);
+    if !whole(x) || !whole(y) {
+        return Err(format!("{x} by {y} points, expected 1 to {MAX_POINTS}"));
+    }
+    Ok(TaskPlaneSettings {
+        height,
+        margin,
+        counts: [x as u32, y as u32],
+    })
+}
 
 fn indices(text: &str) -> Result<Vec<u32>, String> {
     let all: Option<Vec<u32>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
@@ -354,6 +383,7 @@ mod tests {
             ("text 1 1 -", "text needs a name"),
             ("logarithmic yes", "expected on or off"),
             ("preference theme", "preference needs a name"),
+            ("task-plane 1 0 2.5 2", "expected 1 to 256"),
             ("tab left", "no tab \"left\""),
             ("size 1 1", "expected 100 to 16384"),
             ("camera 1 2 3 1 2 3", "its own position"),

@@ -281,6 +281,13 @@ fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
         ScriptStep::Solver(step) => Ok(step.commands(app)),
         ScriptStep::Bake(step) => step.commands(app),
         ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
+        ScriptStep::SaveProbes(path) => one(Command::SaveProbes(path)),
+        ScriptStep::TaskPlane(settings) => Ok(vec![
+            Command::SetTaskPlane(settings),
+            Command::MeasureTaskPlane,
+        ]),
+        ScriptStep::RemoveTaskPlane => one(Command::RemoveTaskPlane),
+        ScriptStep::SaveTaskPlane(path) => one(Command::SaveTaskPlane(path)),
         ScriptStep::StopRender => one(Command::StopRender),
         ScriptStep::ResumeRender => one(Command::ResumeRender),
         ScriptStep::CloseRender => one(Command::CloseRender),

@@ -53,6 +53,7 @@ const SCRIPTS: [&str; 4] = [
      place 1 0 0 0 45 0 1 2 1\n action Duplicate\n action Hide\n action Show all\n action Delete\n\
      action Undo\n action Redo\n select all\n action Cone\n cone 0.5\n text 0.2 0.25 - hi\n\
      prism 0.5 1 6\n material new wood\n material mirror 0.5 0.5 0.5\n material glass 1.5 thin\n\
+     material library brushed-steel\n\
      material rename pane\n material color 0.5 0.4 0.3\n material load DIR/ward.brdf\n\
      action Material\n select nothing\n select-material material\n action Delete\n select plate\n\
      select-faces 0 1\n material use pane\n action Remove unused materials\n\
@@ -68,7 +69,8 @@ const SCRIPTS: [&str; 4] = [
      logarithmic on\n isolines 4\n backdrop 10 20 30\n backdrop DIR/grey.png\n\
      engine rays\n patches 40\n time 20\n bounces 2\n tab light\n solve 90%\n\
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
-     remove-probe 1\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
+     save-probes DIR/probes.csv\n remove-probe 1\n\
+     task-plane 0.8 0 3 2\n save-task-plane DIR/plane.csv\n remove-task-plane\n action Task plane\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
      show-in lumens\n compare false-color 0.3\n hide-backs on\n section y 0.8 flipped\n\
      section none\n action Discard solution\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",

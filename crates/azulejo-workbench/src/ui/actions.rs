@@ -66,6 +66,8 @@ pub enum WindowAction {
     Bake,
     /// Shows the lightmap, or hides it.
     ToggleLightmap,
+    /// Measures the task plane and shows its figures.
+    TaskPlane,
     /// Pins a probe at the surface point under the mouse, or else at the next click.
     AddProbe,
 }
@@ -335,6 +337,10 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
         edit(Edit::AddCamera(a.view.camera.clone()))
+    }),
+    action(Menu::Add, "Task plane", None, |a| {
+        let can_measure = !a.document.objects.is_empty() && a.document.has_light();
+        can_measure.then_some(ActionTarget::Window(WindowAction::TaskPlane))
     }),
     action(Menu::Add, "Material", ctrl(Key::M), |_| {
         let white = azulejo::scene::Material::diffuse("material", azulejo::scene::Rgb::grey(0.7));

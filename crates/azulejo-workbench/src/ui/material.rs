@@ -1,7 +1,8 @@
 //! The Material tab: the editor of the selected material.
 
-use super::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
+use super::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight, SpherePictures};
 use super::material_actions::buttons;
+use super::material_library;
 use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::{Edit, ItemId, SceneDocument};
@@ -15,6 +16,7 @@ use std::sync::Arc;
 pub struct MaterialPanel {
     editor: BrdfEditor,
     preview: PreviewCache,
+    pictures: SpherePictures,
     /// A reflection model whose file the user is choosing.
     pub saving: Option<String>,
     /// Counts finished changes: each is an undo step.
@@ -29,8 +31,10 @@ impl MaterialPanel {
         let found = id.and_then(|id| Some((id, app.document.materials.get(id as usize)?)));
         let Some((id, material)) = found else {
             ui.weak(cx.tr("Select an object, or a material in the tree."));
+            self.library(ui, cx, None);
             return;
         };
+        self.library(ui, cx, Some(id));
         ui.horizontal(|ui| buttons(ui, cx, id));
         let shown = EditorInput {
             // The same index is another material after a deletion.
@@ -43,6 +47,13 @@ impl MaterialPanel {
         for answer in self.editor.ui(ui, cx.language, &shown) {
             self.take(answer, id, cx);
         }
+    }
+
+    /// The library; a click is an undo step of its own.
+    fn library(&mut self, ui: &mut Ui, cx: &mut PanelContext, material: Option<MaterialId>) {
+        let gesture = u64::MAX - self.changes;
+        let clicked = material_library::show(ui, cx, &mut self.pictures, material, gesture);
+        self.changes += u64::from(clicked);
     }
 
     fn take(&mut self, answer: EditorResponse, id: MaterialId, cx: &mut PanelContext) {

@@ -287,6 +287,10 @@ impl Workbench {
                 self.dialogs.bake = Some(BakeDialog::new(self.app.lightmap.settings));
             }
             ActionTarget::Window(WindowAction::ToggleLightmap) => self.lightmap.toggle(),
+            ActionTarget::Window(WindowAction::TaskPlane) => {
+                self.tab = PanelTab::Light;
+                self.app.execute(Command::AddTaskPlane);
+            }
             ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_surface() {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,

@@ -1,8 +1,9 @@
 use super::*;
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use azulejo::scene::Material;
+use crate::view::LightUnit;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
+use azulejo::scene::{Material, Rgb};
 use azulejo::trace::Measure;
 use glam::{DAffine3, DVec3};
 
@@ -170,6 +171,7 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     let measured = app.probes[0].measured.expect("an estimate").value;
     let ratio = measured.luminance() / light.luminance();
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
+    check_table_of(&mut app, light, measured);
     // The move takes the surface away from the probe and invalidates the measurement.
     let away = DAffine3::from_translation(DVec3::splat(1e4));
     app.execute(Command::Edit(Edit::SetPlacement(pick.item, away), None));
@@ -183,6 +185,31 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     );
     app.execute(Command::RemoveProbe(app.probes[0].number));
     assert!(app.probes.is_empty());
+}
+
+/// Saves the table of one probe in lux, and checks its numbers.
+fn check_table_of(app: &mut App, light: Rgb, measured: Rgb) {
+    let name = format!("azulejo-probes-{}", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    app.view.light_unit = LightUnit::Photometric;
+    app.execute(Command::SaveProbes(path.clone()));
+    wait_until(app, "it is not saved", |a| a.jobs().is_empty());
+    let path = path.with_extension("csv");
+    let text = std::fs::read_to_string(&path).expect("a table");
+    let _ = std::fs::remove_file(path);
+    let rows: Vec<Vec<&str>> = text
+        .split_terminator("\r\n")
+        .map(|row| row.split(',').collect())
+        .collect();
+    assert_eq!(rows.len(), 2, "{text}");
+    assert_eq!((rows[0].len(), rows[1].len()), (14, 14));
+    assert_eq!((rows[1][0], rows[1][1], rows[1][13]), ("1", "floor", "lx"));
+    for (column, expected) in [(9, light), (11, measured)] {
+        let found: f64 = rows[1][column].parse().expect("a number");
+        let expected = 179.0 * expected.luminance();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    }
+    app.view.light_unit = LightUnit::Document;
 }
 
 #[test]

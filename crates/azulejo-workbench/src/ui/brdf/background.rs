@@ -23,7 +23,7 @@ impl BackgroundWorker {
         BackgroundWorker { pool: pool.ok() }
     }
 
-    fn spawn(&self, job: impl FnOnce() + Send + 'static) {
+    pub fn spawn(&self, job: impl FnOnce() + Send + 'static) {
         match &self.pool {
             Some(pool) => pool.spawn(job),
             None => rayon::spawn(job),

@@ -144,6 +144,21 @@ mod tests {
     }
 
     #[test]
+    fn the_library_keeps_energy() {
+        for entry in &crate::library::LIBRARY {
+            let name = entry.script_name();
+            let material = entry.material("").unwrap();
+            let optics = MaterialReflection::of(&material);
+            let mut found = None;
+            measure(&optics, &Progress::new(), &mut |m| found = Some(m)).unwrap();
+            let found = found.unwrap();
+            assert!(found.most().0 <= BRIGHT, "{name}: {:?}", found.albedos);
+            let is_black = name == "black-rubber";
+            assert!(is_black || found.most().0 > 0.05, "{name} is visible");
+        }
+    }
+
+    #[test]
     fn measures_tell_models_apart() {
         let lewis = measured("lewis kd = 0.3 ks = 0.6 n = 20");
         assert!(

@@ -1,11 +1,12 @@
 //! The reflection models in groups, and conversion of parameters between models.
 
+use super::color;
 use crate::words::Language;
+use azulejo::scene::Rgb;
 use azulejo::scene::brdf::{
     Description, FRESNEL, MODELS, Model, ModelInfo, Parameter, ParameterInfo, Value, WAVELENGTHS,
     find,
 };
-use azulejo::scene::{Brdf, Rgb};
 
 /// A group of similar models.
 pub(super) struct ModelGroup {
@@ -75,23 +76,37 @@ pub(super) fn example(info: &ModelInfo, k: usize) -> Option<Model> {
     }
 }
 
-/// Another model with the parameters that both have, where valid; the others come from its first
-/// example.
-pub(super) fn converted(old: &Model, info: &'static ModelInfo) -> Model {
+/// Another model with the parameters that both have, and with the colour and the roughness of the
+/// old one in its own parameters; the others come from its first example. `last` is the colour to
+/// return to from a model that has none.
+pub(super) fn converted(old: &Model, info: &'static ModelInfo, last: Option<Rgb>) -> Model {
     let example = example(info, 0).unwrap_or_default();
+    let mut copied = example.clone();
+    copy_same(old, info, &mut copied);
+    let look = color::of_model(old).or(last);
+    let mut dressed = copied.clone();
+    color::dress(&mut dressed, info, look, old);
+    // Where all together is not valid, the colour is worth more than the rest.
+    let colored = look.map(|c| color::recolored(&example, c));
+    let tried = [Some(dressed), Some(copied), colored];
+    let found = tried.into_iter().flatten().find_map(color::valid);
+    found.unwrap_or(example)
+}
+
+/// Copies the parameters that mean the same in both models.
+fn copy_same(old: &Model, info: &'static ModelInfo, model: &mut Model) {
     let old_info = find(&old.name).ok();
-    let mut model = example.clone();
+    if info.has_fresnel && FresnelChoice::of(old) != FresnelChoice::None {
+        // A model takes one Fresnel term: that of the old one replaces that of the example.
+        FRESNEL.iter().for_each(|term| set(model, term, None));
+    }
     for parameter in info.all_parameters() {
         // The same letter may mean something else; the same description does not.
         let is_same = |p: &ParameterInfo| p.name == parameter.name && p.about == parameter.about;
         let had = old_info.is_some_and(|i| i.all_parameters().any(is_same));
         if let (true, Some(value)) = (had, old.value(parameter.name)) {
-            set(&mut model, parameter, Some(value.clone()));
+            set(model, parameter, Some(value.clone()));
         }
-    }
-    match Brdf::new(Description::Model(model.clone())) {
-        Ok(_) => model,
-        Err(_) => example,
     }
 }
 
@@ -153,8 +168,11 @@ impl FresnelChoice {
         FresnelChoice::Constant,
     ];
 
-    /// The kind that a model uses.
+    /// The kind that a model uses; none in models whose parameters only have such names.
     pub fn of(model: &Model) -> FresnelChoice {
+        if find(&model.name).is_ok_and(|info| !info.has_fresnel) {
+            return FresnelChoice::None;
+        }
         let has = |names: &[&str]| names.iter().any(|n| given(model, n).is_some());
         match () {
             () if has(&["metal"]) => FresnelChoice::Metal,
@@ -205,6 +223,7 @@ pub(super) fn as_color(value: &Value) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use azulejo::scene::Brdf;
 
     #[test]
     fn each_model_is_in_one_group() {
@@ -222,7 +241,7 @@ mod tests {
     fn every_model_follows_every_other() {
         for old in MODELS {
             for info in MODELS {
-                let model = converted(&example(old, 0).unwrap(), info);
+                let model = converted(&example(old, 0).unwrap(), info, None);
                 let arguments = Brdf::new(Description::Model(model.clone()));
                 assert!(arguments.is_ok(), "{} to {model}: {arguments:?}", old.name);
             }
@@ -235,7 +254,10 @@ mod tests {
             let Description::Model(old) = old.parse().unwrap() else {
                 panic!("{old}")
             };
-            assert_eq!(converted(&old, find(name).unwrap()).to_string(), expected);
+            assert_eq!(
+                converted(&old, find(name).unwrap(), None).to_string(),
+                expected
+            );
         };
         check(
             "blinn kd = (0.1, 0.2, 0.3) ks = 0.5 n = 77",
@@ -245,13 +267,13 @@ mod tests {
         check(
             "ggx_smith ax = 0.3 metal = gold",
             "beckmann_smith",
-            "beckmann_smith ax = 0.3 ay = 0.4 metal = gold",
+            "beckmann_smith ax = 0.3 metal = gold",
         );
         // Minnaert's k is not an index of refraction.
         check(
             "minnaert kd = 0.5 k = 7",
             "fresnel_conductor",
-            "fresnel_conductor eta = (0.2, 0.42, 1.3) k = (3.1, 2.35, 1.8)",
+            "fresnel_conductor f0 = 0.5",
         );
     }
 

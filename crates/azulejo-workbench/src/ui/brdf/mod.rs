@@ -31,6 +31,7 @@
 mod background;
 mod badges;
 mod catalog;
+mod color;
 mod compare;
 mod curve;
 mod draft;
@@ -42,9 +43,11 @@ mod lobes;
 mod model;
 mod parameter;
 mod parameter_name;
+mod pictures;
 mod plots;
 mod polar;
 mod reflection;
+mod roughness;
 mod sphere;
 mod surface;
 mod surface_plots;
@@ -56,9 +59,10 @@ mod tests;
 
 pub use file::{ModelFile, apply_file, with_description};
 pub use light::{PreviewLamp, PreviewLight};
+pub use pictures::SpherePictures;
 
 use crate::words::Language;
-use azulejo::scene::brdf::{Description, Value};
+use azulejo::scene::brdf::Description;
 use azulejo::scene::{Material, Rgb};
 use compare::ComparedMaterial;
 use draft::ModelDraft;
@@ -116,6 +120,8 @@ pub struct BrdfEditor {
     draft: Option<ModelDraft>,
     /// The description to restore when the user returns from another kind of surface.
     left: Option<Description>,
+    /// The last colour of the material: glass and varnish have none.
+    color: Option<Rgb>,
     /// Whether a change is unfinished.
     is_open: bool,
     /// Why the model cannot be saved.
@@ -135,6 +141,7 @@ impl Default for BrdfEditor {
             emitted: Rgb::WHITE,
             draft: None,
             left: None,
+            color: None,
             is_open: false,
             trouble: None,
             compared: None,
@@ -253,14 +260,17 @@ impl BrdfEditor {
     }
 
     fn become_kind(&mut self, kind: SurfaceKind, material: &mut Material) {
+        self.color = color::of_material(material).or(self.color);
         if let Some(draft) = self.draft.take() {
             self.left = Some(draft.description);
         }
-        kind.convert(material);
+        let is_mirror = SurfaceKind::of(material) == SurfaceKind::Mirror;
+        kind.convert(material, self.color);
         if kind == SurfaceKind::Model {
-            let matt = Value::from(material.diffuse);
-            let matt = || Description::model("diffuse", [("kd", matt)]);
-            let description = self.left.take().unwrap_or_else(matt);
+            let shade = self.color.unwrap_or(material.diffuse);
+            let left = self.left.take();
+            let kept = left.and_then(|d| surface::recolored(d, shade));
+            let description = kept.unwrap_or_else(|| surface::model_of(shade, is_mirror));
             if let Ok(model) = with_description(material, description) {
                 *material = model;
             }
@@ -270,7 +280,7 @@ impl BrdfEditor {
 
     fn model(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
         if let Some(draft) = &mut self.draft {
-            model::description(ui, language, &mut draft.description);
+            model::description(ui, language, &mut draft.description, &mut self.color);
             if let Some(brdf) = draft.made(ui.ctx()) {
                 *material = file::with_brdf(material, brdf);
             }

@@ -1,19 +1,26 @@
 //! A description: its models and their parameters.
 
 use super::catalog::{GROUPS, converted, example};
+use super::color;
 use super::fields::{NumberRange, SHARE, number};
 use super::parameter::parameters;
 use super::theme::{notice, row};
 use crate::words::Language;
+use azulejo::scene::Rgb;
 use azulejo::scene::brdf::{Content, Description, MODELS, Measured, Model, find};
 use egui::{ComboBox, RichText, Ui};
 
-/// Draws and edits a description.
-pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Description) {
+/// Draws and edits a description. `last` is the last colour, for models that have none.
+pub(super) fn description(
+    ui: &mut Ui,
+    language: Language,
+    description: &mut Description,
+    last: &mut Option<Rgb>,
+) {
     match description {
-        Description::Model(model) => single(ui, language, model),
+        Description::Model(model) => single(ui, language, model, last),
         Description::Combination(parts) => {
-            if let Some(last) = combination(ui, language, parts) {
+            if let Some(last) = combination(ui, language, parts, last) {
                 *description = Description::Model(last);
             }
         }
@@ -52,7 +59,12 @@ fn added(description: &Description) -> Description {
 }
 
 /// The models of a sum; returns the last one if no other is left.
-fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -> Option<Model> {
+fn combination(
+    ui: &mut Ui,
+    language: Language,
+    parts: &mut Vec<(f64, Model)>,
+    last: &mut Option<Rgb>,
+) -> Option<Model> {
     let (mut removed, count) = (None, parts.len());
     for (k, (weight, model)) in parts.iter_mut().enumerate() {
         ui.push_id(k, |ui| {
@@ -77,7 +89,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
                         removed = Some(k);
                     }
                 });
-                single(ui, language, model);
+                single(ui, language, model, last);
             });
         });
     }
@@ -89,7 +101,7 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
 }
 
 /// One model: its type, examples and parameters.
-fn single(ui: &mut Ui, language: Language, model: &mut Model) {
+fn single(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option<Rgb>) {
     let known = find(&model.name).ok();
     let title = known
         .map_or(&*model.name, |info| language.tr(info.title))
@@ -101,7 +113,7 @@ fn single(ui: &mut Ui, language: Language, model: &mut Model) {
             .width(200.0)
             .height(420.0)
             .truncate();
-        let shown = combo.show_ui(ui, |ui| choices(ui, language, model));
+        let shown = combo.show_ui(ui, |ui| choices(ui, language, model, last));
         shown.response.accessible_name(name);
         examples(ui, language, model);
     });
@@ -109,7 +121,7 @@ fn single(ui: &mut Ui, language: Language, model: &mut Model) {
 }
 
 /// All models in groups.
-fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
+fn choices(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option<Rgb>) {
     ui.set_min_width(280.0);
     let old = model.clone();
     for group in &GROUPS {
@@ -122,7 +134,8 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
             let entry = entry.accessible_name(info.title);
             let about = format!("{}\n{}", info.name, info.paper);
             if entry.on_hover_text(about.trim_end()).clicked() && !info.is_called(&old.name) {
-                *model = converted(&old, info);
+                *last = color::of_model(&old).or(*last);
+                *model = converted(&old, info, *last);
             }
         }
     }

@@ -65,11 +65,21 @@ pub(super) fn draw(
     progress: &Progress,
     show: &mut dyn FnMut(SphereImage),
 ) -> Result<(), Cancelled> {
+    draw_passes(key, &PASSES, progress, show)
+}
+
+/// Renders the sphere in passes of so many paths per pixel.
+pub(super) fn draw_passes(
+    key: &SphereKey,
+    passes: &[u32],
+    progress: &Progress,
+    show: &mut dyn FnMut(SphereImage),
+) -> Result<(), Cancelled> {
     let scene = scene(key);
     let tracer = Tracer::new(&scene);
     let mut sum = Image::new(key.side, key.side);
     let mut samples = 0;
-    for (seed, count) in (0..).zip(PASSES) {
+    for (seed, &count) in (0..).zip(passes) {
         let pass = ReferencePass {
             clamp: None,
             size: (key.side, key.side),

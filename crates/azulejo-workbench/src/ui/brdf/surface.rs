@@ -1,11 +1,14 @@
 //! The kind of surface of a material, and the parameters of each kind.
 
 use super::super::inputs;
+use super::color;
 use super::fields::{NumberRange, SHARE, color_row, number_row};
 use super::theme::row;
 use crate::words::Language;
-use azulejo::scene::{Dielectric, Material, Rgb};
+use azulejo::scene::brdf::{Description, Value};
+use azulejo::scene::{Brdf, Dielectric, Material, Rgb};
 use egui::{ComboBox, Ui};
+use glam::DVec3;
 
 /// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,16 +62,15 @@ impl SurfaceKind {
         }
     }
 
-    /// Converts a material to this kind, keeping as much as possible; a reflection model is left to
-    /// the caller.
-    pub fn convert(self, material: &mut Material) {
-        let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
-        let (diffuse, mirror) = (material.diffuse, material.mirror);
+    /// Converts a material to this kind in the same colour, if it has one; a reflection model is
+    /// left to the caller.
+    pub fn convert(self, material: &mut Material, color: Option<Rgb>) {
+        let color = |other: f64| color.unwrap_or(Rgb::grey(other));
         (material.dielectric, material.brdf) = (None, None);
         (material.diffuse, material.mirror) = match self {
-            SurfaceKind::Matt | SurfaceKind::Model => (color(diffuse, 0.5), Rgb::BLACK),
-            SurfaceKind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
-            SurfaceKind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
+            SurfaceKind::Matt | SurfaceKind::Model => (color(0.5), Rgb::BLACK),
+            SurfaceKind::Mirror => (Rgb::BLACK, color(0.9)),
+            SurfaceKind::MattAndMirror => (color(0.5).map(|x| x.min(0.9)), Rgb::grey(0.1)),
             SurfaceKind::Glass => (Rgb::BLACK, Rgb::WHITE),
         };
         if self == SurfaceKind::Glass {
@@ -103,6 +105,30 @@ impl SurfaceKind {
         );
         chosen
     }
+}
+
+/// The model in a colour, if it can have one: a sum or a file only if it is of that colour already.
+pub(super) fn recolored(description: Description, shade: Rgb) -> Option<Description> {
+    match description {
+        Description::Model(model) => Some(Description::Model(match color::of_model(&model) {
+            Some(old) if color::is_near(old, shade) => model,
+            _ => color::recolored(&model, shade),
+        })),
+        other => {
+            let seen = Brdf::new(other.clone()).ok()?.albedo(DVec3::Z);
+            color::is_near(seen, shade).then_some(other)
+        }
+    }
+}
+
+/// The simplest model of a colour.
+pub(super) fn model_of(shade: Rgb, is_mirror: bool) -> Description {
+    let (name, parameter) = if is_mirror {
+        ("specular", "ks")
+    } else {
+        ("diffuse", "kd")
+    };
+    Description::model(name, [(parameter, Value::from(shade))])
 }
 
 /// The parameters of kinds without a reflection model.
@@ -217,7 +243,6 @@ pub(super) fn emission(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo::scene::Brdf;
     use std::sync::Arc;
 
     #[test]
@@ -243,11 +268,30 @@ mod tests {
                 SurfaceKind::Glass,
             ] {
                 let mut material = material.clone();
-                kind.convert(&mut material);
+                let color = color::of_material(&material);
+                kind.convert(&mut material, color);
                 assert_eq!(SurfaceKind::of(&material), kind);
                 assert!(kind.is_compatible(&material));
                 assert!(material.limit_reflectance(), "{kind:?} of {material:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_colour_survives_every_kind() {
+        let red = Rgb::new(0.7, 0.1, 0.05);
+        for kind in [
+            SurfaceKind::Matt,
+            SurfaceKind::Mirror,
+            SurfaceKind::MattAndMirror,
+            SurfaceKind::Glass,
+        ] {
+            let mut material = Material::diffuse("", red);
+            kind.convert(&mut material, Some(red));
+            let seen = color::of_material(&material);
+            assert!(seen.is_none_or(|c| c == red), "{kind:?}: {seen:?}");
+            SurfaceKind::Matt.convert(&mut material, seen.or(Some(red)));
+            assert_eq!(material.diffuse, red, "{kind:?}");
         }
     }
 

@@ -158,7 +158,31 @@ fn a_kind_of_surface_becomes_another() {
         "what was left comes back"
     );
     choose(&mut harness, "Surface", "Mirror");
-    assert_eq!(harness.state().material.mirror, Rgb::grey(0.9));
+    assert_eq!(harness.state().material.mirror, Rgb::new(0.8, 0.4, 0.2));
+    choose(&mut harness, "Surface", "Matt surface");
+    assert_eq!(
+        harness.state().material.diffuse,
+        Rgb::new(0.8, 0.4, 0.2),
+        "the colour is kept all the way"
+    );
+}
+
+#[test]
+fn varnish_gives_the_colour_back() {
+    let red = Rgb::new(0.8, 0.1, 0.05);
+    let mut harness = harness(EditorFixture::new(Material::diffuse("wall", red)));
+    harness.run_steps(3);
+    choose(&mut harness, "Surface", "Reflection model");
+    choose(
+        &mut harness,
+        "Model",
+        "Smooth varnish: what a dielectric's surface mirrors",
+    );
+    until(&mut harness, "varnish", |h| {
+        h.state().text().starts_with("fresnel_dielectric")
+    });
+    choose(&mut harness, "Surface", "Matt surface");
+    assert_eq!(harness.state().material.diffuse, red);
 }
 
 #[test]

@@ -218,7 +218,7 @@ impl FileChooser {
             extensions: request::extensions(what),
         };
         let folder = self.folder(cx).unwrap_or_default();
-        let name = request::proposed_name(what, &stem(cx));
+        let name = request::proposed_name(what, &stem(cx), cx.app);
         Box::new(OwnFileDialog::new(task, folder, name, self.options, cx))
     }
 
@@ -228,7 +228,7 @@ impl FileChooser {
             saves: request::saves(what),
             many: request::takes_many(what),
             folder: self.folder(cx),
-            name: request::proposed_name(what, &stem(cx)),
+            name: request::proposed_name(what, &stem(cx), cx.app),
             types: file_types(what, cx),
         }
     }

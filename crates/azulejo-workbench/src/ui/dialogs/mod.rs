@@ -120,6 +120,8 @@ impl Dialogs {
             FileRequest::Export => Command::Export(first),
             FileRequest::SaveRender => Command::SaveRender(first),
             FileRequest::SaveLightmap(what) => Command::SaveLightmap(what, first),
+            FileRequest::SaveProbes => Command::SaveProbes(first),
+            FileRequest::SaveTaskPlane => Command::SaveTaskPlane(first),
             FileRequest::Backdrop => Command::LoadBackdrop(first),
             FileRequest::Recipe => Command::ApplyRecipe(first),
             FileRequest::Environment(into) => Command::LoadEnvironment(first, into),

@@ -8,6 +8,7 @@ mod probes;
 mod report;
 mod series;
 mod settings;
+mod task_plane;
 #[cfg(test)]
 mod tests;
 
@@ -34,6 +35,9 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
         section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));
     }
     let pins = section(ui, cx.tr("Probes"), |ui| probes::show(ui, cx));
+    if cx.app.task_plane.is_added {
+        section(ui, cx.tr("Task plane"), |ui| task_plane::show(ui, cx));
+    }
     if let Some(seen) = &cx.app.lighting.form_factors {
         section(ui, cx.tr("Form factors of a patch"), |ui| {
             factors::show(ui, cx, seen)

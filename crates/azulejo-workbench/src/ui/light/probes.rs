@@ -2,7 +2,7 @@
 
 use super::super::panel_context::PanelContext;
 use crate::app::{Probe, ProbeSurface};
-use crate::command::Command;
+use crate::command::{Command, FileRequest};
 use crate::jobs::JobKind;
 use crate::ui::help::{self, HelpTerm};
 use crate::ui::inspector::named;
@@ -34,6 +34,13 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
             ui.spinner();
         }
     });
+    if !app.probes.is_empty() {
+        let about = cx.tr("All probes with their places, in the unit that is shown.");
+        let button = ui.button(cx.tr("Save as CSV…")).on_hover_text(about);
+        if button.clicked() {
+            cx.send(Command::RequestFile(FileRequest::SaveProbes));
+        }
+    }
     if app.probes.is_empty() {
         ui.weak(cx.tr("No probes yet: press P over a surface to pin one."));
         return pins;

@@ -14,6 +14,7 @@ mod picking;
 mod probe_markers;
 mod rendered;
 mod start;
+mod task_plane;
 mod texture;
 
 pub(super) use markers::middle;

@@ -7,8 +7,9 @@ use super::cache::ViewportCache;
 use super::isolines::IsolineLabels;
 use super::legend::{self, LegendText};
 use super::markers;
+use super::task_plane;
 use super::texture::{DeviceLost, DrawStamp, ViewportTexture};
-use crate::app::{App, IrradianceRange};
+use crate::app::{App, IrradianceRange, TaskPlane};
 use crate::gpu::{
     Background, ColorScalar, ColorScale, Cutaway, DrawnMesh, LightmapPages, PickHit, PixelBuffer,
     Projection, TextureSource, ViewportFrame,
@@ -102,6 +103,7 @@ impl ViewPane {
             selection: app.selection.clone(),
             seen: app.lighting.form_factors.as_ref().map(|s| s.number),
             lightmap: lightmap.map(|shown| shown.key),
+            task_plane: app.task_plane.result.as_ref().map(|plane| plane.number),
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
@@ -116,7 +118,10 @@ impl ViewPane {
             .collect();
         let shows_factors = view.shading == Shading::FormFactors;
         let drawn = cache.drawn(app, shows_factors);
-        let overlay = markers::overlay(app, view.shading);
+        let mut overlay = markers::overlay(app, view.shading);
+        if let Some((plane, scale)) = plane_scale(app, view.shading) {
+            task_plane::draw(&mut overlay, plane, &scale);
+        }
         let frame = ViewportFrame {
             shading: view.shading,
             textures: &textures,
@@ -144,6 +149,13 @@ impl ViewPane {
     /// Draws the legend of the picture, if it has one.
     pub fn legend(&self, ui: &Ui, rect: Rect, cx: &PanelContext, shading: Shading) {
         let app = cx.app;
+        let has_scale = has_isolines(app, shading) || shading == Shading::FormFactors;
+        if let Some((_, scale)) = plane_scale(app, shading).filter(|_| !has_scale) {
+            let unit = ShownUnit::of(app).irradiance();
+            let beyond = (false, app.view.false_color.range.is_some());
+            legend::paint(ui.painter(), rect, &scale, LegendText { unit, beyond });
+            return;
+        }
         let scale = scale(app, shading);
         let unit = match shading {
             Shading::FalseColor if has_isolines(app, shading) => ShownUnit::of(app).irradiance(),
@@ -163,6 +175,18 @@ impl ViewPane {
         };
         legend::paint(ui.painter(), rect, &scale, text);
     }
+}
+
+/// The measured task plane with the scale of its colours: that of the surfaces where they are shown
+/// on one of irradiance, or one of its own, from zero.
+fn plane_scale(app: &App, shading: Shading) -> Option<(&TaskPlane, ColorScale)> {
+    let plane = app.task_plane.result.as_ref()?;
+    if shading == Shading::FalseColor && has_isolines(app, shading) {
+        return Some((plane, scale(app, shading)));
+    }
+    let most = plane.figures()?.most.0;
+    let own = light_scale(app, (0.0, most.max(1e-12)), false);
+    Some((plane, ColorScale { bands: 0, ..own }))
 }
 
 /// Whether values of light are shown on a scale.
@@ -238,7 +262,13 @@ fn scale(app: &App, shading: Shading) -> ColorScale {
     }
     let found = values(app, shading);
     let found = found.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
-    let is_error = shading == Shading::Error;
+    light_scale(app, found, shading == Shading::Error)
+}
+
+/// The scale of irradiance or of its standard errors with the settings of the view; `found` are the
+/// ends of an automatic range.
+fn light_scale(app: &App, found: (f64, f64), is_error: bool) -> ColorScale {
+    let settings = &app.view.false_color;
     let fixed = settings.range.filter(|_| !is_error);
     let (mut low, mut high) = fixed.unwrap_or(found);
     let is_logarithmic = settings.logarithmic && !is_error;
@@ -256,7 +286,8 @@ fn scale(app: &App, shading: Shading) -> ColorScale {
         } else {
             ShownUnit::of(app).factor
         },
-        ..plain
+        map: settings.map,
+        quantity: ColorScalar::default(),
     };
     // A range that the user has set is kept as it is.
     if fixed.is_some() {

@@ -20,6 +20,7 @@ pub struct DrawStamp {
     pub selection: Selection,
     pub seen: Option<u64>,
     pub lightmap: Option<u64>,
+    pub task_plane: Option<u64>,
     pub scale: ColorScale,
 }
 

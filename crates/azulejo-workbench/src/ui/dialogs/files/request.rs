@@ -1,7 +1,9 @@
 //! What each request asks for: titles, names and extensions.
 
+use crate::app::App;
 use crate::bake::LightmapFile;
 use crate::command::FileRequest;
+use crate::library::slug;
 use crate::ui::panel_context::PanelContext;
 
 /// Extensions of readable models, for the file dialog; the format is detected from the content.
@@ -18,20 +20,33 @@ pub fn default_extension(what: FileRequest) -> Option<&'static str> {
         FileRequest::SaveRender => Some("png"),
         FileRequest::SaveLightmap(what) => Some(what.extension()),
         FileRequest::SaveBrdf => Some("brdf"),
+        FileRequest::SaveProbes | FileRequest::SaveTaskPlane => Some("csv"),
         _ => None,
     }
 }
 
-/// The name that is proposed to save under; none to open a file.
-pub fn proposed_name(what: FileRequest, stem: &str) -> String {
+/// The name that is proposed to save under, from that of the document and, for a reflection model,
+/// that of its material; none to open a file.
+pub fn proposed_name(what: FileRequest, stem: &str, app: &App) -> String {
     match what {
         FileRequest::SaveAs => format!("{stem}.grf"),
         FileRequest::Export => format!("{stem}.glb"),
         FileRequest::SaveRender => format!("{stem}.png"),
         FileRequest::SaveLightmap(what) => lightmap_name(stem, what),
-        FileRequest::SaveBrdf => "material.brdf".into(),
+        FileRequest::SaveProbes => format!("{stem}-probes.csv"),
+        FileRequest::SaveTaskPlane => format!("{stem}-task-plane.csv"),
+        FileRequest::SaveBrdf => brdf_name(app),
         _ => String::new(),
     }
+}
+
+/// The name that is proposed for a reflection model: that of its material.
+fn brdf_name(app: &App) -> String {
+    let id = app.selection.material;
+    let material = id.and_then(|id| app.document.materials.get(id as usize));
+    let name = material.map_or(String::new(), |m| slug(&m.name));
+    let name = if name.is_empty() { "material" } else { &name };
+    format!("{name}.brdf")
 }
 
 /// The name that is proposed: another one than that of the model, which would be replaced.
@@ -53,6 +68,8 @@ pub fn saves(what: FileRequest) -> bool {
             | FileRequest::SaveRender
             | FileRequest::SaveLightmap(_)
             | FileRequest::SaveBrdf
+            | FileRequest::SaveProbes
+            | FileRequest::SaveTaskPlane
     )
 }
 
@@ -72,6 +89,7 @@ pub fn extensions(what: FileRequest) -> &'static [&'static str] {
         FileRequest::SaveLightmap(LightmapFile::Model) => &["glb", "gltf"],
         FileRequest::SaveLightmap(_) => &["exr"],
         FileRequest::Outline => &["svg", "dxf"],
+        FileRequest::SaveProbes | FileRequest::SaveTaskPlane => &["csv"],
         FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => &[],
     }
 }
@@ -94,5 +112,7 @@ pub fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
         FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
         FileRequest::SaveBrdf => cx.tr("Save the reflection model"),
+        FileRequest::SaveProbes => cx.tr("Save the probes"),
+        FileRequest::SaveTaskPlane => cx.tr("Save the task plane"),
     }
 }
