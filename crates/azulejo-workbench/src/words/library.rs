@@ -103,6 +103,11 @@ pub(super) const TABLE: &[Translation] = &[
         "Irradiância mínima em relação à máxima.",
     ],
     [
+        "These figures are of another height, margin or number of points.",
+        "Estos valores son de otra altura, otro margen u otro número de puntos.",
+        "Estes valores são de outra altura, outra margem ou outro número de pontos.",
+    ],
+    [
         "All points lie inside of solids.",
         "Todos los puntos están dentro de sólidos.",
         "Todos os pontos estão dentro de sólidos.",

@@ -2,7 +2,7 @@
 
 use super::super::panel_context::PanelContext;
 use super::row;
-use crate::app::{MAX_POINTS, TaskPlane, TaskPlaneSettings};
+use crate::app::{MAX_POINTS, TaskGrid, TaskPlane, TaskPlaneSettings};
 use crate::command::{Command, FileRequest};
 use crate::jobs::JobKind;
 use crate::ui::inputs;
@@ -108,6 +108,9 @@ fn figures(ui: &mut Ui, cx: &PanelContext, plane: &TaskPlane) {
             share(found.diversity),
         );
     });
+    if TaskGrid::of(&cx.app.document, &cx.app.task_plane.settings) != Some(plane.grid) {
+        ui.weak(cx.tr("These figures are of another height, margin or number of points."));
+    }
     let left_out = plane.cells.iter().filter(|c| c.is_none()).count();
     if left_out > 0 {
         let words = cx.tr("points inside of solids are left out");

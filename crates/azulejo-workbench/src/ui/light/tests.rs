@@ -378,6 +378,7 @@ fn every_language_fits_the_panel() {
         app.preferences.language = language;
         solved(&mut app, balance(60.0));
         measured(&mut app, [1.0, 0.1, 0.01]);
+        app.task_plane.is_added = true;
         let mut harness = bench(app);
         harness.run_ok();
         let roles = [
