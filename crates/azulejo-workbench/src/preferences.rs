@@ -42,6 +42,14 @@ pub struct Preferences {
     /// Final gather rays at each path's first diffuse surface, which sharpen shadows and hide
     /// patches; 0 for none, if light has been solved.
     pub picture_gather: u32,
+    /// Whether the tree of the scene is shown.
+    pub shows_tree: bool,
+    /// Whether the properties are shown.
+    pub shows_properties: bool,
+    /// Width of the tree in points; 0 for a share of the window.
+    pub tree_width: f32,
+    /// Width of the properties in points; 0 for a share of the window.
+    pub properties_width: f32,
     /// Recently opened or saved files, the latest first.
     pub recent: Vec<PathBuf>,
 }
@@ -57,6 +65,10 @@ impl Default for Preferences {
             threads: 0,
             picture_samples: 256,
             picture_gather: 0,
+            shows_tree: true,
+            shows_properties: true,
+            tree_width: 0.0,
+            properties_width: 0.0,
             recent: Vec::new(),
         }
     }
@@ -64,6 +76,8 @@ impl Default for Preferences {
 
 /// Maximum number of final gather rays.
 pub const MAX_GATHER: u32 = 1024;
+/// No panel is wider, points.
+const MAX_WIDTH: f32 = 4_096.0;
 /// Limit on the number of recent files.
 const MAX_RECENT: usize = 12;
 
@@ -142,6 +156,13 @@ impl Preferences {
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
         self.picture_gather = self.picture_gather.min(MAX_GATHER);
+        for width in [&mut self.tree_width, &mut self.properties_width] {
+            *width = if width.is_finite() {
+                width.clamp(0.0, MAX_WIDTH)
+            } else {
+                0.0
+            };
+        }
         self.recent.truncate(MAX_RECENT);
         self
     }
@@ -182,12 +203,14 @@ mod tests {
         assert!(why.unwrap().contains("preferences.toml"));
         std::fs::write(
             &path,
-            "scale = 1e9\npicture_samples = 0\npicture_gather = 2000",
+            "scale = 1e9\npicture_samples = 0\npicture_gather = 2000\ntree_width = nan\n\
+             properties_width = -3.0",
         )
         .unwrap();
         let (found, _) = Preferences::load(&path);
         assert_eq!((found.scale, found.picture_samples), (3.0, 1));
         assert_eq!(found.picture_gather, MAX_GATHER);
+        assert_eq!((found.tree_width, found.properties_width), (0.0, 0.0));
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -15,6 +15,7 @@ mod inspector;
 mod light;
 mod lightmap;
 mod menu;
+mod panels;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -40,9 +41,10 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 13] = [
+const TABLES: [&[Translation]; 14] = [
     app::TABLE,
     menu::TABLE,
+    panels::TABLE,
     tree::TABLE,
     viewport::TABLE,
     inspector::TABLE,

@@ -1,6 +1,7 @@
 //! The window: all its parts around an app.
 
 mod closing;
+mod panels;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
@@ -20,6 +21,7 @@ use azulejo::output::Output;
 use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
+use panels::{PanelWidths, SidePanel};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -203,6 +205,7 @@ impl Workbench {
             app,
             commands: Vec::new(),
         };
+        let window = ui.available_width();
         Panel::top("menu").show(ui, |ui| {
             targets.extend(menu::show(ui, &mut cx));
             targets.extend(menu::tools(ui, &mut cx));
@@ -218,34 +221,25 @@ impl Workbench {
                 .default_size(130.0)
                 .show(ui, |ui| messages::show(ui, &mut cx));
         }
-        Panel::left("tree")
-            .resizable(true)
-            .default_size(220.0)
-            .show(ui, |ui| tree.show(ui, &mut cx));
-        Panel::right("panel")
-            .resizable(true)
-            .default_size(380.0)
-            .show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    for tab in PanelTab::ALL {
-                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &cx));
-                    }
-                });
-                ui.separator();
-                egui::ScrollArea::vertical()
-                    .id_salt(self.tab as u8)
-                    .auto_shrink([false, false])
-                    .show(ui, |ui| match self.tab {
-                        PanelTab::Object => inspector::show(ui, &mut cx),
-                        PanelTab::Material => self.materials.show(ui, &mut cx),
-                        PanelTab::Light => {
-                            if light::show(ui, &mut cx) {
-                                targets.push(ActionTarget::Window(WindowAction::AddProbe));
-                            }
+        let widths = PanelWidths::of(&app.preferences, window);
+        SidePanel::Tree.show(ui, &mut cx, widths, window, |ui, cx| tree.show(ui, cx));
+        SidePanel::Properties.show(ui, &mut cx, widths, window, |ui, cx| {
+            tabs(ui, &mut self.tab, cx);
+            ui.separator();
+            egui::ScrollArea::vertical()
+                .id_salt(self.tab as u8)
+                .auto_shrink([false, false])
+                .show(ui, |ui| match self.tab {
+                    PanelTab::Object => inspector::show(ui, cx),
+                    PanelTab::Material => self.materials.show(ui, cx),
+                    PanelTab::Light => {
+                        if light::show(ui, cx) {
+                            targets.push(ActionTarget::Window(WindowAction::AddProbe));
                         }
-                        PanelTab::View => view_tab::show(ui, &mut cx),
-                    });
-            });
+                    }
+                    PanelTab::View => view_tab::show(ui, cx),
+                });
+        });
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
         self.lightmap.show(ui, &mut cx);
         let chosen = dialogs.show(ui, &mut cx);
@@ -287,7 +281,10 @@ impl Workbench {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
-            ActionTarget::Window(WindowAction::Rename) => self.tree.begin_rename(&self.app),
+            ActionTarget::Window(WindowAction::Rename) => {
+                self.show_tree();
+                self.tree.begin_rename(&self.app);
+            }
             ActionTarget::Window(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
                 self.app.execute(match self.app.render {
@@ -299,6 +296,16 @@ impl Workbench {
                     },
                 });
             }
+        }
+    }
+
+    /// Shows the tree of the scene, in which things are renamed.
+    fn show_tree(&mut self) {
+        if !self.app.preferences.shows_tree {
+            let mut preferences = self.app.preferences.clone();
+            preferences.shows_tree = true;
+            let command = Command::SetPreferences(Box::new(preferences));
+            self.app.execute(command);
         }
     }
 
@@ -475,6 +482,15 @@ impl eframe::App for Workbench {
     fn persist_egui_memory(&self) -> bool {
         false
     }
+}
+
+/// The tabs, in as many rows as they need.
+fn tabs(ui: &mut Ui, chosen: &mut PanelTab, cx: &PanelContext) {
+    ui.horizontal_wrapped(|ui| {
+        for tab in PanelTab::ALL {
+            ui.selectable_value(chosen, tab, tab_name(tab, cx));
+        }
+    });
 }
 
 fn tab_name(tab: PanelTab, cx: &PanelContext) -> &'static str {
