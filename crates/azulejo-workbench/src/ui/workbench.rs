@@ -2,6 +2,7 @@
 
 mod closing;
 mod panels;
+mod place;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
@@ -15,7 +16,8 @@ use super::{inspector, light, menu, messages, view_tab};
 use crate::app::{App, Severity};
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::preferences::Theme;
+use crate::ending::EndRequest;
+use crate::preferences::{Theme, WindowPlace};
 use crate::script::ScriptPlayer;
 use azulejo::output::Output;
 use azulejo::scene::math::Ray;
@@ -72,6 +74,12 @@ pub struct Workbench {
     title: String,
     /// Whether the window closes at the user's request.
     is_leaving: bool,
+    /// Where the window is, once that is known.
+    place: Option<WindowPlace>,
+    /// Whether a script has chosen the size of the window.
+    is_sized_by_script: bool,
+    /// The request of the system to end the program.
+    ending: EndRequest,
     /// Receives the app if the window cannot stay open.
     rescue: Option<Sender<Box<Rescued>>>,
 }
@@ -114,6 +122,9 @@ impl Workbench {
             dressed: None,
             title: String::new(),
             is_leaving: false,
+            place: None,
+            is_sized_by_script: false,
+            ending: EndRequest::default(),
             rescue: None,
         }
     }
@@ -124,6 +135,7 @@ impl Workbench {
         viewport: Viewport,
         context: &eframe::CreationContext<'_>,
     ) -> Workbench {
+        place::bring_back(context, app.preferences.window);
         let egui = context.egui_ctx.clone();
         app.set_repaint(Arc::new(move || egui.request_repaint()));
         let mut window = Workbench::new(app);
@@ -139,6 +151,17 @@ impl Workbench {
     /// Sets the receiver of the app for the case that the device is lost.
     pub fn rescue_to(&mut self, rescue: Sender<Box<Rescued>>) {
         self.rescue = Some(rescue);
+    }
+
+    /// Sets the size of the window in points for a script; it is not kept for the next session.
+    pub fn resize_for_script(&mut self, context: &egui::Context, size: egui::Vec2) {
+        self.is_sized_by_script = true;
+        context.send_viewport_cmd(ViewportCommand::InnerSize(size));
+    }
+
+    /// Lets the window end at a request of the system.
+    pub fn end_on(&mut self, request: EndRequest) {
+        self.ending = request;
     }
 
     /// The size of the viewport in pixels.
@@ -159,6 +182,7 @@ impl Workbench {
             return;
         }
         self.app.poll();
+        self.end_if_asked(ui.ctx());
         self.dress(ui.ctx());
         self.open_dropped_files(ui.ctx());
         let mut targets = Vec::new();
@@ -470,13 +494,15 @@ impl Workbench {
 }
 
 impl eframe::App for Workbench {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.note_place(frame);
         self.show(ui);
     }
 
     /// A hidden window is not drawn, but its jobs continue.
-    fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
+    fn logic(&mut self, context: &egui::Context, _: &mut eframe::Frame) {
         self.app.poll();
+        self.end_if_asked(context);
     }
 
     fn persist_egui_memory(&self) -> bool {
