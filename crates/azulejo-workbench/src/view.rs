@@ -313,6 +313,8 @@ pub struct ModelView {
     pub shows_grid: bool,
     /// Whether the scene's fog is drawn.
     pub shows_fog: bool,
+    /// Whether the orientation cube is drawn.
+    pub shows_cube: bool,
 }
 
 impl Default for ModelView {
@@ -330,6 +332,7 @@ impl Default for ModelView {
             shows_markers: true,
             shows_grid: false,
             shows_fog: true,
+            shows_cube: true,
         }
     }
 }

@@ -67,7 +67,7 @@ const SCRIPTS: [&str; 4] = [
      engine rays\n patches 40\n time 20\n bounces 2\n tab light\n solve 90%\n\
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
      remove-probe 1\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
-     show-in lumens\n compare false-color 0.3\n hide-backs on\n section y 0.8 flipped\n\
+     show-in lumens\n compare false-color 0.3\n hide-backs on\n orientation-cube off\n section y 0.8 flipped\n\
      section none\n action Discard solution\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",
     // What belongs to an imported model.

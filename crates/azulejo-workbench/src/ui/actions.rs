@@ -396,6 +396,10 @@ pub const ACTIONS: &[Action] = &[
         change_view(a, |view| view.shows_grid = !view.shows_grid)
     })
     .ticked(|a| a.view.shows_grid),
+    action(Menu::View, "Orientation cube", None, |a| {
+        change_view(a, |view| view.shows_cube = !view.shows_cube)
+    })
+    .ticked(|a| a.view.shows_cube),
     action(Menu::View, "Fog", None, |a| {
         change_view(a, |view| view.shows_fog = !view.shows_fog)
     })

@@ -29,6 +29,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     ui.separator();
     ui.checkbox(&mut view.shows_markers, cx.tr("Lights and cameras"));
     ui.checkbox(&mut view.shows_grid, cx.tr("Grid"));
+    ui.checkbox(&mut view.shows_cube, cx.tr("Orientation cube"));
     cutaway(ui, cx, &mut view);
     comparison(ui, cx, &mut view);
     let mut degrees = view.camera.vertical_fov.to_degrees();
