@@ -15,8 +15,26 @@ const PROGRAM: &str = "azulejo-workbench";
 /// Runs the workbench until its window is closed; fails if it fails.
 pub fn run(args: &WorkbenchArgs) -> Result<(), Failure> {
     let program = find().ok_or_else(|| Failure::Failed(advice(args)))?;
-    let status = Command::new(&program).args(arguments(args)).status();
-    let status = status.map_err(|e| Failure::file("start", &program, &e))?;
+    let mut command = Command::new(&program);
+    command.args(arguments(args));
+    become_it(command, &program)
+}
+
+/// Becomes the workbench: there is one process, so that a signal to this command ends the window,
+/// and its status is that of the command.
+#[cfg(unix)]
+fn become_it(mut command: Command, program: &Path) -> Result<(), Failure> {
+    use std::os::unix::process::CommandExt;
+    // It only returns if it failed.
+    Err(Failure::file("start", program, &command.exec()))
+}
+
+/// Starts the workbench and waits for it: elsewhere a process cannot become another program. Ctrl-C
+/// and closing the console reach both, as they are attached to the same one.
+#[cfg(not(unix))]
+fn become_it(mut command: Command, program: &Path) -> Result<(), Failure> {
+    let status = command.status();
+    let status = status.map_err(|e| Failure::file("start", program, &e))?;
     match status.code() {
         Some(0) => Ok(()),
         // It has printed the reason.

@@ -7,6 +7,7 @@ pub mod app;
 pub mod bake;
 pub mod command;
 pub mod document;
+pub mod ending;
 pub mod first_pass;
 pub mod gpu;
 pub mod history;

@@ -2,7 +2,8 @@
 
 use azulejo_workbench::app::{App, UserDirs};
 use azulejo_workbench::command::Command;
-use azulejo_workbench::preferences::Preferences;
+use azulejo_workbench::ending::EndRequest;
+use azulejo_workbench::preferences::{Preferences, SMALLEST_WINDOW};
 use azulejo_workbench::script::{self, ScriptPlayer, ScriptStep};
 use azulejo_workbench::ui::{Rescued, Viewport, Workbench};
 use clap::Parser;
@@ -54,14 +55,30 @@ fn print_error(why: &str) {
 fn run(arguments: &Arguments) -> Result<(), String> {
     let player = player(arguments)?;
     let outcome = player.as_ref().map(ScriptPlayer::outcome);
+    let ending = EndRequest::default();
+    ending.listen()?;
     let app = app(arguments);
-    windows(app, player, window)?;
+    windows(app, player, |slot, rescue| window(slot, rescue, &ending))?;
+    report_kept(&ending)?;
     match outcome {
         None => Ok(()),
         Some(outcome) => match outcome.lock().ok().and_then(|o| o.clone()) {
             Some(result) => result,
             None => Err("the window was closed before the script ended".into()),
         },
+    }
+}
+
+/// Says where the unsaved changes are after a signal has ended the window.
+fn report_kept(ending: &EndRequest) -> Result<(), String> {
+    match ending.kept() {
+        None | Some(Ok(None)) => Ok(()),
+        Some(Ok(Some(path))) => {
+            let path = path.display();
+            print_error(&format!("unsaved changes are kept in {path}"));
+            Ok(())
+        }
+        Some(Err(why)) => Err(format!("unsaved changes could not be kept: {why}")),
     }
 }
 
@@ -176,25 +193,39 @@ fn keep(mut app: App) -> String {
     }
 }
 
-fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
+fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>, ending: &EndRequest) -> Result<(), String> {
+    let place = slot
+        .borrow()
+        .as_ref()
+        .map(|(app, _)| app.preferences.window);
+    let place = place.unwrap_or_default();
+    let mut viewport = egui::ViewportBuilder::default();
+    if let Some(position) = place.position {
+        viewport = viewport.with_position(position.map(|points| points as f32));
+    }
     let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
+        viewport: viewport
             .with_app_id("azulejo")
             .with_title("azulejo")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([480.0, 320.0])
+            .with_inner_size(place.size)
+            .with_maximized(place.is_maximized)
+            .with_min_inner_size(SMALLEST_WINDOW)
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         run_and_return: true,
         persist_window: false,
         ..eframe::NativeOptions::default()
     };
+    let ending = ending.clone();
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
         // As the last step, so that an error before leaves the app in the slot.
         let (app, player) = slot.take().ok_or("the window was opened twice")?;
         let mut window = Workbench::in_window(app, viewport, context);
         window.rescue_to(rescue);
+        let egui = context.egui_ctx.clone();
+        ending.wake_with(Arc::new(move || egui.request_repaint()));
+        window.end_on(ending);
         if let Some(player) = player {
             window.play(player);
         }

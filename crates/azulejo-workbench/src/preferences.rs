@@ -55,8 +55,52 @@ pub struct Preferences {
     /// Final gather rays at each path's first diffuse surface, which sharpen shadows and hide
     /// patches; 0 for none, if light has been solved.
     pub picture_gather: u32,
+    /// Whether the tree of the scene is shown.
+    pub shows_tree: bool,
+    /// Whether the properties are shown.
+    pub shows_properties: bool,
+    /// Width of the tree in points; 0 for a share of the window.
+    pub tree_width: f32,
+    /// Width of the properties in points; 0 for a share of the window.
+    pub properties_width: f32,
     /// Recently opened or saved files, the latest first.
     pub recent: Vec<PathBuf>,
+    /// Where the window was at the end of the last session. As a table it is the last in the file.
+    pub window: WindowPlace,
+}
+
+/// Where a window is on the desktop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct WindowPlace {
+    /// Width and height of its inside, in points of the desktop, while it is not maximized.
+    pub size: [f32; 2],
+    /// Position of its upper left corner in points of the desktop, if that says it.
+    pub position: Option<[i32; 2]>,
+    /// Whether it is maximized.
+    pub is_maximized: bool,
+}
+
+impl Default for WindowPlace {
+    fn default() -> WindowPlace {
+        WindowPlace {
+            size: [1280.0, 800.0],
+            position: None,
+            is_maximized: false,
+        }
+    }
+}
+
+impl WindowPlace {
+    /// Limits the values of a file that may have been edited by hand.
+    fn limited(self) -> WindowPlace {
+        let is_size = |(points, least): (f32, f32)| (least..=16_384.0).contains(&points);
+        if self.size.into_iter().zip(SMALLEST_WINDOW).all(is_size) {
+            self
+        } else {
+            WindowPlace::default()
+        }
+    }
 }
 
 impl Default for Preferences {
@@ -71,13 +115,22 @@ impl Default for Preferences {
             threads: 0,
             picture_samples: 256,
             picture_gather: 0,
+            shows_tree: true,
+            shows_properties: true,
+            tree_width: 0.0,
+            properties_width: 0.0,
             recent: Vec::new(),
+            window: WindowPlace::default(),
         }
     }
 }
 
 /// Maximum number of final gather rays.
 pub const MAX_GATHER: u32 = 1024;
+/// The smallest width and height of the window, points.
+pub const SMALLEST_WINDOW: [f32; 2] = [480.0, 320.0];
+/// No panel is wider, points.
+const MAX_WIDTH: f32 = 4_096.0;
 /// Limit on the number of recent files.
 const MAX_RECENT: usize = 12;
 
@@ -156,6 +209,14 @@ impl Preferences {
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
         self.picture_gather = self.picture_gather.min(MAX_GATHER);
+        for width in [&mut self.tree_width, &mut self.properties_width] {
+            *width = if width.is_finite() {
+                width.clamp(0.0, MAX_WIDTH)
+            } else {
+                0.0
+            };
+        }
+        self.window = self.window.limited();
         self.recent.truncate(MAX_RECENT);
         self
     }
@@ -186,6 +247,11 @@ mod tests {
             theme: Theme::Dark,
             file_dialogs: FileDialogs::Own,
             autosave: 7,
+            window: WindowPlace {
+                size: [900.0, 640.5],
+                position: Some([-20, 40]),
+                is_maximized: true,
+            },
             ..Preferences::default()
         };
         mine.note_recent(Path::new("/a/b.3ds"));
@@ -197,12 +263,15 @@ mod tests {
         assert!(why.unwrap().contains("preferences.toml"));
         std::fs::write(
             &path,
-            "scale = 1e9\npicture_samples = 0\npicture_gather = 2000",
+            "scale = 1e9\npicture_samples = 0\npicture_gather = 2000\ntree_width = nan\n\
+             properties_width = -3.0\n[window]\nsize = [3.0, 800.0]\nis_maximized = true",
         )
         .unwrap();
         let (found, _) = Preferences::load(&path);
         assert_eq!((found.scale, found.picture_samples), (3.0, 1));
         assert_eq!(found.picture_gather, MAX_GATHER);
+        assert_eq!((found.tree_width, found.properties_width), (0.0, 0.0));
+        assert_eq!(found.window, WindowPlace::default());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

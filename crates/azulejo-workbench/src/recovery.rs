@@ -82,6 +82,8 @@ pub struct Recovery {
     copied: Option<u64>,
     /// Earliest time of the next attempt after a failure.
     not_before: Option<Instant>,
+    /// Whether the copy stays when the session ends.
+    is_kept: bool,
 }
 
 #[derive(Debug)]
@@ -183,6 +185,11 @@ impl Recovery {
         }
     }
 
+    /// Leaves this session's copy for the next one.
+    pub fn keep(&mut self) {
+        self.is_kept = true;
+    }
+
     /// Removes a copy from the list and from the disk.
     pub fn delete(&mut self, copy: &Path) {
         self.found.retain(|f| {
@@ -196,9 +203,9 @@ impl Recovery {
 }
 
 impl Drop for Recovery {
-    /// A session that ends normally leaves nothing behind.
+    /// A session that ends at the user's wish leaves nothing behind.
     fn drop(&mut self) {
-        if !std::thread::panicking() {
+        if !std::thread::panicking() && !self.is_kept {
             self.clear();
         }
     }

@@ -315,6 +315,8 @@ pub struct ModelView {
     pub shows_fog: bool,
     /// Width of the viewport over its height, by which the model is framed.
     pub aspect: f64,
+    /// Whether the orientation cube is drawn.
+    pub shows_cube: bool,
 }
 
 impl Default for ModelView {
@@ -333,6 +335,7 @@ impl Default for ModelView {
             shows_grid: false,
             shows_fog: true,
             aspect: 1.0,
+            shows_cube: true,
         }
     }
 }

@@ -18,6 +18,7 @@ mod library;
 mod light;
 mod lightmap;
 mod menu;
+mod panels;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -43,9 +44,10 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 16] = [
+const TABLES: [&[Translation]; 17] = [
     app::TABLE,
     menu::TABLE,
+    panels::TABLE,
     tree::TABLE,
     viewport::TABLE,
     inspector::TABLE,

@@ -95,6 +95,23 @@ impl App {
         Ok(Some(path))
     }
 
+    /// Writes a recovery copy of unsaved changes that stays when the program ends; returns its path,
+    /// or `None` if there are no changes.
+    ///
+    /// # Errors
+    ///
+    /// A message with the reason why it cannot be written.
+    pub fn leave_recovery(&mut self) -> Result<Option<PathBuf>, String> {
+        // It would write to the same file.
+        self.jobs.cancel_kind(JobKind::Autosave);
+        let kept = self.save_recovery_now();
+        if !matches!(kept, Ok(None)) {
+            // Even if there is no new copy, there may be an earlier one.
+            self.recovery.keep();
+        }
+        kept
+    }
+
     /// The folder in which a recovery copy looks for its textures: that of the original file.
     fn home(&self) -> Option<PathBuf> {
         let folder = self.file.as_ref()?.path.parent()?;

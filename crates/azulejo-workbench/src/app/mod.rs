@@ -37,7 +37,7 @@ use crate::command::{Command, FileRequest, Selection};
 use crate::document::{ItemId, SceneDocument};
 use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
-use crate::preferences::Preferences;
+use crate::preferences::{Preferences, WindowPlace};
 use crate::recovery::Recovery;
 use crate::view::{Backdrop, ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
@@ -635,6 +635,24 @@ impl App {
         self.store_preferences();
         if gathers {
             self.restart_render();
+        }
+    }
+
+    /// Keeps the place of the window, at the end of a session. Another window may have changed other
+    /// preferences since this one read them: those stay.
+    pub fn keep_window(&mut self, place: WindowPlace) {
+        if place == self.preferences.window {
+            return;
+        }
+        self.preferences.window = place;
+        let Some(path) = &self.preferences_file else {
+            return;
+        };
+        let (mut latest, trouble) = Preferences::load(path);
+        latest.window = place;
+        if trouble.is_none() {
+            // Nobody is left to read why it failed.
+            let _ = latest.store(path);
         }
     }
 

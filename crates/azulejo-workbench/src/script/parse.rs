@@ -185,7 +185,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 69] = [
+pub(super) const STEPS: [&str; 70] = [
     "size",
     "open",
     "add",
@@ -229,6 +229,7 @@ pub(super) const STEPS: [&str; 69] = [
     "compare",
     "hide-backs",
     "section",
+    "orientation-cube",
     "tab",
     "engine",
     "patches",
@@ -367,6 +368,7 @@ mod tests {
             ("show-in candles", "no unit of light \"candles\""),
             ("compare pink", "no shading \"pink\""),
             ("compare flat 2", "expected 0 to 1"),
+            ("orientation-cube", "expected on or off"),
             ("section w 0.5", "no axis \"w\""),
             ("section x 0.5 up", "expected flipped"),
             ("fov 0", "expected 1 to 170"),

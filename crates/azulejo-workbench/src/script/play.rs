@@ -184,7 +184,7 @@ impl ScriptPlayer {
     ) -> Result<WaitCondition, String> {
         match step {
             ScriptStep::Size(w, h) => {
-                context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
+                window.resize_for_script(context, egui::vec2(w, h));
             }
             ScriptStep::Screenshot(path) => return Ok(screenshot(path, context)),
             ScriptStep::Wait(None) => return Ok(WaitCondition::Jobs(0)),

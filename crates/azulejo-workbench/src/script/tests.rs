@@ -71,7 +71,7 @@ const SCRIPTS: [&str; 4] = [
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
      save-probes DIR/probes.csv\n remove-probe 1\n\
      task-plane 0.8 0 3 2\n save-task-plane DIR/plane.csv\n remove-task-plane\n action Task plane\n render 1\n stop-render\n resume-render\n save-render DIR/r.png\n close-render\n\
-     show-in lumens\n compare false-color 0.3\n hide-backs on\n section y 0.8 flipped\n\
+     show-in lumens\n compare false-color 0.3\n hide-backs on\n orientation-cube off\n section y 0.8 flipped\n\
      section none\n action Discard solution\n\
      export DIR/copy.obj\n save DIR/lit.grf\n action Save\n preference theme dark\n action New\n quit\n",
     // What belongs to an imported model.

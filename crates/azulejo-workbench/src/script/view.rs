@@ -43,6 +43,8 @@ pub enum ViewStep {
     Compare(Option<Comparison>),
     /// `hide-backs on`, `off`.
     HideBacks(bool),
+    /// `orientation-cube on`, `off`.
+    OrientationCube(bool),
     /// `section AXIS SHARE`, with `flipped` after it, `section none`: a plane that cuts the model
     /// open.
     Section(Option<SectionPlane>),
@@ -75,6 +77,7 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<Result<ViewStep, String>> 
         "show-in" => light_unit(rest).map(ViewStep::LightUnit),
         "compare" => unless("none", rest, comparison).map(ViewStep::Compare),
         "hide-backs" => switch(rest).map(ViewStep::HideBacks),
+        "orientation-cube" => switch(rest).map(ViewStep::OrientationCube),
         "section" => unless("none", rest, section).map(ViewStep::Section),
         _ => return None,
     })
@@ -200,6 +203,7 @@ impl ViewStep {
             ViewStep::LightUnit(unit) => view.light_unit = unit,
             ViewStep::Compare(comparison) => view.comparison = comparison,
             ViewStep::HideBacks(hides) => view.hides_backs = hides,
+            ViewStep::OrientationCube(shows) => view.shows_cube = shows,
             ViewStep::Section(section) => view.section = section,
         }
     }

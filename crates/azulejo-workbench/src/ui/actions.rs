@@ -5,6 +5,7 @@ use crate::app::App;
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::jobs::JobKind;
+use crate::preferences::Preferences;
 use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
 use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -194,6 +195,12 @@ fn change_view(
     done(Command::SetView(Box::new(view)))
 }
 
+fn change_preferences(app: &App, change: impl FnOnce(&mut Preferences)) -> Option<ActionTarget> {
+    let mut preferences = app.preferences.clone();
+    change(&mut preferences);
+    done(Command::SetPreferences(Box::new(preferences)))
+}
+
 fn shade(app: &App, shading: Shading) -> Option<ActionTarget> {
     change_view(app, |view| view.shading = shading)
 }
@@ -379,6 +386,14 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::View, "Corner view", key(Key::Num0), |a| {
         from(a, ViewDirection::Corner)
     }),
+    action(Menu::View, "Scene tree", key(Key::F3), |a| {
+        change_preferences(a, |p| p.shows_tree = !p.shows_tree)
+    })
+    .ticked(|a| a.preferences.shows_tree),
+    action(Menu::View, "Properties", key(Key::F4), |a| {
+        change_preferences(a, |p| p.shows_properties = !p.shows_properties)
+    })
+    .ticked(|a| a.preferences.shows_properties),
     action(Menu::View, "Lights and cameras", key(Key::L), |a| {
         change_view(a, |view| view.shows_markers = !view.shows_markers)
     })
@@ -387,6 +402,10 @@ pub const ACTIONS: &[Action] = &[
         change_view(a, |view| view.shows_grid = !view.shows_grid)
     })
     .ticked(|a| a.view.shows_grid),
+    action(Menu::View, "Orientation cube", None, |a| {
+        change_view(a, |view| view.shows_cube = !view.shows_cube)
+    })
+    .ticked(|a| a.view.shows_cube),
     action(Menu::View, "Fog", None, |a| {
         change_view(a, |view| view.shows_fog = !view.shows_fog)
     })

@@ -75,7 +75,7 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
         ui.selectable_value(&mut units.up, Up::Y, "y");
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label(cx.tr("Numbers of the file are in"));
         ui.selectable_value(&mut units.photometric, false, cx.tr("Watts"));
         ui.selectable_value(&mut units.photometric, true, cx.tr("Lumens"));
@@ -163,15 +163,18 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
     ui.label(name);
     let mut changed = false;
     ui.horizontal(|ui| {
+        let width = field_width(ui);
+        // A narrow field shows fewer digits; the number keeps all of them.
+        let decimals = ((width - 34.0) / 7.0).clamp(1.0, 6.0) as usize;
         for (axis, x) in ["x", "y", "z"]
             .into_iter()
             .zip([&mut v.x, &mut v.y, &mut v.z])
         {
             let drag = inputs::number(x, f64::NEG_INFINITY..=f64::INFINITY)
                 .speed(speed)
-                .max_decimals(6)
+                .max_decimals(decimals)
                 .prefix(format!("{axis} "));
-            let response = ui.add_sized([96.0, ui.spacing().interact_size.y], drag);
+            let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
             response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::SpinButton, true, format!("{name} {axis}"))
             });
@@ -180,6 +183,12 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
     });
     ui.end_row();
     changed
+}
+
+/// Width of each of three number fields that share a row.
+fn field_width(ui: &Ui) -> f32 {
+    let gaps = 2.0 * ui.spacing().item_spacing.x;
+    ((ui.available_width() - gaps) / 3.0).clamp(36.0, 96.0)
 }
 
 /// Change of a coordinate per pixel of dragging.
@@ -368,7 +377,7 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
         }
         ui.end_row();
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button(cx.tr("View through camera")).clicked() {
             let mut look = cx.app.view.clone();
             look.camera = view.camera.clone();

@@ -99,28 +99,37 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     });
 }
 
+/// Width in points from which on the toolbar has all its buttons.
+const WIDE: f32 = 900.0;
+
 /// Draws the toolbar; returns the chosen actions.
 pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
+    // The menus have what a narrow window leaves out.
+    let is_wide = ui.available_width() >= WIDE;
     ui.horizontal_wrapped(|ui| {
-        for label in ["Open…", "Add…", "Save"] {
-            targets.extend(tool(ui, cx, label));
+        targets.extend(tool(ui, cx, "Open…"));
+        if is_wide {
+            targets.extend(tool(ui, cx, "Add…"));
         }
-        ui.separator();
+        targets.extend(tool(ui, cx, "Save"));
+        gap(ui, is_wide);
         for label in ["Undo", "Redo"] {
             targets.extend(tool(ui, cx, label));
         }
-        ui.separator();
+        gap(ui, is_wide);
         targets.extend(tool(ui, cx, "Studio"));
-        targets.extend(tool(ui, cx, "Area light"));
-        ui.separator();
+        if is_wide {
+            targets.extend(tool(ui, cx, "Area light"));
+        }
+        gap(ui, is_wide);
         shading(ui, cx, &mut targets);
         targets.extend(tool(ui, cx, "Frame all"));
         targets.extend(tool(ui, cx, "Render image"));
         if cx.app.render.is_some() {
             targets.extend(tool(ui, cx, "Save image…"));
         }
-        ui.separator();
+        gap(ui, is_wide);
         let solver = match (cx.app.is_busy(JobKind::Solve), cx.app.lighting.is_paused) {
             (false, _) => &["Solve"][..],
             (true, false) => &["Pause", "Stop"],
@@ -131,6 +140,15 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
         }
     });
     targets
+}
+
+/// Separates groups of buttons, with a line where there is room for it.
+fn gap(ui: &mut Ui, is_wide: bool) {
+    if is_wide {
+        ui.separator();
+    } else {
+        ui.add_space(2.0);
+    }
 }
 
 fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {

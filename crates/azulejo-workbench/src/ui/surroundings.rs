@@ -116,7 +116,7 @@ fn sky(ui: &mut Ui, cx: &PanelContext, settings: &mut SkySettings) -> bool {
 fn cie_type(ui: &mut Ui, cx: &PanelContext, distribution: &mut SkyDistribution) -> bool {
     let old = *distribution;
     ComboBox::new("type of sky", "")
-        .width(220.0)
+        .width(ui.available_width().min(220.0))
         .selected_text(sky_name(cx, &old))
         .show_ui(ui, |ui| {
             let all = CieSky::all().map(SkyDistribution::Cie);
@@ -183,7 +183,7 @@ fn sky_buttons(
     let document = &cx.app.document;
     let old = document.sky_settings(environment, &sky);
     let mut new = old;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if let SkyDistribution::Cie(kind) = sky.distribution
             && ui.button(cx.tr("Use typical irradiance")).clicked()
         {
@@ -242,7 +242,7 @@ fn weather(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, around: &Environmen
 fn picture_buttons(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, path: &str) {
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     ui.weak(file);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button(cx.tr("Change image…")).clicked() {
             cx.send(Command::RequestFile(FileRequest::Environment(Some(lamp))));
         }

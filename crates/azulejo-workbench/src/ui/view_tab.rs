@@ -29,10 +29,11 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     ui.separator();
     ui.checkbox(&mut view.shows_markers, cx.tr("Lights and cameras"));
     ui.checkbox(&mut view.shows_grid, cx.tr("Grid"));
+    ui.checkbox(&mut view.shows_cube, cx.tr("Orientation cube"));
     cutaway(ui, cx, &mut view);
     comparison(ui, cx, &mut view);
     let mut degrees = view.camera.vertical_fov.to_degrees();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = ui.label(cx.tr("Field of view"));
         let slider = Slider::new(&mut degrees, 5.0..=120.0)
             .suffix("°")
@@ -67,7 +68,7 @@ fn light_unit(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 }
 
 fn exposure(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let mut auto = view.exposure.is_none();
         if ui.checkbox(&mut auto, cx.tr("Auto exposure")).changed() {
             view.exposure = (!auto).then_some(super::viewport::auto_exposure(cx.app));
@@ -103,7 +104,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         // Typed in the unit that is shown, stored in that of the document.
         let mut shown = [unit.factor * *low, unit.factor * *high];
         let before = shown;
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let speed = (0.01 * (shown[1] - shown[0]).abs()).max(1e-6);
             for (value, name) in shown.iter_mut().zip([cx.tr("From"), cx.tr("To")]) {
                 let label = ui.label(name);
@@ -117,7 +118,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         }
     }
     ui.checkbox(&mut colors.logarithmic, cx.tr("Logarithmic"));
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = ui.label(cx.tr("Bands between isolines"));
         ui.add(DragValue::new(&mut colors.isolines).range(0..=64))
             .labelled_by(label.id);
@@ -128,7 +129,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 fn cutaway(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ui.checkbox(&mut view.hides_backs, cx.tr("Hide back faces"));
     let mut has = view.section.is_some();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.checkbox(&mut has, cx.tr("Section plane")).changed() {
             let new = SectionPlane::below_ceiling(cx.app.document.units.up);
             view.section = has.then_some(new);
@@ -140,7 +141,7 @@ fn cutaway(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         }
     });
     if let Some(section) = &mut view.section {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let slider = Slider::new(&mut section.at, 0.0..=1.0).max_decimals(3);
             let name = cx.tr("Section plane");
             ui.add(slider)
@@ -208,7 +209,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             view.backdrop = Backdrop::Color(any);
         }
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button(cx.tr("Image…")).clicked() {
             cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
@@ -224,7 +225,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
 fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
     let old = cx.app.document.background;
     let mut has = old.is_some();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui
             .checkbox(&mut has, cx.tr("Background in the scene"))
             .changed()
@@ -256,7 +257,7 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     }
     let Some(mut fog) = old else { return };
     let before = fog;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
         let label = ui.label(cx.tr("Visibility range"));
         let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);

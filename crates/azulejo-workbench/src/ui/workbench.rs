@@ -1,6 +1,8 @@
 //! The window: all its parts around an app.
 
 mod closing;
+mod panels;
+mod place;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
@@ -14,12 +16,14 @@ use super::{inspector, light, menu, messages, view_tab};
 use crate::app::{App, Severity};
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::preferences::Theme;
+use crate::ending::EndRequest;
+use crate::preferences::{Theme, WindowPlace};
 use crate::script::ScriptPlayer;
 use azulejo::output::Output;
 use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
+use panels::{PanelWidths, SidePanel};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -70,6 +74,12 @@ pub struct Workbench {
     title: String,
     /// Whether the window closes at the user's request.
     is_leaving: bool,
+    /// Where the window is, once that is known.
+    place: Option<WindowPlace>,
+    /// Whether a script has chosen the size of the window.
+    is_sized_by_script: bool,
+    /// The request of the system to end the program.
+    ending: EndRequest,
     /// Receives the app if the window cannot stay open.
     rescue: Option<Sender<Box<Rescued>>>,
 }
@@ -112,6 +122,9 @@ impl Workbench {
             dressed: None,
             title: String::new(),
             is_leaving: false,
+            place: None,
+            is_sized_by_script: false,
+            ending: EndRequest::default(),
             rescue: None,
         }
     }
@@ -122,6 +135,7 @@ impl Workbench {
         viewport: Viewport,
         context: &eframe::CreationContext<'_>,
     ) -> Workbench {
+        place::bring_back(context, app.preferences.window);
         let egui = context.egui_ctx.clone();
         app.set_repaint(Arc::new(move || egui.request_repaint()));
         let mut window = Workbench::new(app);
@@ -139,6 +153,17 @@ impl Workbench {
     /// Sets the receiver of the app for the case that the device is lost.
     pub fn rescue_to(&mut self, rescue: Sender<Box<Rescued>>) {
         self.rescue = Some(rescue);
+    }
+
+    /// Sets the size of the window in points for a script; it is not kept for the next session.
+    pub fn resize_for_script(&mut self, context: &egui::Context, size: egui::Vec2) {
+        self.is_sized_by_script = true;
+        context.send_viewport_cmd(ViewportCommand::InnerSize(size));
+    }
+
+    /// Lets the window end at a request of the system.
+    pub fn end_on(&mut self, request: EndRequest) {
+        self.ending = request;
     }
 
     /// The size of the viewport in pixels.
@@ -159,6 +184,7 @@ impl Workbench {
             return;
         }
         self.app.poll();
+        self.end_if_asked(ui.ctx());
         self.dress(ui.ctx());
         self.open_dropped_files(ui.ctx());
         let mut targets = Vec::new();
@@ -207,6 +233,7 @@ impl Workbench {
             app,
             commands: Vec::new(),
         };
+        let window = ui.available_width();
         Panel::top("menu").show(ui, |ui| {
             targets.extend(menu::show(ui, &mut cx));
             targets.extend(menu::tools(ui, &mut cx));
@@ -222,34 +249,25 @@ impl Workbench {
                 .default_size(130.0)
                 .show(ui, |ui| messages::show(ui, &mut cx));
         }
-        Panel::left("tree")
-            .resizable(true)
-            .default_size(220.0)
-            .show(ui, |ui| tree.show(ui, &mut cx));
-        Panel::right("panel")
-            .resizable(true)
-            .default_size(380.0)
-            .show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    for tab in PanelTab::ALL {
-                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &cx));
-                    }
-                });
-                ui.separator();
-                egui::ScrollArea::vertical()
-                    .id_salt(self.tab as u8)
-                    .auto_shrink([false, false])
-                    .show(ui, |ui| match self.tab {
-                        PanelTab::Object => inspector::show(ui, &mut cx),
-                        PanelTab::Material => self.materials.show(ui, &mut cx),
-                        PanelTab::Light => {
-                            if light::show(ui, &mut cx) {
-                                targets.push(ActionTarget::Window(WindowAction::AddProbe));
-                            }
+        let widths = PanelWidths::of(&app.preferences, window);
+        SidePanel::Tree.show(ui, &mut cx, widths, window, |ui, cx| tree.show(ui, cx));
+        SidePanel::Properties.show(ui, &mut cx, widths, window, |ui, cx| {
+            tabs(ui, &mut self.tab, cx);
+            ui.separator();
+            egui::ScrollArea::vertical()
+                .id_salt(self.tab as u8)
+                .auto_shrink([false, false])
+                .show(ui, |ui| match self.tab {
+                    PanelTab::Object => inspector::show(ui, cx),
+                    PanelTab::Material => self.materials.show(ui, cx),
+                    PanelTab::Light => {
+                        if light::show(ui, cx) {
+                            targets.push(ActionTarget::Window(WindowAction::AddProbe));
                         }
-                        PanelTab::View => view_tab::show(ui, &mut cx),
-                    });
-            });
+                    }
+                    PanelTab::View => view_tab::show(ui, cx),
+                });
+        });
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
         self.lightmap.show(ui, &mut cx);
         let chosen = dialogs.show(ui, &mut cx);
@@ -295,7 +313,10 @@ impl Workbench {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
-            ActionTarget::Window(WindowAction::Rename) => self.tree.begin_rename(&self.app),
+            ActionTarget::Window(WindowAction::Rename) => {
+                self.show_tree();
+                self.tree.begin_rename(&self.app);
+            }
             ActionTarget::Window(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
                 self.app.execute(match self.app.render {
@@ -307,6 +328,16 @@ impl Workbench {
                     },
                 });
             }
+        }
+    }
+
+    /// Shows the tree of the scene, in which things are renamed.
+    fn show_tree(&mut self) {
+        if !self.app.preferences.shows_tree {
+            let mut preferences = self.app.preferences.clone();
+            preferences.shows_tree = true;
+            let command = Command::SetPreferences(Box::new(preferences));
+            self.app.execute(command);
         }
     }
 
@@ -472,18 +503,29 @@ impl Workbench {
 
 impl eframe::App for Workbench {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.note_place(frame);
         self.show(ui);
         self.dialogs.open_native_files(frame, ui.ctx());
     }
 
     /// A hidden window is not drawn, but its jobs continue.
-    fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
+    fn logic(&mut self, context: &egui::Context, _: &mut eframe::Frame) {
         self.app.poll();
+        self.end_if_asked(context);
     }
 
     fn persist_egui_memory(&self) -> bool {
         false
     }
+}
+
+/// The tabs, in as many rows as they need.
+fn tabs(ui: &mut Ui, chosen: &mut PanelTab, cx: &PanelContext) {
+    ui.horizontal_wrapped(|ui| {
+        for tab in PanelTab::ALL {
+            ui.selectable_value(chosen, tab, tab_name(tab, cx));
+        }
+    });
 }
 
 fn tab_name(tab: PanelTab, cx: &PanelContext) -> &'static str {

@@ -2,6 +2,8 @@
 
 mod cards;
 mod dialogs;
+#[cfg(target_os = "linux")]
+mod ending;
 mod file_dialog;
 mod files;
 mod inspector;

@@ -30,7 +30,7 @@ pub(super) fn choose(
     row(ui, language.tr("Compare with"), about, |ui, label| {
         let combo = ComboBox::from_id_salt("compare")
             .selected_text(&chosen)
-            .width(220.0)
+            .width((ui.available_width() - 8.0).min(220.0))
             .height(420.0)
             .truncate();
         let shown = combo.show_ui(ui, |ui| {

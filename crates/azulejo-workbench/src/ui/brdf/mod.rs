@@ -249,7 +249,7 @@ impl BrdfEditor {
     fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
         theme::row(ui, language.tr("Name"), "", |ui, label| {
             let mut name = self.name.take().unwrap_or_else(|| material.name.clone());
-            let field = TextEdit::singleline(&mut name).desired_width(ui.available_width());
+            let field = TextEdit::singleline(&mut name).desired_width(ui.available_width() - 8.0);
             let response = ui.add(field).accessible_name(label);
             if response.has_focus() {
                 self.name = Some(name);

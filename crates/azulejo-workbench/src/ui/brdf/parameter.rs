@@ -135,7 +135,7 @@ fn fresnel(ui: &mut Ui, language: Language, of: &ModelInfo, model: &mut Model) {
         let words = |t| term_words(language, t);
         let combo = ComboBox::from_id_salt(("fresnel", of.name))
             .selected_text(words(term))
-            .width(210.0);
+            .width((ui.available_width() - 8.0).min(210.0));
         let shown = combo.show_ui(ui, |ui| {
             for t in FresnelChoice::ALL {
                 ui.selectable_value(&mut chosen, t, words(t));

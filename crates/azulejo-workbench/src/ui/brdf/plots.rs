@@ -9,7 +9,7 @@ use super::surface_plots::SurfacePlots;
 use super::theme::{lines, short};
 use super::view::LobeView;
 use crate::words::Language;
-use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Align, Color32, Layout, Sense, Shape, Stroke, TextWrapMode, Ui, vec2};
 
 /// Draws the available results; `names` are those of the compared materials.
 pub(super) fn show(
@@ -69,7 +69,18 @@ fn name(ui: &mut Ui, index: usize, name: &str) {
 
 /// Badges, and a spinner while results are missing.
 fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
-    ui.horizontal_wrapped(|ui| {
+    // In a narrow panel each has a row of its own, in which its text is wrapped.
+    let is_narrow = ui.available_width() < 340.0;
+    let layout = if is_narrow {
+        Layout::top_down(Align::Min)
+    } else {
+        Layout::left_to_right(Align::Center).with_main_wrap(true)
+    };
+    let size = vec2(ui.available_width(), 22.0);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        if is_narrow {
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Wrap);
+        }
         if let Some((_, measures)) = side.measures.found() {
             badges(ui, language, measures);
         }

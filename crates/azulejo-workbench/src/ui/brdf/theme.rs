@@ -41,6 +41,7 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// A label with a tooltip, followed by its fields, which get the label as their accessible name.
+/// Fields that do not fit into one line go to the next.
 pub(super) fn row<R>(
     ui: &mut Ui,
     name: &str,
@@ -57,7 +58,7 @@ pub(super) fn row<R>(
             }
         });
         ui.spacing_mut().slider_width = (ui.available_width() - 80.0).clamp(60.0, 260.0);
-        fields(ui, name)
+        ui.horizontal_wrapped(|ui| fields(ui, name)).inner
     })
     .inner
 }
@@ -77,7 +78,7 @@ pub(super) fn named<R>(
     }
     ui.add(egui::Label::new(name).truncate())
         .on_hover_text(about);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 80.0).clamp(60.0, 300.0);
         fields(ui, name)
     })

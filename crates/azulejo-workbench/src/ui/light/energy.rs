@@ -76,7 +76,8 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
 fn bar(ui: &mut Ui, name: &str, share: f64, color: Color32) {
     ui.horizontal(|ui| {
         let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32);
-        let bar = bar.desired_width(90.0).desired_height(8.0).fill(color);
+        let width = (ui.available_width() - 44.0).clamp(16.0, 90.0);
+        let bar = bar.desired_width(width).desired_height(8.0).fill(color);
         let words = format!("{name} {}", percent(share));
         ui.add(bar)
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Meter, true, words.clone()));

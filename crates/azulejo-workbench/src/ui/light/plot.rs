@@ -45,11 +45,11 @@ fn numbers(ui: &mut Ui, cx: &PanelContext) {
         if let Some((iteration, value)) = residual {
             let after = cx.tr("at bounce");
             let value = format!("{} {after} {iteration}", number(value));
-            ui.label(cx.tr("Remaining light (residual)"));
             ui.horizontal(|ui| {
-                ui.label(value);
+                ui.label(cx.tr("Remaining light (residual)"));
                 help::mark(ui, cx.language, HelpTerm::Residual);
             });
+            ui.add(egui::Label::new(value).wrap());
             ui.end_row();
         }
         if let Some(error) = error {

@@ -35,7 +35,7 @@ fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     let about = cx.tr("Method for computing form factors between patches.");
     let label = ui.label(cx.tr("Engine")).on_hover_text(about);
     ComboBox::from_id_salt("engine")
-        .width(170.0)
+        .width(ui.available_width().min(170.0))
         .selected_text(name(settings.engine, cx))
         .show_ui(ui, |ui| {
             for engine in EngineChoice::ALL {

@@ -10,7 +10,7 @@ use crate::view::Shading;
 use egui::{Align2, Button, Frame, Key, ProgressBar, Rect, RichText, Ui, Vec2};
 
 /// Width of a card, points.
-const WIDTH: f32 = 340.0;
+pub const WIDTH: f32 = 340.0;
 /// Height of the buttons in the upper left corner, points.
 const BUTTONS: f32 = 26.0;
 /// Distance of a card from the edge of the viewport, points.

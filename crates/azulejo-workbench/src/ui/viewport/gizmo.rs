@@ -33,7 +33,7 @@ const LENGTH: f64 = 80.0;
 const PICK_RADIUS: f32 = 8.0;
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 /// Red, green and blue that also differ in brightness.
-const COLORS: [Color32; 3] = [
+pub(super) const AXIS_COLORS: [Color32; 3] = [
     Color32::from_rgb(224, 82, 74),
     Color32::from_rgb(130, 196, 72),
     Color32::from_rgb(84, 146, 236),
@@ -108,7 +108,7 @@ impl Gizmo<'_> {
 
     /// Draws the handles; the active one is highlighted.
     pub fn paint(&self, painter: &Painter, lit: Option<&GizmoHandle>) {
-        for (axis, own) in COLORS.into_iter().enumerate() {
+        for (axis, own) in AXIS_COLORS.into_iter().enumerate() {
             let is_lit = lit.is_some_and(|g| g.axis == axis || g.axis == 3);
             let color = if is_lit { Color32::WHITE } else { own };
             let lines = self.lines(axis);

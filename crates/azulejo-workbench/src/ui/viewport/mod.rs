@@ -3,6 +3,7 @@
 mod cache;
 mod cards;
 mod compare;
+mod cube;
 mod gizmo;
 mod hover;
 mod isolines;
@@ -145,6 +146,9 @@ impl Viewport {
         } else {
             self.draw(ui, rect, cx, &view)?;
             self.handles(ui, rect, &response, &points, cx);
+            if !cx.app.is_blank() {
+                cube::show(ui, rect, cx, &view);
+            }
         }
         self.point(ui, seen, &response, &points, cx);
         probe_markers::paint(ui, seen, &points, cx);
@@ -250,6 +254,10 @@ impl Viewport {
             return targets;
         }
         self.start.leave();
+        let rect = match cx.app.render {
+            Some(_) => rect,
+            None => cube::room_for_cards(rect, &cx.app.view, cards::WIDTH),
+        };
         cards::show_failure(ui, rect, cx);
         if cards::show_progress(ui, rect, cx) {
             return Vec::new();

@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, PointerButton, Response, Ui};
 use glam::DVec3;
 
 /// Radians per point of dragging.
-const TURN: f64 = 0.008;
+pub(super) const TURN: f64 = 0.008;
 /// Flying speed in sizes of the model per second.
 const FLIGHT: f64 = 0.25;
 /// Turning speed in radians per second.

@@ -26,9 +26,21 @@ impl Workbench {
         }
     }
 
+    /// Closes the window at a request of the system: nobody can be asked, so unsaved changes are left
+    /// as a recovery copy.
+    pub(super) fn end_if_asked(&mut self, context: &egui::Context) {
+        if self.ending.is_asked() && !self.is_leaving {
+            self.is_leaving = true;
+            self.keep_place();
+            self.ending.note(self.app.leave_recovery());
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
     /// Closes the window at the user's request, after all files are written and not with changes
     /// that the user has not given up, including those made meanwhile.
     fn handle_close(&mut self, context: &egui::Context, asks_close: bool) {
+        let was_leaving = self.is_leaving;
         let ends = asks_close || self.app.closing;
         let is_lost = self.rescue.is_none();
         if !ends || is_lost || self.is_leaving {
@@ -44,6 +56,9 @@ impl Workbench {
             self.app.execute(Command::Quit);
         } else {
             self.is_leaving = true;
+        }
+        if self.is_leaving && !was_leaving {
+            self.keep_place();
         }
         if self.is_leaving && self.app.closing {
             context.send_viewport_cmd(ViewportCommand::Close);
