@@ -18,6 +18,8 @@ pub struct History<V> {
 #[derive(Clone, Debug)]
 struct HistoryStep<V> {
     label: &'static str,
+    /// The name of the one thing that the edit concerns.
+    about: Option<String>,
     version: V,
     /// Bytes that only the version before the edit holds.
     bytes: u64,
@@ -34,9 +36,15 @@ impl<V> Default for History<V> {
 }
 
 impl<V> History<V> {
-    /// Records an edit and the version before it. Edits of one gesture, such as all positions of a
+    /// Records an edit, what it is about, and the version before it. Edits of one gesture, such as all positions of a
     /// dragged slider, are one step.
-    pub fn record(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
+    pub fn record(
+        &mut self,
+        label: &'static str,
+        about: Option<String>,
+        before: V,
+        gesture: Option<u64>,
+    ) {
         self.future.clear();
         let goes_on = gesture.is_some() && gesture == self.gesture && !self.past.is_empty();
         self.gesture = gesture;
@@ -48,6 +56,7 @@ impl<V> History<V> {
         }
         self.past.push(HistoryStep {
             label,
+            about,
             version: before,
             bytes: 0,
         });
@@ -98,6 +107,16 @@ impl<V> History<V> {
         self.future.last().map(|s| s.label)
     }
 
+    /// The name of the one thing that the edit concerns that undo reverts.
+    pub fn undo_about(&self) -> Option<&str> {
+        self.past.last()?.about.as_deref()
+    }
+
+    /// The name of the one thing that the edit concerns that redo applies.
+    pub fn redo_about(&self) -> Option<&str> {
+        self.future.last()?.about.as_deref()
+    }
+
     /// Returns the version before the last edit in exchange for `now`; `None` if there is no edit.
     pub fn undo(&mut self, now: V) -> Option<V> {
         self.gesture = None;
@@ -116,6 +135,7 @@ fn exchange<V>(from: &mut Vec<HistoryStep<V>>, to: &mut Vec<HistoryStep<V>>, now
     let step = from.pop()?;
     to.push(HistoryStep {
         label: step.label,
+        about: step.about,
         version: now,
         bytes: step.bytes,
     });
@@ -129,17 +149,22 @@ mod tests {
     #[test]
     fn a_gesture_is_one_step_and_a_new_edit_ends_the_future() {
         let mut history = History::default();
-        history.record("a", 0, None);
+        history.record("a", None, 0, None);
         for before in 1..5 {
-            history.record("drag", before, Some(7));
+            history.record("drag", Some(format!("{before}")), before, Some(7));
         }
         assert_eq!(history.undo_label(), Some("drag"));
+        assert_eq!(history.undo_about(), Some("1"));
         assert_eq!(history.undo(5), Some(1));
         assert_eq!(history.undo(1), Some(0));
         assert_eq!(history.undo(0), None);
         assert_eq!(history.redo(0), Some(1));
         assert_eq!(history.redo_label(), Some("drag"));
-        history.record("b", 1, None);
+        assert_eq!(
+            (history.undo_about(), history.redo_about()),
+            (None, Some("1"))
+        );
+        history.record("b", None, 1, None);
         assert_eq!(history.redo(9), None);
     }
 
@@ -147,7 +172,7 @@ mod tests {
     fn steps_are_forgotten_by_what_they_hold() {
         let mut history = History::default();
         for k in 0..100 {
-            history.record("k", k, None);
+            history.record("k", None, k, None);
             history.set_bytes(|_| 10);
             history.limit_bytes(75);
             assert!(history.bytes() <= 75);
@@ -162,7 +187,7 @@ mod tests {
         assert_eq!(history.bytes(), 70);
         // A step grows while its gesture continues.
         for bytes in [1, 30] {
-            history.record("drag", 100, Some(1));
+            history.record("drag", None, 100, Some(1));
             history.set_bytes(|_| bytes);
         }
         assert_eq!(history.bytes(), 100);
@@ -175,7 +200,7 @@ mod tests {
     fn the_oldest_steps_are_forgotten() {
         let mut history = History::default();
         for k in 0..2 * MAX_STEPS {
-            history.record("k", k, None);
+            history.record("k", None, k, None);
         }
         let undone = std::iter::from_fn(|| history.undo(0)).count();
         assert_eq!(undone, MAX_STEPS);

@@ -64,6 +64,9 @@ const TABLES: [&[Translation]; 17] = [
     files::TABLE,
 ];
 
+/// Characters of a name that is named in a text of one line.
+const LONGEST_NAME: usize = 32;
+
 impl Language {
     /// All languages.
     pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
@@ -86,6 +89,18 @@ impl Language {
             Language::English => "English",
             Language::Spanish => "Español",
             Language::Portuguese => "Português",
+        }
+    }
+
+    /// A name in quotation marks; of a long one the beginning.
+    pub fn quoted(self, name: &str) -> String {
+        let mut short: String = name.chars().take(LONGEST_NAME).collect();
+        if short.len() < name.len() {
+            short.push('…');
+        }
+        match self {
+            Language::Spanish => format!("«{short}»"),
+            Language::English | Language::Portuguese => format!("“{short}”"),
         }
     }
 

@@ -49,7 +49,8 @@ impl App {
         let mut notes = Vec::new();
         match edit.apply_noting(&mut self.document, &mut notes) {
             Ok(ids) => {
-                self.push_history(edit.label(), before, gesture);
+                let about = edit.subject(&before.document, &self.document, &ids);
+                self.push_history((edit.label(), about), before, gesture);
                 self.changed();
                 self.select_after(edit, ids, material);
                 let notes = notes.into_iter();
@@ -63,9 +64,14 @@ impl App {
     }
 
     /// Records the state before the last edit, and drops old steps beyond the memory limit.
-    fn push_history(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
+    fn push_history(
+        &mut self,
+        (label, about): (&'static str, Option<String>),
+        before: UndoSnapshot,
+        gesture: Option<u64>,
+    ) {
         let document = &self.document;
-        self.history.record(label, before, gesture);
+        self.history.record(label, about, before, gesture);
         self.history
             .set_bytes(|version| version.bytes_beyond(document));
         // Measuring the document takes time, so only do it when it matters.

@@ -525,6 +525,24 @@ impl App {
         (self.history.undo_label(), self.history.redo_label())
     }
 
+    /// What undo and redo would apply, in the language of the window: the edit, and the name of the
+    /// one thing that it concerns.
+    pub fn undo_texts(&self) -> (Option<String>, Option<String>) {
+        let language = self.preferences.language;
+        let text = |label: Option<&'static str>, about: Option<&str>| {
+            let label = language.tr(label?);
+            Some(match about {
+                Some(name) => format!("{label} {}", language.quoted(name)),
+                None => label.to_owned(),
+            })
+        };
+        let history = &self.history;
+        (
+            text(history.undo_label(), history.undo_about()),
+            text(history.redo_label(), history.redo_about()),
+        )
+    }
+
     /// Recovery copies about which the user has not decided yet.
     pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
         self.recovery.recoverable()

@@ -129,6 +129,56 @@ impl Edit {
         }
     }
 
+    /// The name of the one object, light, camera or material that the edit concerns, without the
+    /// groups that contain it; `None` if it concerns several, or the whole scene. `made` is what the
+    /// edit made or changed.
+    pub fn subject(
+        &self,
+        before: &SceneDocument,
+        after: &SceneDocument,
+        made: &[ItemId],
+    ) -> Option<String> {
+        let of_material = |document: &SceneDocument, id: MaterialId| {
+            Some(document.materials.get(id as usize)?.name.clone())
+        };
+        let ids = match self {
+            Edit::AddMaterial(material) => return named(&material.name),
+            Edit::SetMaterial(id, _) | Edit::DeleteMaterial(id) => {
+                return named(&of_material(before, *id)?);
+            }
+            Edit::Hide(ids, _)
+            | Edit::Delete(ids)
+            | Edit::Duplicate(ids)
+            | Edit::Transform(ids, _)
+            | Edit::Assign(ids, _) => &ids[..],
+            Edit::Rename(id, _)
+            | Edit::SetPlacement(id, _)
+            | Edit::SetShape(id, _)
+            | Edit::SetLight(id, _)
+            | Edit::SetEnvironmentPicture(id, ..)
+            | Edit::ExtractSun(id)
+            | Edit::SetWeather(id, _)
+            | Edit::SetCamera(id, _)
+            | Edit::AssignFaces(id, ..) => std::slice::from_ref(id),
+            Edit::AddShape(_)
+            | Edit::AddLight(_)
+            | Edit::AddEnvironment(..)
+            | Edit::AddCamera(_) => made,
+            Edit::AddStudio
+            | Edit::DeleteUnusedMaterials
+            | Edit::SetBackground(_)
+            | Edit::SetFog(_)
+            | Edit::SetUnits(_)
+            | Edit::ApplyRecipe(_)
+            | Edit::ForgetRecipes
+            | Edit::Append(_) => return None,
+        };
+        match ids {
+            [id] => named(before.name(*id).or_else(|| after.name(*id))?),
+            _ => None,
+        }
+    }
+
     /// Whether the edit would change anything. Hiding what is hidden or keeping a name is not worth
     /// an undo step.
     pub fn changes(&self, document: &SceneDocument) -> bool {
@@ -196,6 +246,12 @@ impl Edit {
             Edit::Append(other) => Ok(document.append_document(other)),
         }
     }
+}
+
+/// The last component of a name, if there is one.
+fn named(name: &str) -> Option<String> {
+    let last = name.rsplit('/').next()?.trim();
+    (!last.is_empty()).then(|| last.to_owned())
 }
 
 fn refuse<T>(why: impl fmt::Display) -> Result<T, EditError> {

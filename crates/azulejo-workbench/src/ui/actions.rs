@@ -211,6 +211,17 @@ fn from(app: &App, side: ViewDirection) -> Option<ActionTarget> {
     change_view(app, |view| view.view_from(side, bounds, up))
 }
 
+/// The label of an action in the language of the window, with the edit that undo or redo applies
+/// to.
+pub fn label(app: &App, action: &Action) -> String {
+    let name = app.preferences.language.tr(action.label);
+    let (undo, redo) = app.undo_texts();
+    match (action.label, undo, redo) {
+        ("Undo", Some(what), _) | ("Redo", _, Some(what)) => format!("{name}: {what}"),
+        _ => name.to_owned(),
+    }
+}
+
 /// The menu entry of a shading mode.
 pub fn of_shading(app: &App, shading: Shading) -> Option<&'static Action> {
     (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {

@@ -1,6 +1,6 @@
 //! The menu bar and the toolbar.
 
-use super::actions::{ACTIONS, Action, ActionTarget, Menu, of_shading};
+use super::actions::{ACTIONS, Action, ActionTarget, Menu, label, of_shading};
 use super::panel_context::PanelContext;
 use super::viewport::action_button as tool;
 use crate::app::App;
@@ -40,7 +40,7 @@ fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionT
 
 fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget> {
     let target = (action.target)(cx.app);
-    let name = label(cx, action);
+    let name = label(cx.app, action);
     let is_chosen = || current(cx.app).is_some_and(|c| c.label == action.label);
     let is_switch = action.is_on.is_some() || action.menu == Menu::Shading;
     let is_on = is_switch && action.is_on.map_or_else(is_chosen, |is_on| is_on(cx.app));
@@ -67,18 +67,6 @@ fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget
         ui.close();
     }
     target.filter(|_| clicked)
-}
-
-/// The label of an action, with the edit that undo or redo applies to.
-fn label(cx: &PanelContext, action: &Action) -> String {
-    let name = cx.tr(action.label);
-    let (undo, redo) = cx.app.undo_labels();
-    match (action.label, undo, redo) {
-        ("Undo", Some(what), _) | ("Redo", _, Some(what)) => {
-            format!("{name}: {}", cx.tr(what))
-        }
-        _ => name.to_owned(),
-    }
 }
 
 fn recent(ui: &mut Ui, cx: &mut PanelContext) {
@@ -108,6 +96,9 @@ pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     // The menus have what a narrow window leaves out.
     let is_wide = ui.available_width() >= WIDE;
     ui.horizontal_wrapped(|ui| {
+        if !is_wide {
+            ui.spacing_mut().item_spacing.x = 4.0;
+        }
         targets.extend(tool(ui, cx, "Open…"));
         if is_wide {
             targets.extend(tool(ui, cx, "Add…"));

@@ -23,7 +23,7 @@ fn open_menu(window: &mut TestWindow, menu: Menu) {
 
 /// The text of an action's menu entry.
 fn label(window: &TestWindow, action: &Action) -> String {
-    let name = match (action.label, window.state().app.undo_labels()) {
+    let name = match (action.label, window.state().app.undo_texts()) {
         ("Undo", (Some(what), _)) | ("Redo", (_, Some(what))) => {
             format!("{}: {what}", action.label)
         }

@@ -559,3 +559,37 @@ fn copies_of_a_shape_share_it_after_materials_went() {
     edit(&mut app, Edit::DeleteUnusedMaterials);
     assert_eq!(errors(&app), ["every material is used"]);
 }
+
+#[test]
+fn undo_names_what_it_is_about() {
+    let mut app = App::quiet();
+    run(&mut app, Command::Open(vec![example("shapes.grf")]));
+    settle(&mut app);
+    let find = |app: &App, name: &str| {
+        let mut objects = app.document.objects.iter();
+        objects.find(|o| o.name.ends_with(name)).unwrap().id
+    };
+    let undone = |app: &App| app.undo_texts().0.unwrap();
+    let (column, cone) = (find(&app, "column"), find(&app, "cone"));
+    let shift = DAffine3::from_translation(DVec3::X);
+    edit(&mut app, Edit::Transform(vec![column], shift));
+    assert_eq!(undone(&app), "move “column”");
+    edit(&mut app, Edit::Rename(column, "pillar".into()));
+    assert_eq!(undone(&app), "rename “column”");
+    edit(&mut app, Edit::Transform(vec![column, cone], shift));
+    assert_eq!(undone(&app), "move");
+    edit(&mut app, Edit::Delete(vec![cone]));
+    assert_eq!(undone(&app), "delete “cone”");
+    run(&mut app, Command::AddLight(NewLightKind::Sun));
+    assert_eq!(undone(&app), "add a light “sun”");
+    let mut wall = Material::clone(&app.document.materials[1]);
+    wall.diffuse = Rgb::grey(0.1);
+    edit(&mut app, Edit::SetMaterial(1, wall));
+    assert_eq!(undone(&app), "change a material “wall”");
+    app.preferences.language = crate::words::Language::Spanish;
+    assert_eq!(undone(&app), "modificar un material «wall»");
+    run(&mut app, Command::Undo);
+    let (undo, redo) = app.undo_texts();
+    assert_eq!(undo.unwrap(), "añadir una luz «sun»");
+    assert_eq!(redo.unwrap(), "modificar un material «wall»");
+}

@@ -387,7 +387,7 @@ fn a_request_to_end_leaves_unsaved_changes_for_the_next_start() {
     request.ask();
     window.run_steps(3);
     let copy = request.kept().unwrap().unwrap().unwrap();
-    assert_eq!(copies(&folder), [copy.clone()]);
+    assert_eq!(copies(&folder), std::slice::from_ref(&copy));
     drop(window);
     let mut next = app_in(&folder, 0);
     assert_eq!(next.recoverable().len(), 1);

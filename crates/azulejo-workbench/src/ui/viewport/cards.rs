@@ -1,13 +1,13 @@
 //! Cards over the model: what is being done and how long it takes, and what can be done next.
 
-use super::super::actions::{ACTIONS, ActionTarget};
+use super::super::actions::{ACTIONS, Action, ActionTarget, label};
 use super::super::light::{count, percent, seconds};
 use super::super::panel_context::PanelContext;
 use crate::app::RenderedImage;
 use crate::command::Command;
 use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
-use egui::{Align2, Button, Frame, Key, ProgressBar, Rect, RichText, Ui, Vec2};
+use egui::{Align2, Button, Frame, Key, KeyboardShortcut, ProgressBar, Rect, RichText, Ui, Vec2};
 
 /// Width of a card, points.
 pub const WIDTH: f32 = 340.0;
@@ -166,10 +166,9 @@ pub fn show_render(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<Action
             }
             targets.extend(action_button(ui, cx, "Save image…"));
             let back = ui.button(cx.tr("Back to the model"));
-            let key = ui.ctx().format_shortcut(&egui::KeyboardShortcut::new(
-                egui::Modifiers::NONE,
-                Key::Escape,
-            ));
+            let key = ui
+                .ctx()
+                .format_shortcut(&KeyboardShortcut::new(egui::Modifiers::NONE, Key::Escape));
             if back.on_hover_text(key).clicked() {
                 cx.send(Command::CloseRender);
             }
@@ -184,10 +183,21 @@ pub fn action_button(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<Acti
     let target = (action.target)(cx.app);
     let button = ui.add_enabled(target.is_some(), Button::new(cx.tr(action.label)));
     let button = match action.key {
-        Some(key) => button.on_hover_text(ui.ctx().format_shortcut(&key)),
+        Some(key) => button.on_hover_text(about(ui, cx, action, &key)),
         None => button,
     };
     target.filter(|_| button.clicked())
+}
+
+/// The key of a button; of undo and redo also what they apply to, which the button does not say.
+fn about(ui: &Ui, cx: &PanelContext, action: &Action, key: &KeyboardShortcut) -> String {
+    let key = ui.ctx().format_shortcut(key);
+    let text = label(cx.app, action);
+    if text == cx.tr(action.label) {
+        key
+    } else {
+        format!("{text} ({key})")
+    }
 }
 
 /// What the model lacks, with buttons for it: a light source, a solution, a current solution.
