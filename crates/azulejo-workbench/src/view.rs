@@ -456,12 +456,13 @@ pub fn linear_from_srgb(color: [u8; 3]) -> Rgb {
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))
 }
 
-/// Whether a camera sees all corners of a box, in a square image.
-pub fn sees_all(camera: &Camera, bounds: Aabb) -> bool {
-    let view = Projection::new(camera, [100, 100]);
+/// Whether a camera sees all corners of a box, in an image of this width over its height.
+pub fn sees_all(camera: &Camera, aspect: f64, bounds: Aabb) -> bool {
+    let width = (100.0 * aspect).round().max(1.0);
+    let view = Projection::new(camera, [width as u32, 100]);
     (0..8).all(|k| {
         let at = view.project(corner(bounds, k));
-        at.is_some_and(|at| at.min_element() >= 0.0 && at.max_element() <= 100.0)
+        at.is_some_and(|at| at.min_element() >= 0.0 && at.x <= width && at.y <= 100.0)
     })
 }
 
@@ -531,6 +532,18 @@ mod tests {
         is_near(v.camera.target - v.camera.eye, DVec3::new(5.0, 0.0, 0.0));
         v.fly(DVec3::ZERO, 0.0, 0.5, DVec3::Y);
         assert!(v.camera.target.y > v.camera.eye.y);
+    }
+
+    #[test]
+    fn a_narrow_view_is_framed_by_its_width() {
+        let bounds = Aabb::around([DVec3::new(-3.0, -0.1, -0.1), DVec3::new(3.0, 0.1, 0.1)]);
+        for aspect in [0.4, 1.0, 2.5] {
+            let mut v = view();
+            v.aspect = aspect;
+            v.frame(bounds);
+            assert!(sees_all(&v.camera, aspect, bounds), "{aspect}");
+        }
+        assert!(!sees_all(&camera_around(bounds, 1.0, Up::Y), 0.3, bounds));
     }
 
     #[test]

@@ -621,7 +621,7 @@ impl App {
     /// Moves the view back until it shows these items, if some of them is not in it.
     fn reveal(&mut self, ids: &[ItemId]) {
         let bounds = self.document.frame_of(ids);
-        if bounds.is_empty() || sees_all(&self.view.camera, bounds) {
+        if bounds.is_empty() || sees_all(&self.view.camera, self.view.aspect, bounds) {
             return;
         }
         let all = self.document.model_bounds().union(bounds);

@@ -44,7 +44,11 @@ fn what_is_new_is_seen_and_selected() {
         app.execute(command);
         let ids = app.selection.ids.clone();
         assert_eq!(ids.len(), 1);
-        assert!(sees_all(&app.view.camera, app.document.frame_of(&ids)));
+        assert!(sees_all(
+            &app.view.camera,
+            app.view.aspect,
+            app.document.frame_of(&ids)
+        ));
         assert!(!app.document.name(ids[0]).unwrap().is_empty());
     }
 }
@@ -57,7 +61,7 @@ fn a_studio_is_framed_by_its_model_and_not_by_its_floor() {
     edit(&mut app, Edit::AddStudio);
     assert_eq!(app.document.model_bounds(), model);
     assert!(app.document.bounds(None).diagonal() > 5.0 * model.diagonal());
-    assert!(sees_all(&app.view.camera, model));
+    assert!(sees_all(&app.view.camera, app.view.aspect, model));
     // New shapes are as large as suits the model, too.
     assert!((app.default_size() - 0.25 * model.diagonal()).abs() < 1e-9);
     assert!(app.document.has_light());
@@ -78,10 +82,18 @@ fn files_that_are_opened_together_are_framed_together() {
     let mut app = App::quiet();
     run(&mut app, Command::Open(paths));
     check_no_error(&app);
-    assert!(sees_all(&app.view.camera, app.document.bounds(None)));
+    assert!(sees_all(
+        &app.view.camera,
+        app.view.aspect,
+        app.document.bounds(None)
+    ));
     // What is added later is brought into view as well, and selected.
     run(&mut app, Command::Add(vec![write("c.obj", 500.0)]));
-    assert!(sees_all(&app.view.camera, app.document.bounds(None)));
+    assert!(sees_all(
+        &app.view.camera,
+        app.view.aspect,
+        app.document.bounds(None)
+    ));
     assert_eq!(app.selection.ids, [app.document.objects[2].id]);
 }
 
