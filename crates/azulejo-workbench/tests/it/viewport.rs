@@ -47,6 +47,81 @@ fn one_flies_after_a_click_on_the_model_too() {
 }
 
 #[test]
+fn the_cube_turns_the_view_and_leaves_the_focus_where_it_is() {
+    let mut window = window(opened("cornell.grf"));
+    viewport(&window).click();
+    window.run();
+    let selected = window.state().app.selection.clone();
+    let cube = find(&window, Role::Button, "Orientation cube").rect();
+    let before = look(&window);
+    window.hover_at(cube.center());
+    window.run();
+    window.drag_at(cube.center());
+    window.run();
+    for step in [0.5, 1.0] {
+        window.hover_at(cube.center() + step * egui::vec2(40.0, 25.0));
+        window.run();
+    }
+    window.drop_at(cube.center() + egui::vec2(40.0, 25.0));
+    window.run();
+    let turned = look(&window);
+    assert!(turned.0 != before.0 && turned.1 == before.1);
+    // From this side three faces are seen, one of them in the middle.
+    window.hover_at(cube.center());
+    window.run();
+    find(&window, Role::Button, "Orientation cube").click();
+    window.run();
+    let (eye, target) = look(&window);
+    let toward = (eye - target).normalize();
+    assert!(toward.abs().max_element() > 0.9999, "{toward}");
+    assert_eq!(window.state().app.selection, selected);
+    assert!(viewport(&window).is_focused());
+    hold(&mut window, Modifiers::NONE, Key::W);
+    assert_ne!(look(&window).0, eye);
+}
+
+#[test]
+fn panels_are_hidden_and_come_back() {
+    let mut window = window(opened("cornell.grf"));
+    let widths = |window: &TestWindow| viewport(window).rect().width();
+    let both = widths(&window);
+    // The window without a screen has a margin of 8 points.
+    assert!((both - (1184.0 - 220.0 - 380.0)).abs() < 2.0, "{both}");
+    press(&mut window, Modifiers::NONE, Key::F3);
+    press(&mut window, Modifiers::NONE, Key::F4);
+    assert!((widths(&window) - 1184.0).abs() < 2.0);
+    assert!(!says(&window, "Materials"));
+    // Renaming happens in the tree.
+    let id = window.state().app.document.objects[0].id;
+    let selection = azulejo_workbench::command::Selection::one(id);
+    window.state_mut().app.selection = selection;
+    press(&mut window, Modifiers::NONE, Key::F2);
+    assert!(window.state().app.preferences.shows_tree);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    press(&mut window, Modifiers::NONE, Key::F4);
+    assert_eq!(widths(&window), both);
+}
+
+#[test]
+fn a_panel_keeps_the_width_to_which_it_was_dragged() {
+    let mut window = window(opened("cornell.grf"));
+    let edge = viewport(&window).rect().right_center() + egui::vec2(2.0, 0.0);
+    window.hover_at(edge);
+    window.run();
+    window.drag_at(edge);
+    window.run();
+    window.hover_at(edge + egui::vec2(50.0, 0.0));
+    window.run();
+    window.drop_at(edge + egui::vec2(100.0, 0.0));
+    window.run();
+    let kept = window.state().app.preferences.properties_width;
+    assert!((kept - 280.0).abs() < 4.0, "{kept}");
+    let right = viewport(&window).rect().right();
+    // The window without a screen has a margin of 8 points.
+    assert!((1192.0 - right - kept).abs() < 2.0);
+}
+
+#[test]
 fn keys_turn_shift_and_bring_nearer() {
     let mut window = window(opened("cornell.grf"));
     let distance = |(eye, target): (DVec3, DVec3)| eye.distance(target);

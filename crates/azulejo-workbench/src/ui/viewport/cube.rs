@@ -9,7 +9,8 @@ use crate::view::{ModelView, ViewDirection};
 use azulejo::scene::{Camera, Up};
 use egui::epaint::Vertex;
 use egui::{
-    Color32, CursorIcon, FontId, Galley, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2,
+    Color32, CursorIcon, FontId, Galley, Mesh, Painter, Pos2, Rect, Response, Sense, Shape, Stroke,
+    Ui, Vec2,
 };
 use glam::{DVec2, DVec3};
 
@@ -120,7 +121,8 @@ pub fn room_for_cards(rect: Rect, view: &ModelView, width: f32) -> Rect {
 
 /// Draws the cube; a click looks from a face, dragging orbits. It takes no focus: keys go on to
 /// move the view.
-pub fn show(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView) {
+pub fn show(ui: &mut Ui, viewport: &Response, cx: &mut PanelContext, view: &ModelView) {
+    let rect = viewport.rect;
     if !is_shown(rect, view) {
         return;
     }
@@ -130,6 +132,11 @@ pub fn show(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView) {
     let response = ui.interact(place, ui.scope_id().with("cube"), sense);
     let name = cx.tr("Orientation cube");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    // A press outside of what has the focus ends it; this one is a part of the view.
+    let is_used = response.is_pointer_button_down_on() || response.clicked();
+    if is_used && viewport.lost_focus() {
+        viewport.request_focus();
+    }
     let up = cx.app.document.units.up;
     let faces = faces(&view.camera, up);
     let mouse = response.hover_pos().filter(|_| !response.dragged());

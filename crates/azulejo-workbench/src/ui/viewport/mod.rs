@@ -147,7 +147,7 @@ impl Viewport {
             self.draw(ui, rect, cx, &view)?;
             self.handles(ui, rect, &response, &points, cx);
             if !cx.app.is_blank() {
-                cube::show(ui, rect, cx, &view);
+                cube::show(ui, &response, cx, &view);
             }
         }
         self.point(ui, seen, &response, &points, cx);
