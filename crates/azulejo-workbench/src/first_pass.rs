@@ -7,8 +7,8 @@ use crate::jobs::JobSender;
 use azulejo::factors::form_factors::{Factor, Plan};
 use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNormal};
 use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
-use azulejo::scene::Mesh;
 use azulejo::scene::math::Ray;
+use azulejo::scene::{Irradiance, Mesh, Scene};
 use azulejo::trace::{Progress, Tracer};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -131,6 +131,11 @@ pub fn solve_document(
         outbox.send(JobResult::Light(Box::new(solution)));
     };
     let pass = settings.first_pass();
+    if progress.advance(0).is_ok()
+        && let Some(irradiance) = first_light(&scene, &tracer, &pass)
+    {
+        send(irradiance, None);
+    }
     let mut watch = |preview: Preview| send(preview.irradiance, None);
     match solve_watched(&scene, &tracer, &pass, progress, &mut watch) {
         Err(SolveError::Cancelled) => Ok(()),
@@ -140,6 +145,35 @@ pub fn solve_document(
             Ok(())
         }
     }
+}
+
+/// How long the first light may take: what is slower is not shown, as the solver's own first
+/// solution comes soon after.
+const FIRST_LIGHT: Duration = Duration::from_millis(700);
+/// Patches, faces, and rays of the first light.
+const FIRST_PATCHES: usize = 200;
+const FIRST_FACES: usize = 20_000;
+const FIRST_RAYS: u32 = 8;
+
+/// A coarse and noisy solution within a second, so that something is seen at once; `None` for models
+/// that take longer.
+fn first_light(scene: &Scene, tracer: &Tracer, pass: &FirstPass) -> Option<Irradiance> {
+    let faces = scene.objects.iter().filter_map(|o| o.shape.mesh());
+    if faces.map(|mesh| mesh.faces.len()).sum::<usize>() > FIRST_FACES {
+        return None;
+    }
+    let coarse = FirstPass {
+        engine: Engine::Rays,
+        size: PatchSize::Squares(FIRST_PATCHES),
+        error: None,
+        rays: Some(FIRST_RAYS),
+        ..pass.clone()
+    };
+    let own = Progress::new();
+    own.set_deadline(Instant::now() + FIRST_LIGHT);
+    let mut ignore = |_: Preview| {};
+    let light = solve_watched(scene, tracer, &coarse, &own, &mut ignore).ok()?;
+    Some(light.irradiance)
 }
 
 /// Irradiance at surface points, one estimate for each; none if the job was cancelled.

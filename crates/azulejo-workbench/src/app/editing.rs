@@ -123,12 +123,8 @@ impl App {
                     .find(|c| c.source_file.is_none());
                 if let Some(view) = camera.filter(|c| c.camera.name == "studio") {
                     self.view.camera = view.camera.clone();
-                    let (eye, bounds) = (view.camera.eye, self.document.model_bounds());
-                    let is_within = (bounds.min.cmple(eye) & eye.cmple(bounds.max)).all();
-                    if !is_within {
-                        self.view.frame(bounds);
-                    }
                 }
+                self.frame_from_outside();
             }
             _ => {}
         }

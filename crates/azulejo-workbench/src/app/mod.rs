@@ -618,6 +618,16 @@ impl App {
         seen.count() >= 3
     }
 
+    /// Moves a view from outside of the model so that it shows all of it in the shape of the
+    /// viewport.
+    fn frame_from_outside(&mut self) {
+        let (eye, bounds) = (self.view.camera.eye, self.document.model_bounds());
+        let is_within = (bounds.min.cmple(eye) & eye.cmple(bounds.max)).all();
+        if !is_within && !sees_all(&self.view.camera, self.view.aspect, bounds) {
+            self.view.frame(bounds);
+        }
+    }
+
     /// Moves the view back until it shows these items, if some of them is not in it.
     fn reveal(&mut self, ids: &[ItemId]) {
         let bounds = self.document.frame_of(ids);

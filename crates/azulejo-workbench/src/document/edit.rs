@@ -49,7 +49,8 @@ pub enum Edit {
     ExtractSun(ItemId),
     /// Makes a sky that of weather, and the sun at its place as bright.
     SetWeather(ItemId, PerezWeather),
-    /// Surrounds a model in which nothing shines with a floor and three lamps.
+    /// Surrounds a model in which nothing shines with a floor and three lamps, or hangs a lamp in a
+    /// room.
     AddStudio,
     /// Adds a camera.
     AddCamera(Camera),

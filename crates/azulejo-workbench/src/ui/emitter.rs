@@ -68,11 +68,8 @@ fn kept_parts(ui: &Ui, cx: &PanelContext, item: &SceneObject) -> Vec<EmittingPar
     type Kept = (u64, Vec<EmittingPart>);
     let id = Id::unique(("emitter", item.id));
     let revision = cx.app.revision();
-    if let Some((of, parts)) = ui
-        .data(|d| d.get_temp::<Kept>(id))
-        .filter(|k| k.0 == revision)
-    {
-        debug_assert_eq!(of, revision);
+    let kept = ui.data(|d| d.get_temp::<Kept>(id));
+    if let Some((_, parts)) = kept.filter(|(of, _)| *of == revision) {
         return parts;
     }
     let parts = parts(&cx.app.document, item);
@@ -107,7 +104,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
                 }
                 ui.end_row();
                 flux_row(ui, cx, part, &material, metres);
-                radiance_row(ui, cx, part.material, &material);
+                radiance_row(ui, cx, &material);
                 if let Some(hue) = temperature_row(ui, cx, item.id, material.emission) {
                     let mut new = material.clone();
                     new.emission = hue;
@@ -163,7 +160,7 @@ pub(super) fn watts_and_lumens(flux: f64, is_photometric: bool) -> [f64; 2] {
     }
 }
 
-fn radiance_row(ui: &mut Ui, cx: &PanelContext, _: MaterialId, material: &Material) {
+fn radiance_row(ui: &mut Ui, cx: &PanelContext, material: &Material) {
     let unit = ShownUnit::of(cx.app);
     ui.label(cx.tr("Radiance"));
     let radiance = unit.factor * material.emission.luminance();

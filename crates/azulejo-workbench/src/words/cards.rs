@@ -68,6 +68,7 @@ pub const TABLE: &[Translation] = &[
     ["Loading", "Abriendo", "A abrir"],
     ["error", "error", "erro"],
     ["about", "quedan unos", "faltam cerca de"],
+    ["at most", "como mucho", "no máximo"],
     // The rendered image.
     ["Back to the model", "Volver al modelo", "Voltar ao modelo"],
     [

@@ -124,9 +124,13 @@ fn remaining(cx: &PanelContext, job: &Job) -> Option<String> {
         let (name, goal) = (cx.tr("error"), cx.tr("target"));
         format!("{name} {} ({goal} {target})", percent(error))
     });
-    let left = lighting
-        .time_to_target()
-        .map(|left| format!("{} {}", cx.tr("about"), seconds(left)));
+    // Before the first estimate of the error, only the limit is known.
+    let about = match lighting.reached_error() {
+        Some(_) => cx.tr("about"),
+        None => cx.tr("at most"),
+    };
+    let left = lighting.time_to_target();
+    let left = left.map(|left| format!("{about} {}", seconds(left)));
     let parts: Vec<String> = reached.into_iter().chain(left).collect();
     (!parts.is_empty()).then(|| parts.join(" · "))
 }

@@ -5,7 +5,7 @@
 
 use super::browser::{BrowserProblem, BrowserTask, FileBrowser};
 use super::listing::ListOptions;
-use super::places::{Place, Places};
+use super::places::{FolderPlace, Places};
 use super::rows::FileRows;
 use super::typed_path::{crumbs, stem_length};
 use crate::ui::panel_context::PanelContext;
@@ -450,7 +450,7 @@ fn name(button: &egui::Response, text: &str) {
     button.widget_info(|| egui::WidgetInfo::labeled(kind, is_enabled, text));
 }
 
-fn place_button(ui: &mut Ui, place: &Place, here: &Path, gone_to: &mut Option<PathBuf>) {
+fn place_button(ui: &mut Ui, place: &FolderPlace, here: &Path, gone_to: &mut Option<PathBuf>) {
     let button = Button::selectable(place.folder == here, &place.label).truncate();
     let button = ui
         .add(button)

@@ -4,7 +4,7 @@ use crate::ui::panel_context::PanelContext;
 use std::path::{Path, PathBuf};
 
 /// A folder that can be gone to at once.
-pub struct Place {
+pub struct FolderPlace {
     /// Its name in the language of the window.
     pub label: String,
     /// The folder.
@@ -17,10 +17,10 @@ const MAX_RECENT: usize = 6;
 /// The user's folders where they exist, the current one, and those of recent files.
 pub struct Places {
     /// The folders of the user and the current one.
-    pub standard: Vec<Place>,
+    pub standard: Vec<FolderPlace>,
     /// The folders of recent files, the latest first. Whether they still exist is not asked here: a
     /// disk of the network may take long to answer.
-    pub recent: Vec<Place>,
+    pub recent: Vec<FolderPlace>,
 }
 
 impl Places {
@@ -30,7 +30,7 @@ impl Places {
         let recent = recent_folders(&cx.app.preferences.recent);
         let is_new = |folder: &PathBuf| standard.iter().all(|p| p.folder != *folder);
         let recent = recent.into_iter().filter(is_new).take(MAX_RECENT);
-        let recent = recent.map(|folder| Place {
+        let recent = recent.map(|folder| FolderPlace {
             label: name(&folder),
             folder,
         });
@@ -41,7 +41,7 @@ impl Places {
     }
 }
 
-fn standard(cx: &PanelContext) -> Vec<Place> {
+fn standard(cx: &PanelContext) -> Vec<FolderPlace> {
     let dirs = directories::UserDirs::new();
     let dirs = dirs.as_ref();
     let owned = |folder: Option<&Path>| folder.map(Path::to_owned);
@@ -58,7 +58,7 @@ fn standard(cx: &PanelContext) -> Vec<Place> {
         ),
         (cx.tr("Current folder"), std::env::current_dir().ok()),
     ];
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<FolderPlace> = Vec::new();
     for (label, folder) in known {
         let Some(folder) = folder.filter(|f| f.is_dir()) else {
             continue;
@@ -66,7 +66,7 @@ fn standard(cx: &PanelContext) -> Vec<Place> {
         // Without a desktop these are often the same.
         if places.iter().all(|p| p.folder != folder) {
             let label = label.to_owned();
-            places.push(Place { label, folder });
+            places.push(FolderPlace { label, folder });
         }
     }
     places
