@@ -146,6 +146,15 @@ impl App {
             self.jobs.cancel(job.id);
             return self.ask_again();
         }
+        if document.is_empty() && !recovered {
+            // A text that some format allows is no model: it does not take the place of one.
+            warnings
+                .iter()
+                .for_each(|w| self.report(Severity::Warning, w.to_string()));
+            let why = self.tr("there is nothing in this file that can be shown");
+            self.report(Severity::Error, format!("{}: {why}", path.display()));
+            return;
+        }
         if let Some(loading) = &mut self.loading {
             loading.replaces = false;
         }

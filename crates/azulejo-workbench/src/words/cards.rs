@@ -97,6 +97,16 @@ pub const TABLE: &[Translation] = &[
         "La luz aún no está calculada.",
         "A luz ainda não está calculada.",
     ],
+    [
+        "The light is less accurate than asked for: error",
+        "La luz es menos exacta de lo pedido: error",
+        "A luz é menos exata do que o pedido: erro",
+    ],
+    [
+        "Solve without a time limit",
+        "Resolver sin límite de tiempo",
+        "Resolver sem limite de tempo",
+    ],
     // Saved light.
     [
         "Saved with its light on a finer mesh:",

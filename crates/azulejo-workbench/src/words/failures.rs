@@ -14,6 +14,11 @@ pub const TABLE: &[Translation] = &[
         "es una carpeta; se esperaba un modelo",
         "é uma pasta; esperava-se um modelo",
     ],
+    [
+        "there is nothing in this file that can be shown",
+        "en este archivo no hay nada que mostrar",
+        "não há nada neste ficheiro para mostrar",
+    ],
     ["line", "línea", "linha"],
     ["column", "columna", "coluna"],
     ["byte", "byte", "byte"],

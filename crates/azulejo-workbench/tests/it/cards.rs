@@ -117,3 +117,24 @@ fn two_modes_are_compared_and_the_divider_moves_by_keys() {
     press(&mut window, Modifiers::NONE, Key::C);
     assert_eq!(at(&window), None);
 }
+
+/// A solution that a deadline ended early does not look like one that is done.
+#[test]
+fn light_that_is_less_accurate_than_asked_for_says_so() {
+    let mut app = opened("cornell.grf");
+    app.lighting.settings.error = 0.001;
+    app.lighting.settings.time = Some(0.5);
+    let mut window = window(app);
+    window.state_mut().app.execute(Command::Solve);
+    wait(&mut window);
+    // With an error, or as a preview that was left, depending on how far it came.
+    let warns = |window: &TestWindow| {
+        says(window, "less accurate than asked for") || says(window, "Stopped early")
+    };
+    assert!(warns(&window));
+    let button = "Solve without a time limit";
+    assert!(says(&window, button));
+    click_last(&mut window, "Close");
+    assert!(!says(&window, button));
+    assert!(window.state().app.lighting.is_current);
+}

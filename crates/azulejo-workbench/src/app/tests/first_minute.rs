@@ -174,6 +174,23 @@ fn an_image_that_is_stopped_stays_and_goes_on() {
 }
 
 #[test]
+fn a_file_without_a_model_is_a_failure_and_replaces_nothing() {
+    let folder = TestFolder::new("nothing");
+    let path = folder.path("notes.obj");
+    std::fs::write(&path, "# A list of things to do\nv 0 0 0\n").unwrap();
+    let mut app = filled();
+    let before = app.document.objects.len();
+    run(&mut app, Command::Open(vec![path.clone()]));
+    assert!(
+        app.failure
+            .as_ref()
+            .is_some_and(|f| f.contains("nothing in this file"))
+    );
+    assert_eq!(app.document.objects.len(), before);
+    assert!(!app.preferences.recent.contains(&path));
+}
+
+#[test]
 fn a_failure_stays_until_it_is_seen_or_something_else_is_done() {
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec!["/no/such.obj".into()]));

@@ -7,7 +7,10 @@ use crate::app::RenderedImage;
 use crate::command::Command;
 use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
-use egui::{Align2, Button, Frame, Key, KeyboardShortcut, ProgressBar, Rect, RichText, Ui, Vec2};
+use egui::{
+    Align2, Button, Frame, Id, Key, KeyboardShortcut, ProgressBar, Rect, RichText, Ui, Vec2,
+};
+use std::sync::Arc;
 
 /// Width of a card, points.
 pub const WIDTH: f32 = 340.0;
@@ -248,6 +251,48 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
         });
     });
     targets
+}
+
+/// How much more than the target the error may be without being pointed out.
+const SLACK: f64 = 1.1;
+
+/// Tells that the solver stopped before the light is as accurate as was asked for, until it is
+/// closed.
+pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
+    let lighting = &cx.app.lighting;
+    let Some(solution) = lighting.solution.as_ref().filter(|_| lighting.is_current) else {
+        return;
+    };
+    let target = percent(lighting.settings.error);
+    let goal = format!("({} {target})", cx.tr("target"));
+    let text = match &solution.report {
+        Some(report) if report.error > SLACK * lighting.settings.error => {
+            let words = cx.tr("The light is less accurate than asked for: error");
+            format!("{words} {} {goal}", percent(report.error))
+        }
+        // A preview that was left when the solver stopped; light of a file has no solver.
+        None if lighting.began.is_some() => cx.tr("Stopped early: a rough solution.").to_owned(),
+        _ => return,
+    };
+    let closed = Id::unique("closed inaccuracy");
+    let number = Arc::as_ptr(solution) as usize;
+    if ui.data(|d| d.get_temp(closed)) == Some(number) {
+        return;
+    }
+    card(ui, rect, Align2::CENTER_TOP, "inaccurate", |ui| {
+        ui.label(format!("⚠ {text}"));
+        ui.horizontal_wrapped(|ui| {
+            if ui.button(cx.tr("Solve without a time limit")).clicked() {
+                let mut settings = cx.app.lighting.settings;
+                settings.time = None;
+                cx.send(Command::SetLight(settings));
+                cx.send(Command::Solve);
+            }
+            if ui.button(cx.tr("Close")).clicked() {
+                ui.data_mut(|d| d.insert_temp(closed, number));
+            }
+        });
+    });
 }
 
 /// Tells that the saved mesh is finer than the model, and offers to keep the model's.

@@ -266,6 +266,7 @@ impl Viewport {
             cards::show_render(ui, rect, cx)
         } else {
             cards::show_finer_mesh(ui, rect, cx);
+            cards::show_inaccurate(ui, rect, cx);
             cards::show_next(ui, rect, cx)
         }
     }
