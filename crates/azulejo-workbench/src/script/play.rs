@@ -50,6 +50,8 @@ enum WaitCondition {
 const SETTLE: u32 = 4;
 /// Interval between checks of the condition.
 const REST: Duration = Duration::from_millis(30);
+/// The same while only jobs are waited for: a software driver draws a frame in about this time.
+const JOB_REST: Duration = Duration::from_millis(200);
 /// Timeout of a screenshot.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -77,6 +79,7 @@ impl ScriptPlayer {
     pub fn rest(&self) -> Duration {
         match self.waits {
             None | Some(WaitCondition::Frames(_)) => Duration::ZERO,
+            Some(WaitCondition::Jobs(0)) => JOB_REST,
             Some(_) => REST,
         }
     }

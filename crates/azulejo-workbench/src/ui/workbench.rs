@@ -493,7 +493,8 @@ impl Workbench {
             context.request_repaint();
         }
         if self.app.jobs().iter().any(|j| !j.progress.is_paused()) {
-            context.request_repaint_after(Duration::from_millis(100));
+            // Often enough for bars that move; a software driver takes the solver's processors.
+            context.request_repaint_after(Duration::from_millis(250));
         }
         if let Some(rest) = self.app.repaint_after() {
             context.request_repaint_after(rest);
