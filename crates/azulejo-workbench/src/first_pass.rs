@@ -112,7 +112,8 @@ impl Default for LightSettings {
     }
 }
 
-/// Solves the light of a document; sends intermediate solutions and the final one.
+/// Solves the light of a document; sends intermediate solutions and the final one. If `is_dark`, as
+/// nothing better is shown, the first of them is a coarse one within a second.
 ///
 /// # Errors
 ///
@@ -120,6 +121,7 @@ impl Default for LightSettings {
 pub fn solve_document(
     document: &SceneDocument,
     settings: &LightSettings,
+    is_dark: bool,
     progress: &Progress,
     outbox: &JobSender<JobResult>,
 ) -> Result<(), String> {
@@ -131,7 +133,8 @@ pub fn solve_document(
         outbox.send(JobResult::Light(Box::new(solution)));
     };
     let pass = settings.first_pass();
-    if progress.advance(0).is_ok()
+    if is_dark
+        && progress.advance(0).is_ok()
         && let Some(irradiance) = first_light(&scene, &tracer, &pass)
     {
         send(irradiance, None);

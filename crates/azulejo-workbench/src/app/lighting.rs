@@ -254,12 +254,13 @@ impl App {
         self.lighting.stopwatch = Stopwatch::start();
         self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
+        let is_dark = !self.lighting.is_current;
         let threads = self.preferences.threads;
         let title = self.tr("light");
         self.jobs
             .start(JobKind::Solve, title, move |progress, outbox| {
                 in_thread_pool(threads, || {
-                    solve_document(&document, &settings, progress, outbox)
+                    solve_document(&document, &settings, is_dark, progress, outbox)
                 })
             });
     }

@@ -6,7 +6,7 @@ use super::panel_context::PanelContext;
 use super::viewport::number;
 use super::{color_temperature, inputs};
 use crate::command::{Command, Selection};
-use crate::document::{Edit, ItemId, SceneDocument, SceneObject};
+use crate::document::{Edit, SceneDocument, SceneObject};
 use crate::gpu::display_mesh;
 use azulejo::scene::math::area_vector;
 use azulejo::scene::{Material, MaterialId, Rgb, Shape};
@@ -105,7 +105,7 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
                 ui.end_row();
                 flux_row(ui, cx, part, &material, metres);
                 radiance_row(ui, cx, &material);
-                if let Some(hue) = temperature_row(ui, cx, item.id, material.emission) {
+                if let Some(hue) = temperature_row(ui, cx, material.emission) {
                     let mut new = material.clone();
                     new.emission = hue;
                     cx.edit(Edit::SetMaterial(part.material, new));
@@ -170,15 +170,9 @@ fn radiance_row(ui: &mut Ui, cx: &PanelContext, material: &Material) {
 
 /// The colour temperature of a light; returns the light in another colour of the same luminance if
 /// one was chosen.
-pub(super) fn temperature_row(
-    ui: &mut Ui,
-    cx: &PanelContext,
-    id: ItemId,
-    light: Rgb,
-) -> Option<Rgb> {
+pub(super) fn temperature_row(ui: &mut Ui, cx: &PanelContext, light: Rgb) -> Option<Rgb> {
     let found = color_temperature::of(light);
     ui.label(cx.tr("Colour temperature"));
-    let kept = Id::unique(("temperature", id));
     let mut kelvin = found.unwrap_or(6_500.0);
     let drag = inputs::number(&mut kelvin, 1_000.0..=20_000.0)
         .speed(10.0)
@@ -191,11 +185,9 @@ pub(super) fn temperature_row(
             .on_hover_text(cx.tr("Far from the colour of any glowing body."));
     }
     ui.end_row();
-    let before = ui.data(|d| d.get_temp::<f64>(kept));
-    if !field.changed() || before == Some(kelvin) {
+    if !field.changed() {
         return None;
     }
-    ui.data_mut(|d| d.insert_temp(kept, kelvin));
     color_temperature::light_of(kelvin, light.luminance())
 }
 

@@ -117,7 +117,7 @@ fn light_color(
         ui.add(drag).accessible_name(name);
     });
     ui.end_row();
-    if let Some(warm) = emitter::temperature_row(ui, cx, lamp, *light) {
+    if let Some(warm) = emitter::temperature_row(ui, cx, *light) {
         *light = warm;
         return true;
     }
