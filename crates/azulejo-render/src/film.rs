@@ -3,7 +3,7 @@
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image};
 use azulejo_trace::sampling::{hash, sobol};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Pixels along the edge of a tile: small enough to share out evenly and to keep a batch of rays
 /// coherent, large enough that taking one costs nothing.
@@ -148,11 +148,39 @@ impl Lens {
         let direction = self.corner + x * self.across + y * self.down;
         Ray::new(self.eye, direction.normalize())
     }
+
+    /// The point of the image, 0..1, through which rays of this direction pass; `None` beside it.
+    pub fn point(&self, direction: DVec3) -> Option<(f64, f64)> {
+        let basis = DMat3::from_cols(self.across, self.down, self.corner);
+        let found = basis.inverse() * direction;
+        let (x, y) = (found.x / found.z, found.y / found.z);
+        let inside = |t: f64| (0.0..=1.0).contains(&t);
+        (found.z > 0.0 && inside(x) && inside(y)).then_some((x, y))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn directions_lead_back_to_the_points_of_the_image() {
+        let camera = Camera {
+            name: String::new(),
+            eye: DVec3::new(1.0, 2.0, 3.0),
+            target: DVec3::new(-4.0, 0.5, 1.0),
+            up: DVec3::Z,
+            vertical_fov: 1.0,
+            size: None,
+        };
+        let lens = Lens::new(&camera, 1.5);
+        for (x, y) in [(0.1, 0.9), (0.5, 0.5), (0.75, 0.0625)] {
+            let found = lens.point(lens.ray((x, y)).direction).unwrap();
+            assert!((found.0 - x).abs() < 1e-12 && (found.1 - y).abs() < 1e-12);
+        }
+        assert_eq!(lens.point(lens.ray((1.1, 0.5)).direction), None);
+        assert_eq!(lens.point(-lens.ray((0.5, 0.5)).direction), None);
+    }
 
     #[test]
     fn tiles_hold_every_pixel_once() {

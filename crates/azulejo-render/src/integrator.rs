@@ -7,7 +7,7 @@ use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Colors, Parts, Shading, mirrored};
 use crate::{FinalGather, SecondPass};
 use azulejo_scene::math::Ray;
-use azulejo_scene::{Material, Rgb, Scene};
+use azulejo_scene::{Camera, Material, Rgb, Scene};
 use azulejo_trace::interaction::{
     Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction,
 };
@@ -96,6 +96,12 @@ impl<'a> Integrator<'a> {
             splits: false,
             clamp: options.clamp,
         }
+    }
+
+    /// The same for an image of this size of what a camera sees.
+    pub fn behind(mut self, camera: &Camera, size: (u32, u32)) -> Integrator<'a> {
+        self.scene = self.scene.behind(camera, size);
+        self
     }
 
     /// Keys all random numbers.

@@ -160,7 +160,7 @@ fn measure(
         seed: integrator.seed(),
     };
     let pass = ImagePass {
-        integrator,
+        integrator: integrator.behind(camera, options.size),
         lens: Lens::new(camera, f64::from(width) / f64::from(height)),
         film,
         samples: options.samples_per_pixel.max(1),

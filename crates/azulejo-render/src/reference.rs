@@ -81,7 +81,8 @@ pub fn reference(
         width.checked_mul(height).is_some(),
         "an image of {width} × {height} pixels is too large"
     );
-    let path_tracer = PathTracer::new(scene, tracer, options);
+    let mut path_tracer = PathTracer::new(scene, tracer, options);
+    path_tracer.scene = path_tracer.scene.behind(camera, options.size);
     let film = Film {
         width,
         height,

@@ -1,10 +1,11 @@
 //! What camera paths need of a scene: interactions, shading, emission, direct light and fog.
 
+use crate::film::Lens;
 use crate::interpolate::Interpolator;
 use crate::shading::{Colors, Parts, Shading, ShadingPoint};
 use crate::surface_maps::{Finish, FinishLobes, SurfaceMaps};
 use azulejo_scene::math::reflect;
-use azulejo_scene::{Material, Rgb, Scene, SceneBackground};
+use azulejo_scene::{Backplate, Camera, Image, Material, Rgb, Scene, SceneBackground};
 use azulejo_trace::interaction::{SurfaceInteraction, shadow_ray};
 use azulejo_trace::lights::mis_weight;
 use azulejo_trace::{Gatherer, KernelHit, KernelRay, Surfaces, Tracer};
@@ -18,6 +19,24 @@ pub(crate) struct RenderScene<'a> {
     /// What the camera sees beyond the scene, straight and in mirrors, unless that is the
     /// surroundings.
     background: Option<SceneBackground>,
+    /// A picture that fills the image, where it is known which image that is.
+    backplate: Option<PlacedBackplate<'a>>,
+}
+
+/// A backplate behind an image.
+struct PlacedBackplate<'a> {
+    plate: Backplate,
+    picture: Option<&'a Image>,
+    lens: Lens,
+    size: [f64; 2],
+}
+
+impl PlacedBackplate<'_> {
+    /// The radiance in a direction; `None` for directions beside the image.
+    fn seen(&self, direction: DVec3) -> Option<Rgb> {
+        let point = self.lens.point(direction)?;
+        Some(self.plate.seen(point, self.size, self.picture))
+    }
 }
 
 /// Contributions of lights that are still to be tested for shadow.
@@ -33,11 +52,31 @@ impl<'a> RenderScene<'a> {
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> RenderScene<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         RenderScene {
-            background: scene.background,
+            // Without an image, there is nowhere to put a backplate.
+            background: scene
+                .background
+                .filter(|b| !matches!(b, SceneBackground::Backplate(_))),
+            backplate: None,
             gatherer,
             interpolator: Interpolator::new(scene, tracer),
             maps: SurfaceMaps::new(scene),
         }
+    }
+
+    /// The same for an image of this size of what a camera sees, behind which a backplate is shown.
+    pub fn behind(mut self, camera: &Camera, (width, height): (u32, u32)) -> RenderScene<'a> {
+        let scene = self.surfaces().scene;
+        if let Some(SceneBackground::Backplate(plate)) = scene.background {
+            let size = [width, height].map(f64::from);
+            let texture = scene.textures.get(plate.texture as usize);
+            self.backplate = Some(PlacedBackplate {
+                plate,
+                picture: texture.and_then(|t| t.image.as_ref()),
+                lens: Lens::new(camera, size[0] / size[1]),
+                size,
+            });
+        }
+        self
     }
 
     /// Radiance that a ray finds where it leaves the scene. Surfaces receive the light of the
@@ -47,6 +86,12 @@ impl<'a> RenderScene<'a> {
         let lights = self.gatherer.lights();
         if let (true, Some(SceneBackground::Color(color))) = (is_sharp, self.background) {
             return color;
+        }
+        if let (true, Some(plate)) = (is_sharp, &self.backplate) {
+            let direction = self.tracer().world_ray(ray).direction;
+            if let Some(seen) = plate.seen(direction) {
+                return seen;
+            }
         }
         let ambient = self.gatherer.ambient();
         let outside = lights.outside();

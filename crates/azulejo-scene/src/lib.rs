@@ -21,6 +21,7 @@
 //! scene.validate().unwrap();
 //! ```
 
+mod backplate;
 pub mod brdf;
 mod camera;
 mod containment;
@@ -61,6 +62,7 @@ mod triangles;
 mod triangulate;
 mod validate;
 
+pub use backplate::{Backplate, BackplateFit};
 pub use brdf::Brdf;
 pub use camera::Camera;
 pub use environment::{Environment, EnvironmentSource, Projection};

@@ -4,9 +4,7 @@
 //! coordinates of their own for it. The second pass reads it where a mesh has no irradiance on its vertices; the
 //! first pass knows nothing of it.
 
-use crate::{
-    Environment, Image, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId, WrapMode,
-};
+use crate::{Image, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId, WrapMode};
 use glam::DVec2;
 use std::collections::HashSet;
 
@@ -82,7 +80,7 @@ impl Scene {
     /// Removes those of some pictures that nothing shows.
     fn drop_unused(&mut self, mut unused: HashSet<TextureId>) {
         let shown = self.materials.iter().flat_map(Material::pictures);
-        for id in shown.chain(self.environments().filter_map(Environment::texture)) {
+        for id in shown.chain(self.surrounding_pictures()) {
             unused.remove(&id);
         }
         if unused.is_empty() {

@@ -2,7 +2,7 @@
 
 use crate::math::Aabb;
 use crate::{
-    Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, Mesh,
+    Backplate, Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, Mesh,
     ObjectIrradiance, Rgb, Rtrace, Shape, Texture, TextureId,
 };
 use glam::DVec3;
@@ -39,6 +39,8 @@ pub enum SceneBackground {
     Color(Rgb),
     /// A radiance by direction.
     Environment(Environment),
+    /// A picture that is fixed to the image.
+    Backplate(Backplate),
 }
 
 impl SceneBackground {
@@ -46,12 +48,19 @@ impl SceneBackground {
     pub fn color(&self) -> Option<Rgb> {
         match *self {
             SceneBackground::Color(color) => Some(color),
-            SceneBackground::Environment(_) => None,
+            SceneBackground::Environment(_) | SceneBackground::Backplate(_) => None,
         }
     }
-}
 
-impl SceneBackground {
+    /// The picture that it shows, if any.
+    pub fn texture(&self) -> Option<TextureId> {
+        match self {
+            SceneBackground::Color(_) => None,
+            SceneBackground::Environment(environment) => environment.texture(),
+            SceneBackground::Backplate(plate) => Some(plate.texture),
+        }
+    }
+
     /// The same, with its texture numbered anew, if it shows one.
     #[must_use]
     pub fn with_texture(self, number: impl Fn(TextureId) -> TextureId) -> SceneBackground {
@@ -59,6 +68,10 @@ impl SceneBackground {
             SceneBackground::Environment(environment) => {
                 SceneBackground::Environment(environment.with_texture(number))
             }
+            SceneBackground::Backplate(plate) => SceneBackground::Backplate(Backplate {
+                texture: number(plate.texture),
+                ..plate
+            }),
             color @ SceneBackground::Color(_) => color,
         }
     }
@@ -189,6 +202,17 @@ impl Scene {
             _ => None,
         };
         lights.chain(background)
+    }
+
+    /// The pictures around the scene: of environments and of the background. One may come twice.
+    pub fn surrounding_pictures(&self) -> impl Iterator<Item = TextureId> {
+        let plate = match &self.background {
+            Some(SceneBackground::Backplate(plate)) => Some(plate.texture),
+            _ => None,
+        };
+        self.environments()
+            .filter_map(Environment::texture)
+            .chain(plate)
     }
 
     /// Emitted radiance of the front of each material, W/(sr·m²): times the mean of the picture, where

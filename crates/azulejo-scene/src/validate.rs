@@ -4,9 +4,9 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, BackIrradiance, Environment, EnvironmentSource, FinishMaps, LightKind, Material,
-    Mesh, MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind, ReliefKind, Scene,
-    SceneBackground, Shape, TextureId,
+    Attribute, BackIrradiance, Backplate, Environment, EnvironmentSource, FinishMaps, LightKind,
+    Material, Mesh, MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind,
+    ReliefKind, Scene, SceneBackground, Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -101,6 +101,7 @@ impl Scene {
         let place = || String::from("background");
         match self.background {
             Some(SceneBackground::Environment(sky)) => self.validate_environment(&sky, place)?,
+            Some(SceneBackground::Backplate(plate)) => self.validate_backplate(&plate, place)?,
             Some(SceneBackground::Color(sky)) => ensure(shines(sky), place, || {
                 format!("radiance is {sky:?}, expected finite numbers >= 0")
             })?,
@@ -267,6 +268,17 @@ impl Scene {
         let count = self.textures.len();
         let is_there = |t: TextureId| (t as usize) < count;
         ensure(sky.texture().is_none_or(is_there), &place, || {
+            format!("its texture is not one of the scene's {count}")
+        })
+    }
+
+    fn validate_backplate(&self, plate: &Backplate, place: impl Fn() -> String) -> Check {
+        let white = plate.radiance;
+        ensure(white >= 0.0 && white.is_finite(), &place, || {
+            format!("the radiance of its white is {white}, expected a finite number >= 0")
+        })?;
+        let count = self.textures.len();
+        ensure((plate.texture as usize) < count, &place, || {
             format!("its texture is not one of the scene's {count}")
         })
     }

@@ -1,7 +1,7 @@
 //! What tests need from the machine they run on, and a count of the tests that did without.
 //!
-//! A test that needs reference data, a graphics driver, Embree, an installed font or Python asks
-//! this crate for it. Where it is missing, the test returns early, and the crate records a skip:
+//! A test that needs reference data, a graphics driver, a display, Embree, an installed font or
+//! Python asks this crate for it. Where it is missing, the test returns early, and the crate records a skip:
 //!
 //! ```
 //! # fn test() {
@@ -16,7 +16,7 @@
 //!
 //! | variable | meaning |
 //! |---|---|
-//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `embree`, `fonts`, `python` and `browser`; a test that lacks one of these fails instead of being skipped |
+//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `display`, `embree`, `fonts`, `python` and `browser`; a test that lacks one of these fails instead of being skipped |
 //! | `AZULEJO_SKIPPED` | a file to which each test binary appends what it skipped, one line per test: the need, the reason, the binary and the test, separated by tabs |
 //! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
 //! | `AZULEJO_CHROMIUM` | a Chromium or Chrome, instead of the first in the path |

@@ -10,6 +10,8 @@ pub enum Need {
     Data,
     /// A graphics driver for Vulkan or OpenGL; a software driver counts.
     Gpu,
+    /// An X11 or Wayland display for windows; one without a screen counts.
+    Display,
     /// Intel's ray tracing kernels as a shared library.
     Embree,
     /// A font installed below `/usr/share/fonts`.
@@ -22,9 +24,10 @@ pub enum Need {
 
 impl Need {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Need; 6] = [
+    pub const ALL: [Need; 7] = [
         Need::Data,
         Need::Gpu,
+        Need::Display,
         Need::Embree,
         Need::Fonts,
         Need::Python,
@@ -37,6 +40,7 @@ impl Need {
         match self {
             Need::Data => "data",
             Need::Gpu => "gpu",
+            Need::Display => "display",
             Need::Embree => "embree",
             Need::Fonts => "fonts",
             Need::Python => "python",
@@ -54,6 +58,10 @@ impl Need {
             Need::Gpu => {
                 "Install the driver of the graphics card, or Mesa's software drivers (Debian and \
                  Ubuntu: apt install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri)."
+            }
+            Need::Display => {
+                "Log in to a desktop, or run the tests under xvfb-run (Debian and Ubuntu: apt install \
+                 xvfb libxkbcommon-x11-0)."
             }
             Need::Embree => "Install Embree 3 or 4 (Debian and Ubuntu: apt install libembree-dev).",
             Need::Fonts => {

@@ -95,8 +95,8 @@ pub enum Command {
 
     /// Changes the camera or the display settings of the viewport.
     SetView(Box<ModelView>),
-    /// Loads an image as the background of the viewport.
-    LoadBackdrop(PathBuf),
+    /// Loads an image as the background of the scene.
+    LoadBackplate(PathBuf),
 
     /// Changes the solver settings.
     SetLight(LightSettings),
@@ -235,7 +235,7 @@ pub enum FileRequest {
     /// The file for the points of the task plane.
     SaveTaskPlane,
     /// An image for the background.
-    Backdrop,
+    Backplate,
     /// A recipe to apply.
     Recipe,
     /// A picture of the surroundings, for an environment or as a new one.

@@ -20,7 +20,7 @@ pub enum JobKind {
     /// Reading models.
     Load,
     /// Reading an image for the background.
-    Backdrop,
+    Backplate,
     /// Reading a picture of the surroundings.
     Environment,
     /// Writing a file that the user requested.

@@ -2,10 +2,9 @@
 
 use crate::gpu::Projection;
 use azulejo::scene::math::Aabb;
-use azulejo::scene::{Camera, Image, Rgb, Up};
+use azulejo::scene::{Camera, Rgb, Up};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Shading modes of the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -197,41 +196,13 @@ impl Default for FalseColor {
 }
 
 /// The background of the viewport.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Backdrop {
     /// The scene's own background, or a neutral gradient.
     #[default]
     Scene,
     /// One colour, sRGB.
     Color([u8; 3]),
-    /// An image.
-    Image(Arc<Image>, BackgroundFit),
-}
-
-/// Images are compared by address: comparing pixels in every frame would take too long.
-impl PartialEq for Backdrop {
-    fn eq(&self, other: &Backdrop) -> bool {
-        match (self, other) {
-            (Backdrop::Scene, Backdrop::Scene) => true,
-            (Backdrop::Color(a), Backdrop::Color(b)) => a == b,
-            (Backdrop::Image(a, fit), Backdrop::Image(b, other)) => {
-                Arc::ptr_eq(a, b) && fit == other
-            }
-            _ => false,
-        }
-    }
-}
-
-/// How an image fills the background.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BackgroundFit {
-    /// Scaled to the size of the viewport.
-    #[default]
-    Scaled,
-    /// Centred in its own size.
-    Centered,
-    /// Tiled.
-    Tiled,
 }
 
 /// The 16 colours of early personal computers, with their names, sRGB.

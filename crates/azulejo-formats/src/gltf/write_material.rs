@@ -8,9 +8,9 @@ use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{
-    Dielectric, Environment, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel,
-    OpacityMap, OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture,
-    TextureId, WrapMode,
+    Dielectric, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap,
+    OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture, TextureId,
+    WrapMode,
 };
 use glam::DVec2;
 use serde_json::{Map, Value, json};
@@ -386,12 +386,9 @@ fn darkened(texture: &Texture, peak: f64) -> Texture {
     darker
 }
 
-/// The pictures that only environments show, which glTF does not keep: megabytes that no material uses.
+/// The pictures that only environments and the background show, which glTF does not keep: megabytes that no material uses.
 pub(super) fn only_around(scene: &Scene) -> HashSet<TextureId> {
-    let mut around: HashSet<TextureId> = scene
-        .environments()
-        .filter_map(Environment::texture)
-        .collect();
+    let mut around: HashSet<TextureId> = scene.surrounding_pictures().collect();
     for material in &scene.materials {
         for id in material.pictures() {
             around.remove(&id);

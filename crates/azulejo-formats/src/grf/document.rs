@@ -2,7 +2,7 @@
 
 use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
-use super::surroundings::EnvironmentBlock;
+use super::surroundings::{BackplateBlock, EnvironmentBlock};
 use crate::{Position, ReadError};
 use azulejo_scene::{
     Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PictureChannel, PrimitiveKind,
@@ -150,9 +150,11 @@ pub(super) enum BlockKind {
     Units(Units),
     Camera(Camera),
     Background(Rgb),
+    /// `ext background` with a picture that is fixed to the image.
+    Backplate(Box<BackplateBlock>),
     Fog(Fog),
     Light(Light),
-    /// `ext light` of kind `environment`, or `ext background` with a picture.
+    /// `ext light` of kind `environment`, or `ext background` with a picture by direction.
     Environment(Box<EnvironmentBlock>),
     Material(Box<MaterialNote>),
     Texture {

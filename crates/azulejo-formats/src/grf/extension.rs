@@ -103,7 +103,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             "camera" => BlockKind::Camera(self.camera(entries)?),
             "background" => match self.take_rgb(entries, "color")? {
                 Some(color) => BlockKind::Background(color),
-                None => self.environment(entries, None)?,
+                None => self.background(entries)?,
             },
             "fog" => BlockKind::Fog(self.fog(entries)?),
             "light" => self.light(entries)?,

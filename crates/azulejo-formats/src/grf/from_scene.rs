@@ -9,7 +9,7 @@ use super::document::{
 use super::has_area;
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
-use super::surroundings::{self, EnvironmentBlock};
+use super::surroundings::{self, BackplateBlock, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, MeshInstance,
@@ -48,6 +48,10 @@ impl GrfDocument {
             SceneBackground::Environment(environment) => {
                 BlockKind::Environment(EnvironmentBlock::new(None, environment, picture))
             }
+            SceneBackground::Backplate(plate) => BlockKind::Backplate(Box::new(BackplateBlock {
+                picture: picture(plate.texture),
+                plate,
+            })),
         }));
         outside.extend(scene.fog.map(BlockKind::Fog));
         outside.extend(scene.cameras.iter().cloned().map(BlockKind::Camera));

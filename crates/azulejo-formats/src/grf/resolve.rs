@@ -237,6 +237,7 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Units(units) => self.scene.units = *units,
             BlockKind::Background(color) => self.scene.background = Some((*color).into()),
             BlockKind::Environment(block) => self.environment(block, place, outer)?,
+            BlockKind::Backplate(block) => self.backplate(block, place),
             BlockKind::Fog(fog) => self.scene.fog = Some(*fog),
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);

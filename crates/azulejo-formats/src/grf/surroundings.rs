@@ -1,5 +1,5 @@
 //! `ext light begin kind = environment ...` and `ext background begin picture = ...`: radiance by
-//! direction.
+//! direction, or by the place in the image.
 
 use super::document::{BlockKind, SourcePosition};
 use super::entries::ExtensionEntries;
@@ -8,8 +8,8 @@ use super::resolve::{GrfResolver, ResolveResult};
 use super::write::{GrfOutput, Number, Quoted, point, rgb};
 use azulejo_scene::sky::{CieSky, PerezSky, Sky, SkyDistribution};
 use azulejo_scene::{
-    Environment, EnvironmentSource, Light, LightKind, Material, Projection, Rgb, Scene,
-    SceneBackground, TextureId,
+    Backplate, BackplateFit, Environment, EnvironmentSource, Light, LightKind, Material,
+    Projection, Rgb, Scene, SceneBackground, TextureId,
 };
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::HashSet;
@@ -41,7 +41,40 @@ impl EnvironmentBlock {
     }
 }
 
+/// A backplate of a GRF file, whose picture has a path instead of a number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct BackplateBlock {
+    /// The file of its picture.
+    pub picture: String,
+    /// The backplate; the number of its picture means nothing.
+    pub plate: Backplate,
+}
+
 impl<'a> GrfParser<'a, '_, '_> {
+    /// The rest of a background that is no single colour.
+    pub(super) fn background(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<BlockKind> {
+        let Some((name, offset)) = self.take_word(entries, "fit")? else {
+            return self.environment(entries, None);
+        };
+        let Some(&(_, fit)) = FITS.iter().find(|(known, _)| *known == name) else {
+            let found = format!("`{name}`");
+            return Err(self.fail(offset, found, "`scaled`, `centered` or `tiled`"));
+        };
+        let picture = self.take_text(entries, "picture")?;
+        let radiance = self.take_number(entries, "radiance")?;
+        Ok(BlockKind::Backplate(Box::new(BackplateBlock {
+            picture: self.required(entries, "picture", picture)?,
+            plate: Backplate {
+                texture: 0,
+                fit,
+                radiance: self.not_negative_number(radiance.unwrap_or((1.0, offset)))?,
+            },
+        })))
+    }
+
     /// The rest of an environment; `light` is the name of the light that it is.
     pub(super) fn environment(
         &mut self,
@@ -184,10 +217,21 @@ impl GrfResolver<'_> {
     }
 }
 
-/// The textures that environments alone show: materials need no names for them.
+impl GrfResolver<'_> {
+    /// Puts a picture behind the scene.
+    pub(super) fn backplate(&mut self, block: &BackplateBlock, place: SourcePosition) {
+        let texture = self.texture_in_place(&block.picture, place);
+        let plate = Backplate {
+            texture,
+            ..block.plate
+        };
+        self.scene.background = Some(SceneBackground::Backplate(plate));
+    }
+}
+
+/// The textures that environments and the background alone show: materials need no names for them.
 pub(super) fn pictures_of(scene: &Scene) -> HashSet<TextureId> {
-    let around = scene.environments().filter_map(Environment::texture);
-    let mut around: HashSet<TextureId> = around.collect();
+    let mut around: HashSet<TextureId> = scene.surrounding_pictures().collect();
     for texture in scene.materials.iter().flat_map(Material::pictures) {
         around.remove(&texture);
     }
@@ -201,6 +245,25 @@ const PROJECTIONS: [(&str, Projection); 2] = [
     ("equirectangular", Projection::Equirectangular),
     ("angular_map", Projection::AngularMap),
 ];
+
+const FITS: [(&str, BackplateFit); 3] = [
+    ("scaled", BackplateFit::Scaled),
+    ("centered", BackplateFit::Centered),
+    ("tiled", BackplateFit::Tiled),
+];
+
+/// Writes a backplate.
+pub(super) fn write_backplate(out: &mut GrfOutput<'_>, block: &BackplateBlock) -> io::Result<()> {
+    let Backplate { fit, radiance, .. } = block.plate;
+    let named = FITS.iter().find(|(_, known)| *known == fit);
+    writeln!(
+        out,
+        "ext background begin picture = {} fit = {} radiance = {} end ext",
+        Quoted(&block.picture),
+        named.map_or("", |(name, _)| *name),
+        Number(radiance)
+    )
+}
 
 /// Writes an environment.
 pub(super) fn write(out: &mut GrfOutput<'_>, block: &EnvironmentBlock) -> io::Result<()> {

@@ -165,6 +165,7 @@ fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
         ),
         BlockKind::Light(l) => light(out, l),
         BlockKind::Environment(block) => surroundings::write(out, block),
+        BlockKind::Backplate(block) => surroundings::write_backplate(out, block),
         BlockKind::Material(note) => material(out, note),
         BlockKind::Texture { of, path, wrap } => {
             write!(out, "ext texture begin of = {of} path = {}", Quoted(path))?;

@@ -3,10 +3,10 @@
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::sky::{PerezSky, Sky, SkyDistribution};
 use crate::{
-    Attribute, BackIrradiance, BicubicPatch, Camera, Contour, Csg, Curve, Environment,
-    EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh, MeshInstance,
-    Object, Operation, Primitive, PrimitiveKind, Prism, Projection, Scene, SceneBackground, Shape,
-    Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
+    Attribute, BackIrradiance, Backplate, BackplateFit, BicubicPatch, Camera, Contour, Csg, Curve,
+    Environment, EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh,
+    MeshInstance, Object, Operation, Primitive, PrimitiveKind, Prism, Projection, Scene,
+    SceneBackground, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
 };
 
 impl ContentBytes for Scene {
@@ -104,9 +104,16 @@ impl ContentBytes for SceneBackground {
         match self {
             SceneBackground::Color(color) => kind(0, color, sink),
             SceneBackground::Environment(environment) => kind(1, environment, sink),
+            SceneBackground::Backplate(plate) => kind(2, plate, sink),
         }
     }
 }
+
+content_of_fields!(Backplate {
+    texture,
+    fit,
+    radiance
+});
 
 content_of_fields!(Environment {
     source,
@@ -145,6 +152,12 @@ impl ContentBytes for SkyDistribution {
         }
     }
 }
+
+content_of_kinds!(BackplateFit {
+    Scaled = 0,
+    Centered = 1,
+    Tiled = 2
+});
 
 content_of_kinds!(Projection {
     Equirectangular = 0,

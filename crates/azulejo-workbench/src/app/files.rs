@@ -7,10 +7,11 @@ use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId, SceneDocument, SourceFile};
 use crate::jobs::{Job, JobKind};
+use crate::view::Backdrop;
 use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
-use azulejo::scene::{Projection, Texture, Units};
+use azulejo::scene::{BackplateFit, Projection, SceneBackground, Texture, Units};
 use azulejo::surroundings::SurroundingPicture;
 use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
@@ -251,15 +252,33 @@ impl App {
         self.load(then.unwrap_or_default(), false);
     }
 
-    pub(super) fn load_backdrop(&mut self, path: PathBuf) {
+    pub(super) fn load_backplate(&mut self, path: PathBuf) {
         self.asking = None;
+        let path = absolute(path);
         let title = path.display().to_string();
-        self.jobs.start(JobKind::Backdrop, title, move |_, outbox| {
-            let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
-            let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
-            outbox.send(JobResult::Backdrop(Box::new(image)));
-            Ok(())
-        });
+        self.jobs
+            .start(JobKind::Backplate, title, move |_, outbox| {
+                let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
+                let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
+                outbox.send(JobResult::Backplate(Arc::new(Texture {
+                    path: path.to_string_lossy().into_owned(),
+                    image: Some(image),
+                    ..Texture::default()
+                })));
+                Ok(())
+            });
+    }
+
+    /// Puts an image behind the scene, as bright as it is at the exposure of the view, and placed as
+    /// the one before it.
+    pub(super) fn take_backplate(&mut self, texture: Arc<Texture>) {
+        let fit = match self.document.background {
+            Some(SceneBackground::Backplate(before)) => before.fit,
+            _ => BackplateFit::default(),
+        };
+        let radiance = 1.0 / self.exposure(&self.view);
+        self.edit(&Edit::SetBackplate(texture, fit, radiance), None);
+        self.view.backdrop = Backdrop::Scene;
     }
 }
 

@@ -8,8 +8,10 @@ mod autosave;
 mod bake;
 mod editing;
 mod examples;
+mod exposure;
 mod failures;
 mod files;
+pub mod light_unit;
 mod lighting;
 mod materials;
 mod probes;
@@ -39,9 +41,9 @@ use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::{Preferences, WindowPlace};
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, ModelView, Shading, camera_around, sees_all, sees_most};
+use crate::view::{ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
-use azulejo::scene::{Camera, Image};
+use azulejo::scene::{Camera, Image, Texture};
 use azulejo::trace::Tracer;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -65,7 +67,7 @@ pub enum JobResult {
     /// A lightmap.
     Baked(Box<crate::bake::BakedDocument>),
     /// An image for the background.
-    Backdrop(Box<Image>),
+    Backplate(Arc<Texture>),
     /// A picture of the surroundings, with warnings.
     Environment(files::LoadedEnvironment),
     /// Form factors of a patch.
@@ -344,7 +346,7 @@ impl App {
             Command::Select(selection) => self.select(selection),
             Command::SelectAll => self.select_all(),
             Command::SetView(view) => self.set_view(*view),
-            Command::LoadBackdrop(path) => self.load_backdrop(path),
+            Command::LoadBackplate(path) => self.load_backplate(path),
             Command::SetLight(settings) => self.lighting.settings = settings,
             Command::Solve => self.solve(),
             Command::Pause => self.pause(true),
@@ -411,7 +413,7 @@ impl App {
             JobResult::Light(solution) => self.take_light_of(job, *solution),
             JobResult::Render(image, samples) => self.take_render(*image, samples),
             JobResult::Baked(baked) => self.take_baked(*baked),
-            JobResult::Backdrop(image) => self.take_backdrop(*image),
+            JobResult::Backplate(texture) => self.take_backplate(texture),
             JobResult::Environment(loaded) => self.take_environment(loaded),
             JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
@@ -691,14 +693,6 @@ impl App {
         if let Err(why) = self.preferences.store(path) {
             self.report(Severity::Warning, why);
         }
-    }
-
-    fn take_backdrop(&mut self, image: Image) {
-        let fit = match &self.view.backdrop {
-            Backdrop::Image(_, fit) => *fit,
-            _ => Default::default(),
-        };
-        self.view.backdrop = Backdrop::Image(Arc::new(image), fit);
     }
 
     fn clear(&mut self) {

@@ -2,12 +2,12 @@
 
 use super::table::{CsvTable, cell};
 use super::{App, JobResult, Severity};
+use crate::app::light_unit::ShownUnit;
 use crate::command::SurfacePick;
 use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
 use crate::first_pass::measure;
 use crate::gpu::display_mesh;
 use crate::jobs::{JobKind, in_thread_pool};
-use crate::ui::light_unit::ShownUnit;
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;

@@ -3,10 +3,10 @@
 
 use super::table::{CsvTable, cell};
 use super::{App, JobResult, Severity};
+use crate::app::light_unit::ShownUnit;
 use crate::document::{SceneDocument, same_light};
 use crate::first_pass::measure_in_space;
 use crate::jobs::{JobKind, JobSender, in_thread_pool};
-use crate::ui::light_unit::ShownUnit;
 use azulejo::factors::PointNormal;
 use azulejo::radiosity::Estimate;
 use azulejo::scene::Up;

@@ -81,7 +81,7 @@ fn unbake(scene: &mut Scene, mut baked: Scene, plain: Scene) -> bool {
         return true;
     }
     // A material on several pages has become several; pictures of the surroundings may have been added since.
-    let has_surroundings = scene.environments().any(|e| e.texture().is_some());
+    let has_surroundings = scene.surrounding_pictures().next().is_some();
     (scene.objects, scene.materials) = (plain.objects, plain.materials);
     scene.textures = plain.textures;
     !has_surroundings

@@ -10,8 +10,8 @@ use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument};
 use azulejo::recipe::Recipe;
 use azulejo::scene::sky::PerezWeather;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Projection, Scene, SceneBackground, Shape, Texture,
-    Units,
+    BackplateFit, Camera, Fog, Light, Material, MaterialId, Projection, Scene, SceneBackground,
+    Shape, Texture, Units,
 };
 use glam::DAffine3;
 use std::collections::HashSet;
@@ -68,6 +68,9 @@ pub enum Edit {
     Assign(Vec<ItemId>, MaterialId),
     /// Assigns a material to faces of a mesh.
     AssignFaces(ItemId, Vec<u32>, MaterialId),
+    /// Puts an image behind the scene: how it fills the view, and the radiance of its white,
+    /// W/(sr·m²).
+    SetBackplate(Arc<Texture>, BackplateFit, f64),
     /// Sets the background.
     SetBackground(Option<SceneBackground>),
     /// Sets the fog.
@@ -121,7 +124,7 @@ impl Edit {
             Edit::DeleteMaterial(_) => "delete a material",
             Edit::DeleteUnusedMaterials => "remove unused materials",
             Edit::Assign(..) | Edit::AssignFaces(..) => "assign a material",
-            Edit::SetBackground(_) => "change the background",
+            Edit::SetBackground(_) | Edit::SetBackplate(..) => "change the background",
             Edit::SetFog(_) => "change the fog",
             Edit::SetUnits(_) => "change the units",
             Edit::ApplyRecipe(_) => "apply a recipe",
@@ -168,6 +171,7 @@ impl Edit {
             Edit::AddStudio
             | Edit::DeleteUnusedMaterials
             | Edit::SetBackground(_)
+            | Edit::SetBackplate(..)
             | Edit::SetFog(_)
             | Edit::SetUnits(_)
             | Edit::ApplyRecipe(_)
@@ -239,6 +243,9 @@ impl Edit {
             Edit::DeleteUnusedMaterials => document.delete_unused_materials(),
             Edit::Assign(ids, material) => document.assign(ids, *material),
             Edit::AssignFaces(id, faces, material) => document.assign_faces(*id, faces, *material),
+            Edit::SetBackplate(texture, fit, radiance) => {
+                document.set_backplate(texture, *fit, *radiance)
+            }
             Edit::SetBackground(radiance) => document.set_surroundings(*radiance, document.fog),
             Edit::SetFog(fog) => document.set_surroundings(document.background, *fog),
             Edit::SetUnits(units) => document.set_units(*units),
@@ -352,8 +359,9 @@ impl SceneDocument {
         fog: Option<Fog>,
     ) -> Edited {
         let alone = Scene {
-            // An environment's picture is one of the document's.
-            background: background.filter(|b| b.color().is_some()),
+            // A background's picture is one of the document's.
+            textures: self.blank_textures(),
+            background,
             fog,
             ..Scene::default()
         };

@@ -44,6 +44,8 @@ struct Frame {
     lightmap_scale: f32,
     // Factor from stored to displayed values.
     display: f32,
+    // Factor of the linear colours of the background image.
+    picture_gain: f32,
     // Plane in view space beyond which everything is cut away: normal and distance.
     section: vec4f,
 }
@@ -339,7 +341,8 @@ fn background_at(pixel: vec2f) -> vec3f {
     let half_texel = 0.5 / vec2f(textureDimensions(backdrop));
     let once = clamp(uv, half_texel, 1.0 - half_texel);
     let place = select(once, uv, frame.backdrop > 2.5);
-    let picture = srgb(textureSample(backdrop, backdrop_sampler, place).rgb);
+    let texel = textureSample(backdrop, backdrop_sampler, place).rgb;
+    let picture = srgb(frame.picture_gain * texel);
     let plain = mix(frame.upper, frame.lower, pixel.y / frame.size.y);
     let inside = all(uv >= vec2f(0.0)) && all(uv <= vec2f(1.0));
     let shows = frame.backdrop > 1.5 || (frame.backdrop > 0.5 && inside);

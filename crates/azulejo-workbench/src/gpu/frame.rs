@@ -1,10 +1,10 @@
 //! The input of the renderer, as plain data.
 
 use super::{LightmapPages, Overlay};
-use crate::view::{BackgroundFit, ColorMap, Shading};
+use crate::view::{ColorMap, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Aabb;
-use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
+use azulejo::scene::{BackplateFit, Camera, Fog, Image, Material, Mesh};
 use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -228,7 +228,9 @@ pub enum Background<'a> {
         /// The image.
         picture: TextureSource<'a>,
         /// How it fills the viewport.
-        fit: BackgroundFit,
+        fit: BackplateFit,
+        /// Factor of its linear colours.
+        gain: f64,
         /// Colour around it.
         around: [u8; 3],
     },

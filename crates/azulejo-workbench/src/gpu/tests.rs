@@ -1,9 +1,11 @@
 //! Rendered images, checked by pixel on every installed driver.
 
 use super::*;
-use crate::view::{BackgroundFit, ColorMap, Shading};
+use crate::view::{ColorMap, Shading};
 use azulejo::render::{Tone, srgb_from_linear};
-use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid};
+use azulejo::scene::{
+    Attribute, BackplateFit, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid,
+};
 use azulejo_testing::Need;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::{Mutex, PoisonError};
@@ -526,6 +528,7 @@ fn backgrounds_fill_the_picture_as_told() {
     let image = |fit| Background::Image {
         picture,
         fit,
+        gain: 1.0,
         around: [9, 99, 9],
     };
     let camera = camera(4.0);
@@ -542,37 +545,37 @@ fn backgrounds_fill_the_picture_as_told() {
         };
         assert_near(at(gradient, 3, 15), [152; 3], 2, "gradient");
         assert_near(
-            at(image(BackgroundFit::Scaled), 16, 16),
+            at(image(BackplateFit::Scaled), 16, 16),
             [255, 0, 0],
             40,
             "scaled",
         );
         assert_near(
-            at(image(BackgroundFit::Scaled), 48, 48),
+            at(image(BackplateFit::Scaled), 48, 48),
             [0, 255, 255],
             40,
             "scaled",
         );
         assert_near(
-            at(image(BackgroundFit::Centered), 3, 3),
+            at(image(BackplateFit::Centered), 3, 3),
             [9, 99, 9],
             1,
             "centred",
         );
         assert_near(
-            at(image(BackgroundFit::Centered), 31, 31),
+            at(image(BackplateFit::Centered), 31, 31),
             [255, 0, 0],
             2,
             "centred",
         );
         assert_near(
-            at(image(BackgroundFit::Tiled), 0, 0),
+            at(image(BackplateFit::Tiled), 0, 0),
             [255, 0, 0],
             2,
             "tiled",
         );
         assert_near(
-            at(image(BackgroundFit::Tiled), 2, 3),
+            at(image(BackplateFit::Tiled), 2, 3),
             [0, 0, 255],
             2,
             "tiled",

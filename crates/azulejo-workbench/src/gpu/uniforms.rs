@@ -3,9 +3,9 @@
 use super::frame::{Background, ColorScalar, ViewportFrame};
 use super::geometry::GpuMesh;
 use super::projection::Projection;
-use crate::view::{BackgroundFit, Shading};
+use crate::view::Shading;
 use azulejo::render::{REINHARD_WHITE, Tone};
-use azulejo::scene::{Material, Rgb};
+use azulejo::scene::{BackplateFit, Material, Rgb};
 use glam::{DAffine3, DMat3, DVec3, Mat4};
 
 /// Size in 32-bit words of the largest block, that of an object.
@@ -161,7 +161,7 @@ pub fn frame(
         .put(&[flag(scale.is_logarithmic)])
         .put(&[flag(scale.quantity == ColorScalar::Luminance)])
         .put(&[fog_color.max_channel().max(1.0) as f32, lightmap_scale])
-        .put(&[scale.display as f32, 0.0, 0.0, 0.0])
+        .put(&[scale.display as f32, gain(&frame.background), 0.0, 0.0])
         .put(&section(frame, view))
         .words
 }
@@ -193,9 +193,9 @@ fn backdrop(background: &Background, has_picture: bool) -> ([u8; 3], [u8; 3], f3
         Background::Image { fit, around, .. } => {
             let kind = match (has_picture, fit) {
                 (false, _) => 0.0,
-                (true, BackgroundFit::Centered) => 1.0,
-                (true, BackgroundFit::Scaled) => 2.0,
-                (true, BackgroundFit::Tiled) => 3.0,
+                (true, BackplateFit::Centered) => 1.0,
+                (true, BackplateFit::Scaled) => 2.0,
+                (true, BackplateFit::Tiled) => 3.0,
             };
             (around, around, kind)
         }
@@ -207,15 +207,15 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
     let (Background::Image { fit, .. }, Some(picture)) = (background, picture) else {
         return [0.0; 4];
     };
-    let picture = picture.map(|n| n as f32);
-    match fit {
-        BackgroundFit::Scaled => [1.0 / size[0], 1.0 / size[1], 0.0, 0.0],
-        BackgroundFit::Tiled => [1.0 / picture[0], 1.0 / picture[1], 0.0, 0.0],
-        BackgroundFit::Centered => {
-            // Whole pixels keep the image sharp.
-            let offset = |k: usize| -(0.5 * (size[k] - picture[k])).floor() / picture[k];
-            [1.0 / picture[0], 1.0 / picture[1], offset(0), offset(1)]
-        }
+    let (factor, offset) = fit.placement(picture.map(f64::from), size.map(f64::from));
+    [factor[0], factor[1], offset[0], offset[1]].map(|x| x as f32)
+}
+
+/// Factor of the linear colours of the background image.
+fn gain(background: &Background) -> f32 {
+    match background {
+        Background::Image { gain, .. } => *gain as f32,
+        _ => 1.0,
     }
 }
 

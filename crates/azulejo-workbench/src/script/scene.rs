@@ -5,7 +5,9 @@ use super::selected::{selected, selected_one};
 use crate::app::App;
 use crate::command::{Command, PrismBase};
 use crate::document::Edit;
-use azulejo::scene::{Camera, Fog, PrimitiveKind, Rgb, Shape, Units, Up};
+use azulejo::scene::{
+    Backplate, BackplateFit, Camera, Fog, PrimitiveKind, Rgb, SceneBackground, Shape, Units, Up,
+};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,6 +47,8 @@ pub enum SceneStep {
     LookThrough,
     /// `background R G B`, `background none`: the scene's own.
     Background(Option<DVec3>),
+    /// `background scaled`, `centered` or `tiled`, and the radiance of white: the image of `backdrop`.
+    Backplate(BackplateFit, Option<f64>),
     /// `fog R G B VISIBILITY`, `fog R G B VISIBILITY exponential`, `fog none`.
     Fog(Option<Fog>),
     /// `units METRES y`, or `z`, followed by `watts` or `lumens`.
@@ -64,11 +68,21 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<Result<SceneStep, String>>
         "prism" => prism(rest),
         "take-view" => Ok(SceneStep::TakeView),
         "look-through" => Ok(SceneStep::LookThrough),
-        "background" => unless("none", rest, vector).map(SceneStep::Background),
+        "background" => background(rest),
         "fog" => unless("none", rest, fog).map(SceneStep::Fog),
         "units" => units(rest),
         _ => return None,
     })
+}
+
+fn background(text: &str) -> Result<SceneStep, String> {
+    let name = |fit: BackplateFit| format!("{fit:?}").to_ascii_lowercase();
+    let (word, white) = split(text);
+    match BackplateFit::ALL.into_iter().find(|&fit| name(fit) == word) {
+        Some(fit) if white.is_empty() => Ok(SceneStep::Backplate(fit, None)),
+        Some(fit) => Ok(SceneStep::Backplate(fit, Some(number(white)?))),
+        None => unless("none", text, vector).map(SceneStep::Background),
+    }
 }
 
 fn place(text: &str) -> Result<DAffine3, String> {
@@ -199,6 +213,17 @@ impl SceneStep {
             }
             SceneStep::Background(color) => {
                 Edit::SetBackground(color.map(|c| Rgb::from(c.to_array()).into()))
+            }
+            SceneStep::Backplate(fit, white) => {
+                let Some(SceneBackground::Backplate(old)) = app.document.background else {
+                    return Err("no image is behind the scene".into());
+                };
+                let plate = Backplate {
+                    fit,
+                    radiance: white.unwrap_or(old.radiance),
+                    ..old
+                };
+                Edit::SetBackground(Some(SceneBackground::Backplate(plate)))
             }
             SceneStep::Fog(fog) => Edit::SetFog(fog),
             SceneStep::Units(metres, up, photometric) => Edit::SetUnits(Units {

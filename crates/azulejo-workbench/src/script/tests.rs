@@ -66,7 +66,7 @@ const SCRIPTS: [&str; 4] = [
      light picture DIR/sun.hdr\n light rotation 90\n light extract-sun\n\
      background 1 1 1\n fog 0.5 0.5 0.5 40 exponential\n units 0.5 y watts\n recipe DIR/dark.toml\n\
      view front\n camera 0 1.5 8 0 1 0\n fov 60\n exposure 0.5\n range 0 10\n color-map viridis\n\
-     logarithmic on\n isolines 4\n backdrop 10 20 30\n backdrop DIR/grey.png\n\
+     logarithmic on\n isolines 4\n backdrop 10 20 30\n backdrop DIR/grey.png\n background tiled 2\n\
      engine rays\n patches 40\n time 20\n bounces 2\n tab light\n solve 90%\n\
      probe 0 1.5 3 0 1.4 0\n form-factors 0 1.5 3 0 1.4 0\n action Measure the probes\n\
      save-probes DIR/probes.csv\n remove-probe 1\n\

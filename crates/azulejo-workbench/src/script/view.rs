@@ -35,7 +35,7 @@ pub enum ViewStep {
     Isolines(u32),
     /// `backdrop scene`, `backdrop R G B` of 0 to 255.
     Backdrop(Option<[u8; 3]>),
-    /// `backdrop FILE`: an image.
+    /// `backdrop FILE`: an image, which belongs to the scene.
     BackdropImage(PathBuf),
     /// `show-in file`, `watts`, `lumens`: the unit in which light is shown.
     LightUnit(LightUnit),
@@ -166,7 +166,7 @@ impl ViewStep {
     /// The command of the step.
     pub(super) fn command(self, app: &App) -> Command {
         if let ViewStep::BackdropImage(path) = self {
-            return Command::LoadBackdrop(path);
+            return Command::LoadBackplate(path);
         }
         let mut view = app.view.clone();
         self.change(app, &mut view);

@@ -1,10 +1,10 @@
 //! An object that shines, as a light: its flux, its radiance, its colour temperature.
 
 use super::inspector::named;
-use super::light_unit::{EFFICACY, ShownUnit};
 use super::panel_context::PanelContext;
 use super::viewport::number;
 use super::{color_temperature, inputs};
+use crate::app::light_unit::{EFFICACY, ShownUnit};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, SceneDocument, SceneObject};
 use crate::gpu::display_mesh;

@@ -5,9 +5,9 @@ mod page;
 
 pub use page::{LightmapView, PageView};
 
-use super::light_unit::ShownUnit;
 use super::panel_context::PanelContext;
 use super::viewport::{LegendText, number, paint_legend};
+use crate::app::light_unit::ShownUnit;
 use crate::bake::{BakedDocument, LightmapFile};
 use crate::command::{Command, FileRequest};
 use crate::gpu::ColorScale;

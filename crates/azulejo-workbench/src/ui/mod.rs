@@ -17,7 +17,6 @@ mod inputs;
 pub mod inspector;
 mod lamps;
 pub mod light;
-pub(crate) mod light_unit;
 pub mod lightmap;
 mod material;
 mod material_actions;

@@ -3,15 +3,15 @@
 use super::actions::of_shading;
 use super::dialogs::map_name;
 use super::inputs;
-use super::light_unit::{EFFICACY, ShownUnit};
 use super::panel_context::PanelContext;
+use crate::app::light_unit::{EFFICACY, ShownUnit};
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
 use crate::view::{
-    Backdrop, BackgroundFit, COLORS, ColorMap, Comparison, LightUnit, ModelView, SectionPlane,
-    Shading, linear_from_srgb,
+    Backdrop, COLORS, ColorMap, Comparison, LightUnit, ModelView, SectionPlane, Shading,
+    linear_from_srgb,
 };
-use azulejo::scene::Fog;
+use azulejo::scene::{Backplate, BackplateFit, Fog, SceneBackground};
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
 /// Draws the tab.
@@ -71,7 +71,7 @@ fn exposure(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ui.horizontal_wrapped(|ui| {
         let mut auto = view.exposure.is_none();
         if ui.checkbox(&mut auto, cx.tr("Auto exposure")).changed() {
-            view.exposure = (!auto).then_some(super::viewport::auto_exposure(cx.app));
+            view.exposure = (!auto).then_some(cx.app.auto_exposure());
         }
         if let Some(exposure) = &mut view.exposure {
             let slider = Slider::new(exposure, 1e-4..=1e4).logarithmic(true);
@@ -93,7 +93,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
                 ui.selectable_value(&mut colors.map, map, map_name(map, cx));
             }
         });
-    let found = super::viewport::shown_range(cx.app);
+    let found = cx.app.shown_range();
     let mut auto = colors.range.is_none();
     if ui.checkbox(&mut auto, cx.tr("Auto range")).changed() {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
@@ -211,14 +211,52 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button(cx.tr("Image…")).clicked() {
-            cx.send(Command::RequestFile(FileRequest::Backdrop));
-        }
-        if let Backdrop::Image(_, fit) = &mut view.backdrop {
-            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("Scaled"));
-            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("Centred"));
-            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("Tiled"));
+            cx.send(Command::RequestFile(FileRequest::Backplate));
         }
     });
+    if let (Backdrop::Scene, Some(SceneBackground::Backplate(plate))) =
+        (view.backdrop, cx.app.document.background)
+    {
+        backplate(ui, cx, view, plate);
+    }
+}
+
+/// The image behind the scene: how it fills the view, and how bright it is.
+fn backplate(ui: &mut Ui, cx: &mut PanelContext, view: &ModelView, old: Backplate) {
+    let mut plate = old;
+    ui.horizontal_wrapped(|ui| {
+        for fit in BackplateFit::ALL {
+            let name = match fit {
+                BackplateFit::Scaled => cx.tr("Scaled"),
+                BackplateFit::Centered => cx.tr("Centred"),
+                BackplateFit::Tiled => cx.tr("Tiled"),
+            };
+            ui.selectable_value(&mut plate.fit, fit, name);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        let unit = ShownUnit::of(cx.app);
+        let label = ui.label(cx.tr("Radiance of white"));
+        let mut white = plate.radiance * unit.factor;
+        let speed = 0.01 * white.max(1e-3);
+        let field = inputs::number(&mut white, 0.0..=1e9)
+            .speed(speed)
+            .suffix(format!(" {}", unit.radiance()));
+        let field = ui.add(field).labelled_by(label.id);
+        let why =
+            cx.tr("Pictures are exposed like the surfaces: this is what the image shows as white.");
+        if field.on_hover_text(why).changed() {
+            plate.radiance = white / unit.factor;
+        }
+        let as_it_is = cx.tr("Match exposure");
+        let why = cx.tr("Shows the image as bright as it is at the exposure of the view.");
+        if ui.button(as_it_is).on_hover_text(why).clicked() {
+            plate.radiance = 1.0 / cx.app.exposure(view);
+        }
+    });
+    if plate != old {
+        cx.edit(Edit::SetBackground(Some(SceneBackground::Backplate(plate))));
+    }
 }
 
 /// The background stored in the scene.

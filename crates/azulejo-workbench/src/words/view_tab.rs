@@ -27,6 +27,26 @@ pub const TABLE: &[Translation] = &[
     ["Centred", "Centrada", "Centrada"],
     ["Tiled", "En mosaico", "Em mosaico"],
     [
+        "Radiance of white",
+        "Radiancia del blanco",
+        "Radiância do branco",
+    ],
+    [
+        "Match exposure",
+        "Igualar a la exposición",
+        "Igualar à exposição",
+    ],
+    [
+        "Pictures are exposed like the surfaces: this is what the image shows as white.",
+        "La imagen se expone como las superficies: esto es lo que muestra como blanco.",
+        "A imagem é exposta como as superfícies: isto é o que mostra como branco.",
+    ],
+    [
+        "Shows the image as bright as it is at the exposure of the view.",
+        "Muestra la imagen tan clara como es con la exposición de la vista.",
+        "Mostra a imagem tão clara como é com a exposição da vista.",
+    ],
+    [
         "Background in the scene",
         "Fondo en la escena",
         "Fundo na cena",

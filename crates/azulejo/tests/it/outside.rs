@@ -8,8 +8,8 @@ use azulejo::scene::brdf::Description;
 use azulejo::scene::math::Ray;
 use azulejo::scene::sky::{Sky, direction_from};
 use azulejo::scene::{
-    Brdf, Camera, Environment, Light, LightKind, Material, Mesh, Object, Primitive, Rgb, Scene,
-    SceneBackground, Shape, Up,
+    Backplate, BackplateFit, Brdf, Camera, Environment, Image, Light, LightKind, Material, Mesh,
+    Object, Primitive, Rgb, Scene, SceneBackground, Shape, Texture, Up,
 };
 use azulejo::trace::{Progress, Tracer};
 use glam::DVec3;
@@ -254,6 +254,74 @@ fn a_camera_sees_the_sky_and_its_sun_or_the_background() {
                 .iter()
                 .all(|p| f64::from(p[1]) == expected)
         );
+    }
+}
+
+/// A backplate fills the image in its corners, in both renderers; mirrors show it where they lead back
+/// into the image, and what is outside elsewhere.
+#[test]
+fn a_backplate_fills_the_image_behind_the_scene() {
+    let [red, green, blue, white] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
+    let picture = Image::opaque(2, 2, vec![red, green, blue, white]);
+    let ambient = LightKind::Ambient {
+        radiance: Rgb::grey(0.125),
+    };
+    let scene = |mirror: bool| {
+        let mut scene = Scene::default();
+        scene.textures.push(Texture {
+            image: Some(picture.clone()),
+            ..Texture::default()
+        });
+        scene.background = Some(SceneBackground::Backplate(Backplate {
+            texture: 0,
+            fit: BackplateFit::Scaled,
+            radiance: 4.0,
+        }));
+        scene.lights.push(Light {
+            name: String::new(),
+            kind: ambient,
+        });
+        if mirror {
+            let id = scene.add_material(Material {
+                mirror: Rgb::WHITE,
+                ..Material::default()
+            });
+            // Across the view: it leads everything back behind the camera.
+            let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+            polygon(&mut scene, corners.map(|(x, y)| DVec3::new(x, y, -1.0)), id);
+        }
+        scene.validate().unwrap();
+        scene
+    };
+    let eye = camera(DVec3::ZERO, -DVec3::Z, 60.0);
+    let size = (2, 2);
+    for mirror in [false, true] {
+        let scene = scene(mirror);
+        let tracer = Tracer::new(&scene);
+        let options = SecondPass {
+            size,
+            samples_per_pixel: 64,
+            ..SecondPass::default()
+        };
+        let seen = render(&scene, &tracer, &eye, &options, &Progress::new()).unwrap();
+        let options = ReferencePass {
+            size,
+            samples_per_pixel: 64,
+            ..ReferencePass::default()
+        };
+        let traced = reference(&scene, &tracer, &eye, &options, &Progress::new()).unwrap();
+        for image in [seen, traced.image] {
+            let pixels: Vec<[f32; 3]> = image.pixels;
+            if mirror {
+                assert!(pixels.iter().flatten().all(|&c| c == 0.125), "{pixels:?}");
+                continue;
+            }
+            // The corners of the picture dominate those of the image.
+            assert!(pixels[0][0] > 2.0 && pixels[0][1] < 1.0, "{pixels:?}");
+            assert!(pixels[1][1] > 2.0 && pixels[1][0] < 1.0, "{pixels:?}");
+            assert!(pixels[2][2] > 2.0 && pixels[2][0] < 1.0, "{pixels:?}");
+            assert!(pixels[3].iter().all(|&c| c > 2.0), "{pixels:?}");
+        }
     }
 }
 

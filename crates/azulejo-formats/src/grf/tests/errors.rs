@@ -46,6 +46,14 @@ fn numbers() {
         &vertex("(-inf, 0, 0)"),
         "test.grf:1:28: found the number `-inf`, expected a number",
     );
+    check(
+        "ext background begin picture = \"a.png\" fit = wide end ext",
+        "test.grf:1:46: found `wide`, expected `scaled`, `centered` or `tiled`",
+    );
+    check(
+        "ext background begin picture = \"a.png\" fit = tiled radiance = -1 end ext",
+        "test.grf:1:63: found `-1`, expected a number of at least 0",
+    );
     check(&vertex("(1, 2)"), "test.grf:1:32: found `)`, expected `,`");
     check(
         &vertex("(1, 2, 3, 4)"),

@@ -4,10 +4,10 @@ use super::exact_shapes::{exact, shared_figures};
 use super::*;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{
-    Attribute, BackIrradiance, Brdf, Camera, Dielectric, FinishMaps, Fog, Light, LightKind,
-    Material, NumberPicture, Object, Opacity, OpacityChannel, OpacityMode, OpacityPicture,
-    PictureChannel, Primitive, PrimitiveKind, Relief, ReliefKind, Rgb, SceneBackground, Sidedness,
-    SurfaceGrid, SurfaceLight, Texture, Units, Up, WrapMode,
+    Attribute, BackIrradiance, Backplate, BackplateFit, Brdf, Camera, Dielectric, FinishMaps, Fog,
+    Light, LightKind, Material, NumberPicture, Object, Opacity, OpacityChannel, OpacityMode,
+    OpacityPicture, PictureChannel, Primitive, PrimitiveKind, Relief, ReliefKind, Rgb,
+    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up, WrapMode,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -33,6 +33,32 @@ fn documents() {
                 "def c = rgb (1,1,1) def d = brdf \"x.binary\" begin mesh",
             ),
     );
+}
+
+#[test]
+fn a_picture_behind_the_image_is_kept() {
+    for (text, fit, radiance) in [
+        ("fit = scaled", BackplateFit::Scaled, 1.0),
+        (
+            "radiance = 0.25 fit = centered",
+            BackplateFit::Centered,
+            0.25,
+        ),
+        ("fit = tiled radiance = 3", BackplateFit::Tiled, 3.0),
+    ] {
+        let text = format!("ext background begin picture = \"sky.png\" {text} end ext\n");
+        check_document(&text);
+        let scene = scene(&text);
+        let plate = Backplate {
+            texture: 0,
+            fit,
+            radiance,
+        };
+        assert_eq!(scene.background, Some(SceneBackground::Backplate(plate)));
+        assert_eq!(scene.textures[0].path, "sky.png");
+        let written = document_text(&GrfDocument::from_scene(&scene));
+        assert_eq!(self::scene(&written), scene, "{written}");
+    }
 }
 
 #[test]

@@ -128,6 +128,12 @@ fn by_extension(
     let lower = name.to_ascii_lowercase();
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match &detected {
+        // Lines of prose pass for one or the other language of statements.
+        Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if is_document(name) => {
+            Err(Unrecognized {
+                looks_like: "a text document",
+            })
+        }
         // A list of no blocks; a file without a byte is rather one that could not be written.
         Err(e) if e.looks_like == WHITE_SPACE && name.ends_with(".grf") => Ok(Format::Grf),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
@@ -153,6 +159,13 @@ fn by_extension(
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
     }
+}
+
+/// Whether a name ends as those of texts for people do, and of no model.
+fn is_document(name: &str) -> bool {
+    [".md", ".markdown", ".rst", ".adoc", ".tex"]
+        .iter()
+        .any(|ending| name.ends_with(ending))
 }
 
 /// Whether a name ends as those of bulk data do, and of nothing else.

@@ -175,6 +175,10 @@ fn comments_may_be_of_any_length() {
 #[test]
 fn white_space_is_a_scene_without_blocks() {
     assert_eq!(recognize(b"\n", "a.grf"), Ok(Format::Grf));
+    let prose = b"# About\n\no and xf are words here.\n";
+    assert!(recognize(prose, "a.mgf").is_ok());
+    let refused = recognize(prose, "README.md").unwrap_err();
+    assert_eq!(refused.looks_like, "a text document");
     assert!(recognize(b"", "a.grf").is_err() && recognize(b"\n", "a.obj").is_err());
 }
 

@@ -4,6 +4,7 @@ use super::*;
 use crate::document::tests::solved;
 use crate::first_pass::LightSettings;
 use azulejo::formats::read_picture;
+use azulejo::scene::{Backplate, BackplateFit, SceneBackground};
 
 /// The sample, solved with minimal effort.
 fn lit() -> App {
@@ -243,9 +244,38 @@ fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
     run(&mut app, Command::SaveRender(folder.path("sky.png")));
     let other = folder.copy("shapes.grf");
     app.execute(Command::Open(vec![other.clone()]));
-    run(&mut app, Command::LoadBackdrop(folder.path("sky.png")));
-    assert!(matches!(app.view.backdrop, Backdrop::Image(..)));
+    run(&mut app, Command::LoadBackplate(folder.path("sky.png")));
+    let Some(SceneBackground::Backplate(plate)) = app.document.background else {
+        panic!("no image: {:?}", app.document.background)
+    };
+    assert_eq!((plate.fit, plate.radiance), (BackplateFit::Scaled, 1.0));
     assert_eq!(app.file.as_ref().map(|f| &f.path), Some(&other));
-    run(&mut app, Command::LoadBackdrop(other));
+    run(&mut app, Command::LoadBackplate(other));
     assert_eq!(errors(&app).len(), 1);
+    // It is placed, saved with the scene, and there again when that is opened.
+    let plate = Backplate {
+        fit: BackplateFit::Tiled,
+        radiance: 0.25,
+        ..plate
+    };
+    edit(
+        &mut app,
+        Edit::SetBackground(Some(SceneBackground::Backplate(plate))),
+    );
+    let kept = folder.path("kept.grf");
+    run(&mut app, Command::SaveAs(kept.clone()));
+    let mut second = App::quiet();
+    run(&mut second, Command::Open(vec![kept]));
+    let Some(SceneBackground::Backplate(read)) = second.document.background else {
+        panic!("no image: {:?}", second.document.background)
+    };
+    assert_eq!((read.fit, read.radiance), (plate.fit, plate.radiance));
+    let picture = second.document.textures[read.texture as usize]
+        .image
+        .as_ref();
+    assert_eq!(picture.map(|i| (i.width, i.height)), Some((8, 8)));
+    // Undo takes it away.
+    app.execute(Command::Undo);
+    app.execute(Command::Undo);
+    assert_eq!(app.document.background, None);
 }

@@ -239,10 +239,10 @@ fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
     let mut scene = sample().scene();
     // One texture is a file beside the model, the other is embedded in the model file.
     for path in ["wood.png", "inside"] {
-        scene.textures.push(azulejo::scene::Texture {
+        scene.textures.push(Texture {
             path: path.into(),
             image: Some(read_picture(&file).unwrap()),
-            ..azulejo::scene::Texture::default()
+            ..Texture::default()
         });
     }
     let model = folder.path("room.grf");

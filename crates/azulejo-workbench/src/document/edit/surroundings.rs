@@ -5,7 +5,8 @@ use crate::document::daylight::is_same_place;
 use crate::document::{ItemId, SceneDocument, SceneLight, SkySettings};
 use azulejo::scene::sky::PerezWeather;
 use azulejo::scene::{
-    Environment, EnvironmentSource, Light, LightKind, Projection, Rgb, Scene, Texture, TextureId,
+    Backplate, BackplateFit, Environment, EnvironmentSource, Light, LightKind, Projection, Rgb,
+    Scene, SceneBackground, Texture, TextureId,
 };
 use azulejo::surroundings::{extract_sun, studio};
 use azulejo::trace::Tracer;
@@ -97,6 +98,21 @@ impl SceneDocument {
             projection,
         };
         self.set_kind(id, LightKind::Environment(environment))
+    }
+
+    pub(super) fn set_backplate(
+        &mut self,
+        texture: &Arc<Texture>,
+        fit: BackplateFit,
+        radiance: f64,
+    ) -> Edited {
+        let texture = self.push_texture(texture);
+        let plate = Backplate {
+            texture,
+            fit,
+            radiance,
+        };
+        self.set_surroundings(Some(SceneBackground::Backplate(plate)), self.fog)
     }
 
     /// Takes the sun out of the picture of an environment, as a light of its own.

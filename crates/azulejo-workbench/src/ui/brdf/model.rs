@@ -110,7 +110,7 @@ fn single(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option<
     row(ui, language.tr("Model"), about, |ui, name| {
         let combo = ComboBox::from_id_salt("model")
             .selected_text(title)
-            .width(200.0)
+            .width(200f32.min(ui.available_width()))
             .height(420.0)
             .truncate();
         let shown = combo.show_ui(ui, |ui| choices(ui, language, model, last));

@@ -122,7 +122,7 @@ impl Dialogs {
             FileRequest::SaveLightmap(what) => Command::SaveLightmap(what, first),
             FileRequest::SaveProbes => Command::SaveProbes(first),
             FileRequest::SaveTaskPlane => Command::SaveTaskPlane(first),
-            FileRequest::Backdrop => Command::LoadBackdrop(first),
+            FileRequest::Backplate => Command::LoadBackplate(first),
             FileRequest::Recipe => Command::ApplyRecipe(first),
             FileRequest::Environment(into) => Command::LoadEnvironment(first, into),
             FileRequest::Font => {

@@ -3,8 +3,8 @@
 use super::super::colors::lines;
 use super::super::panel_context::PanelContext;
 use super::percent;
+use crate::app::light_unit::ShownUnit;
 use crate::ui::help::{self, HelpTerm};
-use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::value;
 use azulejo::radiosity::EnergyBalance;
 use azulejo::scene::Rgb;

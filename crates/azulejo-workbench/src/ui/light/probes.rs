@@ -1,12 +1,12 @@
 //! The table of probes.
 
 use super::super::panel_context::PanelContext;
+use crate::app::light_unit::ShownUnit;
 use crate::app::{Probe, ProbeSurface};
 use crate::command::{Command, FileRequest};
 use crate::jobs::JobKind;
 use crate::ui::help::{self, HelpTerm};
 use crate::ui::inspector::named;
-use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::{number, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};

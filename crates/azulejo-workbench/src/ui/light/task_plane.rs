@@ -2,11 +2,11 @@
 
 use super::super::panel_context::PanelContext;
 use super::row;
+use crate::app::light_unit::ShownUnit;
 use crate::app::{MAX_POINTS, TaskGrid, TaskPlane, TaskPlaneSettings};
 use crate::command::{Command, FileRequest};
 use crate::jobs::JobKind;
 use crate::ui::inputs;
-use crate::ui::light_unit::ShownUnit;
 use crate::ui::viewport::number;
 use egui::{DragValue, Grid, Ui};
 

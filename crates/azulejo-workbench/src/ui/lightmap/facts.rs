@@ -2,9 +2,9 @@
 
 use super::page::{Texel, luminance};
 use super::with_unit;
+use crate::app::light_unit::ShownUnit;
 use crate::bake::BakedDocument;
 use crate::ui::light::{count, percent, seconds};
-use crate::ui::light_unit::ShownUnit;
 use crate::ui::panel_context::PanelContext;
 use crate::ui::viewport::number;
 use azulejo::bake::layout::NO_CHART;

@@ -3,9 +3,9 @@
 use crate::app::App;
 use crate::document::{ItemId, LightmappedMesh, SceneObject};
 use crate::gpu::{DrawnMesh, FaceValues, Projection, chord_error, display_mesh, pick};
-use crate::view::{Backdrop, Shading};
+use crate::view::Shading;
 use azulejo::scene::math::{Aabb, Ray};
-use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
+use azulejo::scene::{Mesh, Rgb, Shape, Texture};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -17,7 +17,6 @@ pub struct ViewportCache {
     entries: Vec<CachedMesh>,
     textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
     form_factors: Option<(u64, Arc<Mesh>, Vec<f32>)>,
-    backdrop: Option<(u64, Arc<Image>)>,
     next: u64,
 }
 
@@ -273,22 +272,6 @@ impl ViewportCache {
         {
             let values = seen.factors.iter().map(|&f| f as f32).collect();
             self.form_factors = Some((seen.number, Arc::clone(&seen.patches), values));
-        }
-    }
-
-    /// The key of the background image.
-    pub fn backdrop_key(&mut self, backdrop: &Backdrop) -> u64 {
-        let Backdrop::Image(image, _) = backdrop else {
-            self.backdrop = None;
-            return 0;
-        };
-        match &self.backdrop {
-            Some((key, kept)) if Arc::ptr_eq(kept, image) => *key,
-            _ => {
-                self.next += 1;
-                self.backdrop = Some((self.next, Arc::clone(image)));
-                self.next
-            }
         }
     }
 

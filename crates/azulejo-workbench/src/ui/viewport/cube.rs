@@ -25,15 +25,6 @@ const SMALLEST: f32 = 160.0;
 /// Faces that are seen at a flatter angle have no text; the cosine to the line of sight.
 const FLAT: f64 = 0.3;
 
-const DIRECTIONS: [ViewDirection; 6] = [
-    ViewDirection::Front,
-    ViewDirection::Back,
-    ViewDirection::Left,
-    ViewDirection::Right,
-    ViewDirection::Top,
-    ViewDirection::Bottom,
-];
-
 /// A face of the cube as it is seen: around the cube's centre, x right and y down, in points.
 #[derive(Clone, Copy, Debug)]
 struct CubeFace {
@@ -47,6 +38,12 @@ struct CubeFace {
     up: DVec2,
     /// Cosine of the angle to the line of sight: 1 if it is seen straight on.
     facing: f64,
+}
+
+/// The directions that the cube has faces for.
+fn sides() -> impl Iterator<Item = ViewDirection> {
+    let all = ViewDirection::ALL.into_iter();
+    all.filter(|&direction| direction != ViewDirection::Corner)
 }
 
 /// The normal of a face, and what is right and up in the view from there.
@@ -70,8 +67,7 @@ fn axes_of(direction: ViewDirection, up: Up) -> (DVec3, DVec3, DVec3) {
 fn faces(camera: &Camera, up: Up) -> Vec<CubeFace> {
     let (x, y, forward) = camera.axes();
     let seen = |p: DVec3| DVec2::new(p.dot(x), -p.dot(y));
-    let mut found: Vec<CubeFace> = DIRECTIONS
-        .into_iter()
+    let mut found: Vec<CubeFace> = sides()
         .map(|direction| {
             let (normal, right, above) = axes_of(direction, up);
             let around = [-right - above, right - above, right + above, -right + above];
@@ -247,7 +243,7 @@ mod tests {
     #[test]
     fn looking_from_a_face_shows_it_straight_and_upright() {
         for up in [Up::Y, Up::Z] {
-            for direction in DIRECTIONS {
+            for direction in sides() {
                 let view = view_from(direction, up);
                 let seen = faces(&view.camera, up);
                 assert_eq!(face_at(&seen, DVec2::ZERO), Some(direction), "{up:?}");

@@ -4,10 +4,10 @@ use super::PanelContext;
 use super::cache::CachedMesh;
 use super::legend::number;
 use super::pane::ViewPane;
+use crate::app::light_unit::ShownUnit;
 use crate::document::ShadingPoint;
 use crate::gpu::PickHit;
 use crate::ui::inspector::named;
-use crate::ui::light_unit::ShownUnit;
 use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 

@@ -25,7 +25,6 @@ pub use gizmo::GizmoMode;
 pub use hover::value;
 pub use legend::number;
 pub(super) use legend::{LegendText, paint as paint_legend};
-pub use pane::{auto_exposure, shown_range};
 
 use super::actions::ActionTarget;
 use super::panel_context::PanelContext;

@@ -1,7 +1,6 @@
 //! One picture of the model: its polygons, its texture, and the scale of its colours.
 
 use super::super::colors;
-use super::super::light_unit::ShownUnit;
 use super::super::panel_context::PanelContext;
 use super::cache::ViewportCache;
 use super::isolines::IsolineLabels;
@@ -9,6 +8,7 @@ use super::legend::{self, LegendText};
 use super::markers;
 use super::task_plane;
 use super::texture::{DeviceLost, DrawStamp, ViewportTexture};
+use crate::app::light_unit::ShownUnit;
 use crate::app::{App, IrradianceRange, TaskPlane};
 use crate::gpu::{
     Background, ColorScalar, ColorScale, Cutaway, DrawnMesh, LightmapPages, PickHit, PixelBuffer,
@@ -17,7 +17,7 @@ use crate::gpu::{
 use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Material, Rgb, SceneBackground};
+use azulejo::scene::{Material, Rgb, SceneBackground, TextureId};
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Rect, Ui};
 use glam::DVec3;
@@ -107,7 +107,6 @@ impl ViewPane {
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
-        let backdrop = self.cache.backdrop_key(&view.backdrop);
         let cache = &self.cache;
         let textures = app.document.textures.iter();
         let textures: Vec<TextureSource> = textures
@@ -129,10 +128,10 @@ impl ViewPane {
                 key: shown.key,
                 pages: &shown.lightmap.pages,
             }),
-            background: background(app, view, backdrop, ui.visuals().dark_mode),
+            background: background(app, view, &textures, ui.visuals().dark_mode),
             fog: app.document.fog.filter(|_| view.shows_fog),
             overlay: &overlay,
-            exposure: exposure(app, view),
+            exposure: app.exposure(view),
             scale,
             hides_backs: view.hides_backs,
             section: self.cut.section,
@@ -199,24 +198,6 @@ fn has_isolines(app: &App, shading: Shading) -> bool {
     }
 }
 
-/// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
-pub fn auto_exposure(app: &App) -> f64 {
-    let usual = shown_range(app).map_or(0.0, |r| r.usual);
-    if usual > 0.0 {
-        0.6 * std::f64::consts::PI / (0.5 * usual)
-    } else {
-        1.0
-    }
-}
-
-/// Range of the irradiance that is shown: that of the lightmap, or of vertices.
-pub fn shown_range(app: &App) -> Option<IrradianceRange> {
-    match app.lightmap.shown_in(app.view.shading) {
-        Some(shown) => shown.range,
-        None => app.lighting.range,
-    }
-}
-
 /// Range of the values that a shading mode shows on its scale.
 fn values(app: &App, shading: Shading) -> Option<IrradianceRange> {
     match (shading, app.lightmap.shown_in(shading)) {
@@ -224,11 +205,6 @@ fn values(app: &App, shading: Shading) -> Option<IrradianceRange> {
         (_, Some(shown)) => shown.range,
         (_, None) => app.lighting.range,
     }
-}
-
-/// The exposure of the modes that display light.
-fn exposure(app: &App, view: &ModelView) -> f64 {
-    view.exposure.unwrap_or_else(|| auto_exposure(app))
 }
 
 /// The colour scale of a shading mode.
@@ -297,57 +273,61 @@ fn light_scale(app: &App, found: (f64, f64), is_error: bool) -> ColorScale {
     }
 }
 
-/// The background of the viewport.
-fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
-    match &view.backdrop {
-        Backdrop::Color(color) => Background::Color(*color),
-        Backdrop::Image(image, fit) => Background::Image {
-            picture: TextureSource {
-                key,
-                image: Some(&**image),
+/// The background of the viewport; `textures` are those of the document.
+fn background<'a>(
+    app: &App,
+    view: &ModelView,
+    textures: &[TextureSource<'a>],
+    is_dark: bool,
+) -> Background<'a> {
+    if let Backdrop::Color(color) = view.backdrop {
+        return Background::Color(color);
+    }
+    // In modes that display light, the background is exposed like the surfaces.
+    let shows_light = matches!(view.shading, Shading::Irradiance | Shading::Patches);
+    let exposure = if shows_light { app.exposure(view) } else { 1.0 };
+    let shown = |radiance: Rgb| {
+        let shown = match shows_light {
+            true => Tone::default().map(exposure * radiance),
+            false => radiance,
+        };
+        let [r, g, b, _] = colors::color(shown).to_array();
+        [r, g, b]
+    };
+    let picture = |id: TextureId| textures.get(id as usize).copied();
+    match app.document.background {
+        Some(SceneBackground::Color(radiance)) => Background::Color(shown(radiance)),
+        // Its middle, above and below the horizon; pictures are rendered with all of it.
+        Some(SceneBackground::Environment(environment)) => {
+            let [lower, upper] = [-0.3, 0.3].map(|height| {
+                let local = DVec3::new(1.0, 0.0, height).normalize();
+                let direction = environment.world_from_environment * local;
+                let image = environment.texture().and_then(picture);
+                shown(environment.seen(direction, image.and_then(|t| t.image)))
+            });
+            Background::Gradient { lower, upper }
+        }
+        Some(SceneBackground::Backplate(plate)) => match picture(plate.texture) {
+            Some(picture) => Background::Image {
+                picture,
+                fit: plate.fit,
+                // In the other modes a background is a picture, and has no brightness.
+                gain: if shows_light {
+                    exposure * plate.radiance
+                } else {
+                    1.0
+                },
+                around: [0, 0, 0],
             },
-            fit: *fit,
-            around: [0, 0, 0],
+            None => Background::Color([0, 0, 0]),
         },
-        Backdrop::Scene => match app.document.background {
-            Some(own) => {
-                // In modes that display light, the background is exposed like the surfaces.
-                let shown = |radiance: Rgb| {
-                    let shown = match view.shading {
-                        Shading::Irradiance | Shading::Patches => {
-                            Tone::default().map(exposure(app, view) * radiance)
-                        }
-                        _ => radiance,
-                    };
-                    let [r, g, b, _] = colors::color(shown).to_array();
-                    [r, g, b]
-                };
-                match own {
-                    SceneBackground::Color(radiance) => Background::Color(shown(radiance)),
-                    // Its middle, above and below the horizon; pictures are rendered with all of it.
-                    SceneBackground::Environment(environment) => {
-                        let [lower, upper] = [-0.3, 0.3].map(|height| {
-                            let texture = environment.texture();
-                            let texture =
-                                texture.and_then(|t| app.document.textures.get(t as usize));
-                            let local = DVec3::new(1.0, 0.0, height).normalize();
-                            let direction = environment.world_from_environment * local;
-                            shown(
-                                environment.seen(direction, texture.and_then(|t| t.image.as_ref())),
-                            )
-                        });
-                        Background::Gradient { lower, upper }
-                    }
-                }
-            }
-            None if is_dark => Background::Gradient {
-                lower: [30, 32, 36],
-                upper: [66, 72, 82],
-            },
-            None => Background::Gradient {
-                lower: [200, 204, 210],
-                upper: [150, 162, 178],
-            },
+        None if is_dark => Background::Gradient {
+            lower: [30, 32, 36],
+            upper: [66, 72, 82],
+        },
+        None => Background::Gradient {
+            lower: [200, 204, 210],
+            upper: [150, 162, 178],
         },
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{PanelContext, number};
 use crate::app::Probe;
+use crate::app::light_unit::ShownUnit;
 use crate::gpu::Projection;
-use crate::ui::light_unit::ShownUnit;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! The unit in which light is shown: that of the document, or one that converts.
 
-use crate::app::App;
+use super::App;
 use crate::view::LightUnit;
 use azulejo::scene::Rgb;
 
