@@ -43,7 +43,7 @@ use crate::preferences::{Preferences, WindowPlace};
 use crate::recovery::Recovery;
 use crate::view::{ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
-use azulejo::scene::{Camera, Image, Texture};
+use azulejo::scene::{Camera, Image, LightKind, Texture};
 use azulejo::trace::Tracer;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -632,7 +632,20 @@ impl App {
 
     /// Moves the view back until it shows these items, if some of them is not in it.
     fn reveal(&mut self, ids: &[ItemId]) {
-        let bounds = self.document.frame_of(ids);
+        // Light from everywhere has a marker, but no place.
+        let has_place = |id: &&ItemId| {
+            let light = self.document.light(**id);
+            !light.is_some_and(|l| {
+                matches!(
+                    l.light.kind,
+                    LightKind::Directional { .. }
+                        | LightKind::Ambient { .. }
+                        | LightKind::Environment(_)
+                )
+            })
+        };
+        let ids: Vec<ItemId> = ids.iter().filter(has_place).copied().collect();
+        let bounds = self.document.frame_of(&ids);
         if bounds.is_empty() || sees_all(&self.view.camera, self.view.aspect, bounds) {
             return;
         }

@@ -7,7 +7,7 @@ use crate::command::{Command, Selection};
 use crate::document::Edit;
 use crate::library::{LIBRARY, slug};
 use crate::ui::brdf::with_description;
-use crate::ui::replacing;
+use crate::ui::giving;
 use azulejo::scene::brdf::Description;
 use azulejo::scene::{Dielectric, Material, Rgb};
 use glam::DVec3;
@@ -121,10 +121,10 @@ impl MaterialStep {
             }),
             MaterialStep::Library(index) => {
                 let (id, _) = selected_material(app)?;
-                let entry = LIBRARY.get(index);
-                let edit = entry.and_then(|m| replacing(app, m, id, app.preferences.language));
-                let edit = edit.ok_or("the library has no such material")?;
-                Ok(vec![Command::Edit(edit, None)])
+                let entry = LIBRARY
+                    .get(index)
+                    .ok_or("the library has no such material")?;
+                Ok(giving(app, entry, id, app.preferences.language))
             }
             MaterialStep::Emit(c) => changed(&|m| m.emission = Rgb::from(c.to_array())),
         }

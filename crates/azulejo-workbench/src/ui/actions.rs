@@ -252,10 +252,9 @@ pub const ACTIONS: &[Action] = &[
         done(Command::RequestFile(FileRequest::Export))
     }),
     action(Menu::File, "Save image…", ctrl_shift(Key::P), |a| {
-        enabled_if(
-            a.render.is_some(),
-            Command::RequestFile(FileRequest::SaveRender),
-        )
+        // What is shown before the first path of each pixel is coarse.
+        let has_paths = a.render.as_ref().is_some_and(|r| r.samples > 0);
+        enabled_if(has_paths, Command::RequestFile(FileRequest::SaveRender))
     }),
     action(Menu::File, "Apply recipe…", None, |a| {
         let has_surfaces = !a.document.objects.is_empty();
@@ -447,7 +446,11 @@ pub const ACTIONS: &[Action] = &[
         Some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::View, "Back to the model", key(Key::Escape), |a| {
-        enabled_if(a.render.is_some(), Command::CloseRender)
+        match a.failure {
+            // One key closes one thing.
+            Some(_) => done(Command::DismissFailure),
+            None => enabled_if(a.render.is_some(), Command::CloseRender),
+        }
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
         shade(a, Shading::Points)
@@ -503,7 +506,10 @@ pub const ACTIONS: &[Action] = &[
         enabled_if(rests, Command::Resume)
     }),
     action(Menu::Light, "Stop", key(Key::F7), |a| {
-        enabled_if(a.is_busy(JobKind::Solve), Command::StopSolving)
+        match a.is_busy(JobKind::Solve) {
+            true => done(Command::StopSolving),
+            false => enabled_if(a.is_busy(JobKind::Render), Command::StopRender),
+        }
     }),
     action(Menu::Light, "Pin a probe", key(Key::P), |a| {
         (!a.document.objects.is_empty()).then_some(ActionTarget::Window(WindowAction::AddProbe))

@@ -4,6 +4,7 @@ use super::panel_context::PanelContext;
 use super::{emitter, group_transform, inputs, lamps};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneObject};
+use crate::ui::focus;
 use azulejo::scene::{Camera, MaterialId, Mesh, PrimitiveKind, Shape};
 use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
@@ -328,6 +329,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
             _ => cx.tr("Multiple").to_owned(),
         })
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for k in 0..document.materials.len() as MaterialId {
                 if ui
                     .selectable_label(used == [k], named(document, k))

@@ -27,6 +27,8 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
 fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -> bool {
     let units = cx.app.document.units;
     let step = speed(&cx.app.document);
+    // E = I/d² with d in units of the scene: an intensity in W/sr is I times the square of one.
+    let square = units.metres() * units.metres();
     match kind {
         LightKind::Point {
             position,
@@ -34,8 +36,8 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
         } => {
             let moved = vector(ui, cx.tr("Position"), position, step);
             let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
-            let dimmed = light_color(ui, cx, lamp, name, unit, intensity);
-            total(ui, cx, 4.0 * PI * intensity.luminance());
+            let dimmed = light_color(ui, cx, lamp, name, (unit, square), intensity);
+            total(ui, cx, 4.0 * PI * square * intensity.luminance());
             moved | dimmed
         }
         LightKind::Spot {
@@ -48,7 +50,7 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
             let moved = vector(ui, cx.tr("Position"), position, step)
                 | unit_vector(ui, cx.tr("Direction"), direction);
             let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
-            let dimmed = light_color(ui, cx, lamp, name, unit, intensity);
+            let dimmed = light_color(ui, cx, lamp, name, (unit, square), intensity);
             moved | dimmed | cone(ui, cx, inner, outer)
         }
         LightKind::Directional {
@@ -58,17 +60,17 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
         } => {
             let moved = surroundings::sun_place(ui, cx, direction);
             let (name, unit) = (cx.tr("Irradiance"), unit(units, "W/m²", "lx"));
-            let dimmed = light_color(ui, cx, lamp, name, unit, irradiance);
+            let dimmed = light_color(ui, cx, lamp, name, (unit, 1.0), irradiance);
             moved | dimmed | surroundings::sun_size(ui, cx, half_angle)
         }
         LightKind::Ambient { radiance } => {
             let (name, unit) = (cx.tr("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
-            light_color(ui, cx, lamp, name, unit, radiance)
+            light_color(ui, cx, lamp, name, (unit, 1.0), radiance)
         }
         LightKind::Environment(environment) => {
             let changed = surroundings::environment(ui, cx, environment);
             let name = cx.tr("Brightness");
-            changed | light_color(ui, cx, lamp, name, "×", &mut environment.scale)
+            changed | light_color(ui, cx, lamp, name, ("×", 1.0), &mut environment.scale)
         }
     }
 }
@@ -95,13 +97,14 @@ pub(super) fn unit(
     }
 }
 
-/// A row with strength and colour of a light; colours are relative to their brightest channel.
+/// A row with strength and colour of a light, in a unit and times a factor; colours are relative to
+/// their brightest channel.
 fn light_color(
     ui: &mut Ui,
     cx: &PanelContext,
     lamp: ItemId,
     name: &str,
-    unit: &str,
+    (unit, factor): (&str, f64),
     light: &mut Rgb,
 ) -> bool {
     let last = egui::Id::unique(("hue", lamp));
@@ -110,11 +113,14 @@ fn light_color(
     ui.label(name);
     ui.horizontal(|ui| {
         inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
-        let speed = (0.01 * strength).max(0.01);
-        let drag = inputs::number(&mut strength, 0.0..=1e12)
+        let mut shown = strength * factor;
+        let speed = (0.01 * shown).max(1e-9);
+        let drag = inputs::number(&mut shown, 0.0..=1e12)
             .speed(speed)
             .suffix(format!(" {unit}"));
-        ui.add(drag).accessible_name(name);
+        if ui.add(drag).accessible_name(name).changed() {
+            strength = shown / factor;
+        }
     });
     ui.end_row();
     if let Some(warm) = emitter::temperature_row(ui, cx, *light) {

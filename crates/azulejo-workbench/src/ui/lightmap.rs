@@ -11,6 +11,7 @@ use crate::app::light_unit::ShownUnit;
 use crate::bake::{BakedDocument, LightmapFile};
 use crate::command::{Command, FileRequest};
 use crate::gpu::ColorScale;
+use crate::ui::focus;
 use egui::{
     Color32, ComboBox, Rect, Response, RichText, ScrollArea, Sense, Slider, TextureHandle,
     TextureOptions, Ui, Vec2, pos2, vec2,
@@ -110,6 +111,7 @@ impl LightmapWindow {
                 .width(150.0)
                 .selected_text(name(view.quantity, cx))
                 .show_ui(ui, |ui| {
+                    focus::close_list(ui);
                     for one in LightmapView::ALL {
                         ui.selectable_value(&mut view.quantity, one, name(one, cx));
                     }

@@ -1,14 +1,14 @@
-//! The library of the Material tab: pictures of materials that replace the selected one, or are
+//! The library of the Material tab: pictures of materials that the selection gets, or that are
 //! added to the scene.
 
 use super::brdf::SpherePictures;
 use super::panel_context::PanelContext;
 use crate::app::App;
 use crate::command::{Command, Selection};
-use crate::document::Edit;
+use crate::document::{Edit, SceneObject};
 use crate::library::{LIBRARY, LibraryMaterial};
 use crate::words::Language;
-use azulejo::scene::{Material, MaterialId};
+use azulejo::scene::{Material, MaterialId, Shape};
 use egui::{Align2, CollapsingHeader, Color32, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
 /// Side of a picture in points.
@@ -45,7 +45,7 @@ pub fn show(
         return false;
     };
     match (choice, material) {
-        (Choice::Replace(entry), Some(id)) => replace(cx, entry, id, gesture),
+        (Choice::Replace(entry), Some(id)) => give(cx, entry, id, gesture),
         (Choice::Replace(entry) | Choice::Add(entry), _) => add(cx, entry, gesture),
     }
     true
@@ -84,7 +84,7 @@ fn cell(
     let size = vec2(WIDTH, SIDE + NAME_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let response = response.on_hover_text(cx.tr(
-        "Gives the selected material this reflection; what it emits stays. Without a selected material, it is added to the scene.",
+        "Gives the selection this material; other objects keep theirs, and what is emitted stays. Without a selection, it is added to the scene.",
     ));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
     let left = rect.center().x - 0.5 * SIDE;
@@ -140,14 +140,94 @@ fn label(ui: &Ui, name: &str, rect: Rect) {
     ui.painter().galley(middle.min, galley, color);
 }
 
-fn replace(cx: &mut PanelContext, entry: &LibraryMaterial, id: MaterialId, gesture: u64) {
-    if let Some(edit) = replacing(cx.app, entry, id, cx.language) {
-        cx.send(Command::Edit(edit, Some(gesture)));
+/// Gives the selection a material in place of `id`: by changing that one, or as one of its own if other
+/// objects have it, too.
+fn give(cx: &mut PanelContext, entry: &LibraryMaterial, id: MaterialId, gesture: u64) {
+    for command in giving(cx.app, entry, id, cx.language) {
+        let command = match command {
+            Command::Edit(edit, _) => Command::Edit(edit, Some(gesture)),
+            other => other,
+        };
+        cx.send(command);
+    }
+}
+
+/// The commands that give the selection a material of the library in place of `id`; none if it has no
+/// such material.
+pub fn giving(
+    app: &App,
+    entry: &LibraryMaterial,
+    id: MaterialId,
+    language: Language,
+) -> Vec<Command> {
+    if !is_used_elsewhere(app, id) {
+        let edit = replacing(app, entry, id, language);
+        return edit.map(|e| Command::Edit(e, None)).into_iter().collect();
+    }
+    let (document, selection) = (&app.document, &app.selection);
+    let old = document.materials.get(id as usize);
+    let Some(mut new) = old.and_then(|old| entry.replacing(old, language)) else {
+        return Vec::new();
+    };
+    new.name = document.unique_material_name(&new.name);
+    let number = document.materials.len() as MaterialId;
+    let mut edits = vec![Edit::AddMaterial(new)];
+    match &selection.faces {
+        Some((item, faces)) => edits.push(Edit::AssignFaces(*item, faces.clone(), number)),
+        None => {
+            let objects = selection.ids.iter().filter_map(|&i| document.object(i));
+            edits.extend(objects.filter_map(|object| instead(object, id, number)));
+        }
+    }
+    let select = Command::Select(Selection {
+        material: Some(number),
+        ..selection.clone()
+    });
+    let edits = edits.into_iter().map(|edit| Command::Edit(edit, None));
+    edits.chain([select]).collect()
+}
+
+/// Whether anything but the selected objects, or anything but the selected faces, has a material.
+fn is_used_elsewhere(app: &App, id: MaterialId) -> bool {
+    let (document, selection) = (&app.document, &app.selection);
+    if let Some((item, faces)) = &selection.faces {
+        let others = document.objects.iter().filter(|o| o.id != *item);
+        let own = document.object(*item).map_or(0, |o| faces_of(o, id).len());
+        let chosen = faces.len();
+        return own > chosen || others.into_iter().any(|o| o.materials().contains(&id));
+    }
+    let is_chosen = |o: &SceneObject| selection.ids.contains(&o.id);
+    let users = document
+        .objects
+        .iter()
+        .filter(|o| o.materials().contains(&id));
+    let (chosen, others): (Vec<_>, Vec<_>) = users.partition(|o| is_chosen(o));
+    !chosen.is_empty() && !others.is_empty()
+}
+
+/// The faces of an object that have a material; none if it is no mesh of its own.
+fn faces_of(object: &SceneObject, id: MaterialId) -> Vec<u32> {
+    let Shape::Mesh(mesh) = &*object.shape else {
+        return Vec::new();
+    };
+    let faces = mesh.face_materials.iter().enumerate();
+    let own = faces.filter(|&(_, &material)| material == id);
+    own.map(|(face, _)| face as u32).collect()
+}
+
+/// The edit that gives an object one material instead of another.
+fn instead(object: &SceneObject, old: MaterialId, new: MaterialId) -> Option<Edit> {
+    match object.materials() {
+        [only] if *only == old => Some(Edit::Assign(vec![object.id], new)),
+        some if some.contains(&old) => {
+            Some(Edit::AssignFaces(object.id, faces_of(object, old), new))
+        }
+        _ => None,
     }
 }
 
 /// The edit that gives a material of the scene the reflection of one of the library.
-pub fn replacing(
+fn replacing(
     app: &App,
     entry: &LibraryMaterial,
     id: MaterialId,

@@ -6,17 +6,19 @@ use super::viewport::action_button as tool;
 use crate::app::App;
 use crate::command::Command;
 use crate::jobs::JobKind;
-use egui::{Button, ComboBox, Role, Ui, WidgetInfo};
+use crate::ui::focus;
+use egui::{Button, ComboBox, Key, Modifiers, Role, Ui, WidgetInfo};
 
 /// Draws the menus; returns the chosen actions.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
+    let wanted = menu_by_key(ui, cx);
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             if menu == Menu::Shading {
                 continue;
             }
-            ui.menu_button(menu.label(cx.language), |ui| {
+            let title = ui.menu_button(menu.label(cx.language), |ui| {
                 entries(ui, cx, menu, &mut targets);
                 if menu == Menu::File {
                     recent(ui, cx);
@@ -27,9 +29,43 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
                     });
                 }
             });
+            if wanted == Some(menu) {
+                title.response.request_focus();
+            }
+            if title.response.has_focus() {
+                ui.data_mut(|d| d.insert_temp(focused_menu(), menu));
+            }
         }
     });
     targets
+}
+
+/// Where the menu is kept whose title had the focus last.
+fn focused_menu() -> egui::Id {
+    egui::Id::unique("focused menu")
+}
+
+/// The menu whose title gets the focus: the first one by F10, and by Alt with a letter the next one that
+/// begins with it.
+fn menu_by_key(ui: &Ui, cx: &PanelContext) -> Option<Menu> {
+    if cx.is_covered {
+        return None;
+    }
+    let shown = || Menu::ALL.into_iter().filter(|&m| m != Menu::Shading);
+    if ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::F10)) {
+        return shown().next();
+    }
+    let letters = shown().filter_map(|menu| {
+        let initial = menu.label(cx.language).chars().next()?;
+        let letter = Key::from_name(&initial.to_uppercase().to_string())?;
+        ui.input(|i| i.modifiers.alt && i.key_pressed(letter))
+            .then_some(menu)
+    });
+    let found: Vec<Menu> = letters.collect();
+    let last: Option<Menu> = ui.data(|d| d.get_temp(focused_menu()));
+    let after = last.and_then(|last| found.iter().position(|&m| m == last));
+    let next = after.map_or(0, |k| (k + 1) % found.len());
+    found.get(next).copied()
 }
 
 fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionTarget>) {
@@ -147,6 +183,7 @@ fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
         .selected_text(current(cx.app).map_or("", |a| cx.tr(a.label)))
         .height(400.0)
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for action in ACTIONS.iter().filter(|a| a.menu == Menu::Shading) {
                 let is_it = current(cx.app).is_some_and(|c| c.label == action.label);
                 if ui.selectable_label(is_it, cx.tr(action.label)).clicked() {

@@ -70,6 +70,8 @@ fn color(level: Severity, ui: &Ui) -> Option<Color32> {
 pub fn status(ui: &mut Ui, cx: &mut PanelContext, probe: Option<&str>) -> bool {
     let mut asks_messages = false;
     ui.horizontal(|ui| {
+        // As high with text as without: the view must not change its size.
+        ui.set_min_height(ui.spacing().interact_size.y);
         for job in cx.app.jobs() {
             let progress = &job.progress;
             let (done, total) = (progress.done(), progress.total());
@@ -102,7 +104,7 @@ pub fn status(ui: &mut Ui, cx: &mut PanelContext, probe: Option<&str>) -> bool {
         }
         match (probe, cx.app.messages.last()) {
             (Some(probe), _) => {
-                ui.label(probe);
+                ui.add(egui::Label::new(probe).truncate());
             }
             (None, Some(last)) => {
                 let text = RichText::new(last.text.replace('\n', " "));

@@ -30,6 +30,6 @@ pub mod view_tab;
 pub mod viewport;
 mod workbench;
 
-pub(crate) use material_library::replacing;
+pub(crate) use material_library::giving;
 pub use viewport::Viewport;
 pub use workbench::{PanelTab, Rescued, Workbench};

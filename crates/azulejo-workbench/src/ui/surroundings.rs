@@ -5,6 +5,7 @@ use super::lamps::unit;
 use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::{Edit, ItemId, SceneLight, SkySettings};
+use crate::ui::focus;
 use azulejo::scene::sky::{
     CieSky, PerezWeather, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT,
 };
@@ -119,6 +120,7 @@ fn cie_type(ui: &mut Ui, cx: &PanelContext, distribution: &mut SkyDistribution) 
         .width(ui.available_width().min(220.0))
         .selected_text(sky_name(cx, &old))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             let all = CieSky::all().map(SkyDistribution::Cie);
             for choice in [SkyDistribution::Uniform].into_iter().chain(all) {
                 ui.selectable_value(distribution, choice, sky_name(cx, &choice));

@@ -7,6 +7,7 @@ use super::panel_context::PanelContext;
 use crate::app::light_unit::{EFFICACY, ShownUnit};
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
+use crate::ui::focus;
 use crate::view::{
     Backdrop, COLORS, ColorMap, Comparison, LightUnit, ModelView, SectionPlane, Shading,
     linear_from_srgb,
@@ -57,6 +58,7 @@ fn light_unit(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ComboBox::new("light unit", cx.tr("Show light in"))
         .selected_text(name(view.light_unit))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for unit in LightUnit::ALL {
                 ui.selectable_value(&mut view.light_unit, unit, name(unit));
             }
@@ -89,6 +91,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ComboBox::new("false map", cx.tr("Colour map"))
         .selected_text(map_name(colors.map, cx))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for map in ColorMap::ALL {
                 ui.selectable_value(&mut colors.map, map, map_name(map, cx));
             }
@@ -162,6 +165,7 @@ fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ComboBox::new("compare", cx.tr("Compare with"))
         .selected_text(name(with))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             ui.selectable_value(&mut chosen, None, name(None));
             for shading in Shading::ALL {
                 ui.selectable_value(&mut chosen, Some(shading), name(Some(shading)));

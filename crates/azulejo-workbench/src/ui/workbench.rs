@@ -7,6 +7,7 @@ mod place;
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
 use super::dialogs::{BakeDialog, BrdfFileChoice, Dialogs, NativeSupport, PrismDialog, TextDialog};
+use super::focus::{self, FocusTrail};
 use super::lightmap::{LightmapView, LightmapWindow};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
@@ -70,6 +71,7 @@ pub struct Workbench {
     press: u64,
     player: Option<ScriptPlayer>,
     was_focused: bool,
+    focus: FocusTrail,
     dressed: Option<(Theme, f32)>,
     title: String,
     /// Whether the window closes at the user's request.
@@ -119,6 +121,7 @@ impl Workbench {
             press: 0,
             player: None,
             was_focused: true,
+            focus: FocusTrail::default(),
             dressed: None,
             title: String::new(),
             is_leaving: false,
@@ -200,6 +203,8 @@ impl Workbench {
         if let Some(loss) = loss {
             self.on_device_lost(ui.ctx(), loss);
         }
+        let has_dialog = self.dialogs.is_open(&self.app);
+        self.focus.end_frame(ui.ctx(), has_dialog);
         self.make_thumbnail();
         self.step_script(ui.ctx());
         self.schedule_repaint(ui.ctx(), acted);
@@ -257,15 +262,18 @@ impl Workbench {
             egui::ScrollArea::vertical()
                 .id_salt(self.tab as u8)
                 .auto_shrink([false, false])
-                .show(ui, |ui| match self.tab {
-                    PanelTab::Object => inspector::show(ui, cx),
-                    PanelTab::Material => self.materials.show(ui, cx),
-                    PanelTab::Light => {
-                        if light::show(ui, cx) {
-                            targets.push(ActionTarget::Window(WindowAction::AddProbe));
+                .show(ui, |ui| {
+                    match self.tab {
+                        PanelTab::Object => inspector::show(ui, cx),
+                        PanelTab::Material => self.materials.show(ui, cx),
+                        PanelTab::Light => {
+                            if light::show(ui, cx) {
+                                targets.push(ActionTarget::Window(WindowAction::AddProbe));
+                            }
                         }
+                        PanelTab::View => view_tab::show(ui, cx),
                     }
-                    PanelTab::View => view_tab::show(ui, cx),
+                    focus::follow(ui);
                 });
         });
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
@@ -287,7 +295,7 @@ impl Workbench {
     /// Executes an action.
     pub fn run_action(&mut self, target: ActionTarget) {
         match target {
-            ActionTarget::Command(command) => self.app.execute(command),
+            ActionTarget::Command(command) => self.execute_action(command),
             ActionTarget::Window(WindowAction::Keys) => self.dialogs.keys = true,
             ActionTarget::Window(WindowAction::Preferences) => self.dialogs.preferences = true,
             ActionTarget::Window(WindowAction::About) => self.dialogs.about = true,
@@ -328,6 +336,16 @@ impl Workbench {
                     },
                 });
             }
+        }
+    }
+
+    /// Executes a command of the menus; what it adds shows its properties.
+    fn execute_action(&mut self, command: Command) {
+        let count = |app: &App| app.document.objects.len() + app.document.lights.len();
+        let (before, selected) = (count(&self.app), self.app.selection.ids.clone());
+        self.app.execute(command);
+        if count(&self.app) > before && self.app.selection.ids != selected {
+            self.tab = PanelTab::Object;
         }
     }
 

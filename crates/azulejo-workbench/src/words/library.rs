@@ -5,9 +5,9 @@ use super::Translation;
 pub(super) const TABLE: &[Translation] = &[
     ["Library", "Biblioteca", "Biblioteca"],
     [
-        "Gives the selected material this reflection; what it emits stays. Without a selected material, it is added to the scene.",
-        "Da al material seleccionado esta reflexión; lo que emite se conserva. Sin material seleccionado, se añade a la escena.",
-        "Dá ao material selecionado esta reflexão; o que emite mantém-se. Sem material selecionado, é adicionado à cena.",
+        "Gives the selection this material; other objects keep theirs, and what is emitted stays. Without a selection, it is added to the scene.",
+        "Da este material a la selección; los demás objetos conservan el suyo, y lo que se emite se conserva. Sin selección, se añade a la escena.",
+        "Dá este material à seleção; os outros objetos mantêm o seu, e o que é emitido mantém-se. Sem seleção, é adicionado à cena.",
     ],
     ["Add to the scene", "Añadir a la escena", "Adicionar à cena"],
     [

@@ -2,8 +2,8 @@
 
 use crate::window::*;
 use azulejo_workbench::app::App;
-use azulejo_workbench::command::{Command, FileRequest};
-use azulejo_workbench::document::NewShapeKind;
+use azulejo_workbench::command::{Command, FileRequest, Selection};
+use azulejo_workbench::document::{Edit, NewShapeKind};
 use azulejo_workbench::ui::PanelTab;
 use egui::accesskit::Role;
 
@@ -51,6 +51,36 @@ fn a_picture_gives_the_selected_material_its_reflection_in_one_step() {
     window.state_mut().app.execute(Command::Undo);
     let name = &window.state().app.document.materials[id].name;
     assert_eq!(name, "Copper");
+    check_no_error(&window);
+}
+
+#[test]
+fn other_objects_keep_the_material_that_they_shared() {
+    let mut window = with_library();
+    let app = &mut window.state_mut().app;
+    let ids: Vec<_> = app.document.objects.iter().map(|o| o.id).collect();
+    app.execute(Command::Edit(Edit::Assign(ids.clone(), 0), None));
+    app.execute(Command::Select(Selection {
+        ids: vec![ids[1]],
+        faces: None,
+        material: Some(0),
+    }));
+    let before = app.document.materials.clone();
+    window.run_steps(2);
+    tap(&mut window, "Brushed steel");
+    let app = &window.state().app;
+    let used = |k: usize| app.document.objects[k].materials();
+    assert_eq!((used(0), used(1)), (&[0][..], &[before.len() as u32][..]));
+    assert_eq!(app.document.materials[..before.len()], before[..]);
+    assert_eq!(app.document.materials.last().unwrap().name, "Brushed steel");
+    assert_eq!(app.selection.material, Some(before.len() as u32));
+    // Once it has its own, that one changes; both are one step each.
+    tap(&mut window, "Oak");
+    let app = &mut window.state_mut().app;
+    assert_eq!(app.document.materials.len(), before.len() + 1);
+    app.execute(Command::Undo);
+    app.execute(Command::Undo);
+    assert_eq!(app.document.materials, before);
     check_no_error(&window);
 }
 

@@ -229,7 +229,7 @@ fn a_final_gather_draws_the_picture_anew() {
 }
 
 #[test]
-fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
+fn an_image_behind_the_scene_is_placed_saved_and_undone() {
     let folder = TestFolder::new("backdrop");
     let mut app = filled();
     app.preferences.picture_samples = 1;
@@ -243,7 +243,7 @@ fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
     );
     run(&mut app, Command::SaveRender(folder.path("sky.png")));
     let other = folder.copy("shapes.grf");
-    app.execute(Command::Open(vec![other.clone()]));
+    run(&mut app, Command::Open(vec![other.clone()]));
     run(&mut app, Command::LoadBackplate(folder.path("sky.png")));
     let Some(SceneBackground::Backplate(plate)) = app.document.background else {
         panic!("no image: {:?}", app.document.background)

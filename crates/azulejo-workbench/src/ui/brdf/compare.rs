@@ -3,6 +3,7 @@
 use super::catalog::{GROUPS, example};
 use super::file::with_description;
 use super::theme::row;
+use crate::ui::focus;
 use crate::words::Language;
 use azulejo::scene::Material;
 use azulejo::scene::brdf::{Description, ModelInfo, find};
@@ -34,6 +35,7 @@ pub(super) fn choose(
             .height(420.0)
             .truncate();
         let shown = combo.show_ui(ui, |ui| {
+            focus::close_list(ui);
             if ui.selectable_label(compared.is_none(), none).clicked() {
                 *compared = None;
             }

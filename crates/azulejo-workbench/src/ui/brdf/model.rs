@@ -122,6 +122,7 @@ fn single(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option<
 
 /// All models in groups.
 fn choices(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option<Rgb>) {
+    crate::ui::focus::close_list(ui);
     ui.set_min_width(280.0);
     let old = model.clone();
     for group in &GROUPS {

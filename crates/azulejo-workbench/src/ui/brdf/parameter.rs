@@ -4,6 +4,7 @@ use super::catalog::{self, FresnelChoice, as_color, default_value, set};
 use super::fields::{NumberRange, color, number};
 use super::parameter_name::label;
 use super::theme::{named, row};
+use crate::ui::focus;
 use crate::words::Language;
 use azulejo::scene::brdf::{
     METALS, Model, ModelInfo, ParameterInfo, ParameterKind, Value, find, find_metal,
@@ -116,6 +117,7 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
         .selected_text(&known)
         .width(140.0);
     let shown = combo.show_ui(ui, |ui| {
+        focus::close_list(ui);
         for metal in METALS {
             let entry = ui.selectable_label(metal.name == known, metal.name);
             if entry.on_hover_text(metal.source).clicked() {
@@ -137,6 +139,7 @@ fn fresnel(ui: &mut Ui, language: Language, of: &ModelInfo, model: &mut Model) {
             .selected_text(words(term))
             .width((ui.available_width() - 8.0).min(210.0));
         let shown = combo.show_ui(ui, |ui| {
+            focus::close_list(ui);
             for t in FresnelChoice::ALL {
                 ui.selectable_value(&mut chosen, t, words(t));
             }

@@ -4,6 +4,7 @@ use super::super::inputs;
 use super::color;
 use super::fields::{NumberRange, SHARE, color_row, number_row};
 use super::theme::row;
+use crate::ui::focus;
 use crate::words::Language;
 use azulejo::scene::brdf::{Description, Value};
 use azulejo::scene::{Brdf, Dielectric, Material, Rgb};
@@ -96,6 +97,7 @@ impl SurfaceKind {
                     .selected_text(self.words(language))
                     .width(170.0);
                 let shown = combo.show_ui(ui, |ui| {
+                    focus::close_list(ui);
                     for kind in SurfaceKind::ALL {
                         ui.selectable_value(&mut chosen, kind, kind.words(language));
                     }

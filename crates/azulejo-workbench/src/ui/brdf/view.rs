@@ -1,6 +1,7 @@
 //! Display settings of the lobes, kept while the editor exists.
 
 use super::theme;
+use crate::ui::focus;
 use crate::words::Language;
 use egui::{ComboBox, Slider, Ui};
 
@@ -151,6 +152,7 @@ impl LobeView {
                     .selected_text(chosen)
                     .width(70.0);
                 let shown = combo.show_ui(ui, |ui| {
+                    focus::close_list(ui);
                     for q in [LobeQuantity::WithCosine, LobeQuantity::Alone] {
                         ui.selectable_value(&mut self.quantity, q, quantity(q));
                     }
@@ -164,6 +166,7 @@ impl LobeView {
                     .selected_text(scale(self.scale))
                     .width(96.0);
                 let shown = combo.show_ui(ui, |ui| {
+                    focus::close_list(ui);
                     for s in [RadialScale::Linear, RadialScale::Logarithmic] {
                         ui.selectable_value(&mut self.scale, s, scale(s));
                     }

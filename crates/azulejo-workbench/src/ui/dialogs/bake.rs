@@ -2,6 +2,7 @@
 
 use crate::bake::BakeSettings;
 use crate::command::Command;
+use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use azulejo::formats::gltf::patch::Convention;
 use azulejo::lightmap::{BakedLight, BakedSides};
@@ -158,6 +159,7 @@ fn choice<T: Copy + PartialEq>(
         .width(220.0)
         .selected_text(current.map_or("", |(_, name)| name))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for (one, name) in all {
                 ui.selectable_value(value, *one, *name);
             }

@@ -2,6 +2,7 @@
 
 use crate::command::Command;
 use crate::preferences::{FileDialogs, MAX_GATHER, Preferences, Theme};
+use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use crate::view::ColorMap;
 use crate::words::Language;
@@ -36,6 +37,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     egui::ComboBox::new("language", "")
         .selected_text(new.language.name())
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for language in Language::ALL {
                 ui.selectable_value(&mut new.language, language, language.name());
             }
@@ -71,6 +73,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     egui::ComboBox::new("map", "")
         .selected_text(map_name(new.color_map, cx))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for map in ColorMap::ALL {
                 ui.selectable_value(&mut new.color_map, map, map_name(map, cx));
             }

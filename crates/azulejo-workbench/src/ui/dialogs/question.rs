@@ -3,9 +3,16 @@
 use crate::app::PendingQuestion;
 use crate::command::Command;
 use crate::jobs::JobKind;
+use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use crate::ui::viewport::render_state;
-use egui::{Id, Modal, Ui};
+use egui::{Id, Modal, Response, Ui};
+
+/// The button that Enter presses.
+fn first(button: Response) -> Response {
+    focus::at_first(&button);
+    button
+}
 
 /// Draws the question that the app is waiting for, if there is one.
 pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
@@ -21,9 +28,12 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
         match &question {
             PendingQuestion::Unsaved(_) => {
                 ui.heading(cx.tr("Unsaved changes"));
+                if let Some(file) = &cx.app.file {
+                    ui.label(file.path.display().to_string());
+                }
                 ui.label(cx.tr("If you continue, they will be lost."));
                 ui.horizontal(|ui| {
-                    if ui.button(cx.tr("Save")).clicked() {
+                    if first(ui.button(cx.tr("Save"))).clicked() {
                         cx.send(Command::Save);
                     }
                     if ui.button(cx.tr("Don't save")).clicked() {
@@ -45,7 +55,7 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
                     if ui.button(cx.tr("Reload")).clicked() {
                         cx.send(Command::Discard);
                     }
-                    if ui.button(cx.tr("Cancel")).clicked() {
+                    if first(ui.button(cx.tr("Cancel"))).clicked() {
                         cx.send(Command::CancelPending);
                     }
                 });
@@ -54,7 +64,7 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext) {
                 ui.heading(cx.tr("The image is not finished"));
                 ui.label(render_state(cx));
                 ui.horizontal(|ui| {
-                    if ui.button(cx.tr("Save as it is…")).clicked() {
+                    if first(ui.button(cx.tr("Save as it is…"))).clicked() {
                         cx.send(Command::SaveUnfinishedRender);
                     }
                     if ui.button(cx.tr("Keep rendering")).clicked() {

@@ -1,6 +1,7 @@
 //! The list of keyboard and mouse shortcuts.
 
 use crate::ui::actions::{ACTIONS, Menu};
+use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use egui::{Grid, Id, Modal, Ui};
 
@@ -11,15 +12,19 @@ pub(super) fn show(ui: &Ui, cx: &PanelContext, is_open: &mut bool) {
     }
     let mut is_done = false;
     let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
-        ui.set_width(640.0);
+        ui.set_width(640f32.min(ui.ctx().content_rect().width() - 60.0));
         ui.heading(cx.tr("Keyboard and mouse"));
         egui::ScrollArea::vertical()
-            .max_height(460.0)
+            .max_height(460f32.min(ui.ctx().content_rect().height() - 140.0))
             .show(ui, |ui| {
+                focus::scroll_by_keys(ui, true);
                 mouse_help(ui, cx);
                 key_help(ui, cx);
             });
-        is_done = ui.button(cx.tr("Close")).clicked();
+        let close = ui.button(cx.tr("Close"));
+        focus::at_first(&close);
+        focus::keep_arrows(&close);
+        is_done = close.clicked();
     });
     *is_open = !(is_done || modal.should_close());
 }

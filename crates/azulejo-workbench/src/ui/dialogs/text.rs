@@ -1,6 +1,7 @@
 //! The dialog for solid text.
 
 use crate::command::{Command, FileRequest};
+use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
@@ -34,12 +35,12 @@ impl TextDialog {
             ui.set_width(380.0);
             ui.heading(cx.tr("Solid text"));
             let label = ui.label(cx.tr("Text"));
-            ui.add(
+            let field = ui.add(
                 egui::TextEdit::multiline(&mut self.text)
                     .desired_rows(2)
                     .desired_width(f32::INFINITY),
-            )
-            .labelled_by(label.id);
+            );
+            focus::at_first(&field.labelled_by(label.id));
             Grid::new("letters").num_columns(2).show(ui, |ui| {
                 let label = ui.label(cx.tr("Font size (em)"));
                 let speed = 0.01 * self.size;

@@ -5,7 +5,7 @@ use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::app::light_unit::ShownUnit;
 use crate::ui::help::{self, HelpTerm};
-use crate::ui::viewport::value;
+use crate::ui::viewport::{number, value};
 use azulejo::radiosity::EnergyBalance;
 use azulejo::scene::Rgb;
 use egui::{Color32, Grid, ProgressBar, RichText, Ui};
@@ -23,7 +23,9 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     grid.show(ui, |ui| {
         let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {
             ui.label(name).on_hover_text(about);
-            ui.label(format!("{} {}", value(unit.rgb(power)), unit.flux()));
+            let shown = unit.rgb(power);
+            ui.label(format!("{} {}", number(shown.mean()), unit.flux()))
+                .on_hover_text(format!("RGB {}", value(shown)));
             bar(ui, name, share, color);
             ui.end_row();
         };
@@ -76,8 +78,11 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
 fn bar(ui: &mut Ui, name: &str, share: f64, color: Color32) {
     ui.horizontal(|ui| {
         let bar = ProgressBar::new(share.clamp(0.0, 1.0) as f32);
-        let width = (ui.available_width() - 44.0).clamp(16.0, 90.0);
-        let bar = bar.desired_width(width).desired_height(8.0).fill(color);
+        let width = (ui.available_width() - 60.0).min(90.0);
+        let bar = bar
+            .desired_width(width.max(4.0))
+            .desired_height(8.0)
+            .fill(color);
         let words = format!("{name} {}", percent(share));
         ui.add(bar)
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Meter, true, words.clone()));

@@ -3,6 +3,7 @@
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
+use crate::ui::focus;
 use crate::ui::help::{self, HelpTerm};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
@@ -38,6 +39,7 @@ fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
         .width(ui.available_width().min(170.0))
         .selected_text(name(settings.engine, cx))
         .show_ui(ui, |ui| {
+            focus::close_list(ui);
             for engine in EngineChoice::ALL {
                 let value = &mut settings.engine;
                 ui.selectable_value(value, engine, name(engine, cx))

@@ -126,7 +126,7 @@ fn group(ui: &mut Ui, cx: &mut PanelContext, list: &TreeList, at: usize, key: u6
         egui::WidgetInfo::selected(egui::Role::DisclosureTriangle, true, is_open, &name)
     });
     let text = RichText::new(label).strong();
-    if ui.selectable_label(list.is_chosen(at), text).clicked() {
+    if name_button(ui, list.is_chosen(at), text, row.shown.is_some()).clicked() {
         let ids = list.ids(at);
         if !ids.is_empty() {
             cx.send(Command::Select(Selection {
@@ -141,6 +141,22 @@ fn group(ui: &mut Ui, cx: &mut PanelContext, list: &TreeList, at: usize, key: u6
         cx.edit(Edit::Hide(list.ids(at), shown));
     }
     toggle.clicked().then_some(key)
+}
+
+/// The name of a row. A long one is cut off before the visibility button, where there is one.
+fn name_button(
+    ui: &mut Ui,
+    is_chosen: bool,
+    text: impl Into<egui::WidgetText>,
+    has_eye: bool,
+) -> egui::Response {
+    let room = ui.available_width() - if has_eye { 26.0 } else { 0.0 };
+    let name = egui::Button::selectable(is_chosen, text.into()).truncate();
+    ui.scope(|ui| {
+        ui.set_max_width(room.max(20.0));
+        ui.add(name)
+    })
+    .inner
 }
 
 /// The visibility button; returns whether it was clicked.
@@ -220,7 +236,7 @@ fn entry(
         "" => format!("{sign}{}", cx.tr("Unnamed")),
         name => format!("{sign}{name}"),
     };
-    let response = ui.selectable_label(is_chosen, label);
+    let response = name_button(ui, is_chosen, label, row.shown.is_some());
     if response.double_clicked() {
         match cx.app.document.camera(id) {
             Some(view) => {

@@ -58,7 +58,8 @@ pub fn divider(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView)
         let head = vec![at(6.5, 0.0), at(2.0, -3.5), at(2.0, 3.5)];
         painter.add(Shape::convex_polygon(head, Color32::BLACK, Stroke::NONE));
     }
-    let top = rect.top() + 8.0;
+    // Below the buttons of the selection.
+    let top = rect.top() + 38.0;
     label(
         &painter,
         Pos2::new(x - 14.0, top),

@@ -18,7 +18,7 @@ pub fn text(cx: &PanelContext, pane: &ViewPane, ray: &Ray) -> Option<String> {
     let document = &cx.app.document;
     let name = document.name(entry.id).unwrap_or_default();
     let p = hit.position;
-    let mut text = format!(
+    let surface = format!(
         "{name} #{} · {} {} · ({}, {}, {})",
         entry.id.0,
         cx.tr("face"),
@@ -29,12 +29,14 @@ pub fn text(cx: &PanelContext, pane: &ViewPane, ray: &Ray) -> Option<String> {
     );
     let weights = hit.barycentric.to_array();
     let mesh = entry.mesh();
-    if let Some(paint) = ShadingPoint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
-        let name = named(document, paint.material);
-        text += &format!(" · {name} #{}", paint.material);
-        text += &light(cx, entry, &hit, &paint, ray).unwrap_or_default();
-    }
-    Some(text)
+    let paint = ShadingPoint::at(mesh, hit.face, hit.vertices, weights, hit.is_front);
+    let Some(paint) = paint else {
+        return Some(surface);
+    };
+    let material = named(document, paint.material);
+    // What is measured comes first: the end of a long line is cut off in a narrow window.
+    let light = light(cx, entry, &hit, &paint, ray).unwrap_or_default();
+    Some(format!("{light}{surface} · {material} #{}", paint.material))
 }
 
 /// Irradiance with its standard error, and the diffuse radiance.
@@ -55,23 +57,35 @@ fn light(
     let (irradiance, error) = shown.or_else(|| entry.light_beneath(cx.app, ray))?;
     let app = cx.app;
     let unit = ShownUnit::of(app);
-    let error = error.map_or_else(|| "?".to_owned(), |e| value(unit.rgb(e)));
+    let error = error.map_or_else(|| "?".to_owned(), |e| number(unit.rgb(e).luminance()));
     let radiance = unit.rgb(app.document.radiance(paint, irradiance)?);
     Some(format!(
-        " · E = {} ± {} {} · {} L = {} {}",
-        value(unit.rgb(irradiance)),
-        error,
+        "E = {} ± {error} {}{} · {} L = {} {} · ",
+        number(unit.rgb(irradiance).luminance()),
         unit.irradiance(),
+        channels(unit.rgb(irradiance)),
         cx.tr("diffuse"),
-        value(radiance),
+        number(radiance.luminance()),
         unit.radiance()
     ))
 }
 
+/// The channels of a coloured light in parentheses; nothing if they agree.
+fn channels(c: Rgb) -> String {
+    match is_grey(c) {
+        true => String::new(),
+        false => format!(" (R {}, G {}, B {})", number(c.r), number(c.g), number(c.b)),
+    }
+}
+
+fn is_grey(c: Rgb) -> bool {
+    let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
+    high - low <= 5e-3 * high.abs()
+}
+
 /// One number if the channels agree, otherwise three.
 pub fn value(c: Rgb) -> String {
-    let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
-    if high - low <= 5e-3 * high.abs() {
+    if is_grey(c) {
         number(c.luminance())
     } else {
         format!("({}, {}, {})", number(c.r), number(c.g), number(c.b))

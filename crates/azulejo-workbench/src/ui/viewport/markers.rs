@@ -1,7 +1,7 @@
 //! Overlays of the viewport: markers of lights and cameras, the grid and the axes.
 
 use crate::app::App;
-use crate::document::{ItemId, light_position};
+use crate::document::{ItemId, SceneCamera, light_position};
 use crate::gpu::{Overlay, OverlayStyle, Projection};
 use crate::view::Shading;
 use azulejo::scene::math::Aabb;
@@ -32,7 +32,7 @@ pub fn overlay(app: &App, shading: Shading) -> Overlay {
             let ink = ink(LIGHT, app.selection.ids.contains(&lamp.id));
             light(&mut overlay, &lamp.light.kind, bounds, size, ink);
         }
-        for view in app.document.cameras.iter().filter(|c| !c.hidden) {
+        for view in seen_cameras(app, size) {
             let ink = ink(CAMERA, app.selection.ids.contains(&view.id));
             camera(&mut overlay, &view.camera, size, ink);
         }
@@ -41,6 +41,14 @@ pub fn overlay(app: &App, shading: Shading) -> Overlay {
         chosen_faces(&mut overlay, app);
     }
     overlay
+}
+
+/// The cameras that are not hidden, and that one does not look through: the lines of that one would
+/// cross in the middle of the view. `size` is that of the model.
+fn seen_cameras(app: &App, size: f64) -> impl Iterator<Item = &SceneCamera> {
+    let own = app.view.camera.eye;
+    let cameras = app.document.cameras.iter().filter(|c| !c.hidden);
+    cameras.filter(move |c| c.camera.eye.distance(own) > 1e-6 * size)
 }
 
 /// Marks selected faces of the model on the patches that they were divided into.
@@ -77,7 +85,7 @@ pub fn at(mouse: Pos2, rect: Rect, view: &Projection, app: &App) -> Option<ItemI
     let bounds = app.document.bounds(None);
     let lights = app.document.lights.iter().filter(|l| !l.hidden);
     let lights = lights.map(|l| (l.id, light_position(&l.light.kind, bounds)));
-    let cameras = app.document.cameras.iter().filter(|c| !c.hidden);
+    let cameras = seen_cameras(app, bounds.diagonal().max(0.0));
     let cameras = cameras.map(|c| (c.id, c.camera.eye));
     let distance = |p: DVec3| {
         let p = view.project(p)?;

@@ -137,18 +137,14 @@ fn steps(ui: &mut Ui, cx: &PanelContext) {
             cx.tr("traces a picture of the current view"),
         ),
     ];
-    egui::Grid::new("steps")
-        .num_columns(3)
-        .min_col_width(16.0)
-        .spacing([8.0, 3.0])
-        .show(ui, |ui| {
-            for (number, (what, about)) in (1..).zip(steps) {
-                ui.weak(format!("{number}."));
-                ui.label(what.trim_end_matches('…'));
-                ui.weak(about);
-                ui.end_row();
-            }
+    ui.spacing_mut().item_spacing.y = 3.0;
+    for (number, (what, about)) in (1..).zip(steps) {
+        ui.horizontal_wrapped(|ui| {
+            ui.weak(format!("{number}."));
+            ui.label(what.trim_end_matches('…'));
+            ui.weak(about);
         });
+    }
 }
 
 fn described(example: Example, cx: &PanelContext) -> (&'static str, &'static str, &'static [u8]) {
