@@ -208,6 +208,7 @@ fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>, ending: &EndRequest) -> 
             .with_app_id("azulejo")
             .with_title("azulejo")
             .with_inner_size(place.size)
+            .with_clamp_size_to_monitor_size(true)
             .with_maximized(place.is_maximized)
             .with_min_inner_size(SMALLEST_WINDOW)
             .with_drag_and_drop(true),

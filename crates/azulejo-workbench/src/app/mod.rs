@@ -151,6 +151,8 @@ pub struct App {
     pub errors: u64,
     /// The last error, until the user has seen it.
     pub failure: Option<String>,
+    /// The rendered image that was closed last, with what it shows.
+    closed_render: Option<(render::RenderSubject, RenderedImage)>,
     /// A question that the user must answer first.
     pub question: Option<PendingQuestion>,
     /// The purpose of the open file dialog, if there is one.
@@ -235,6 +237,7 @@ impl App {
             messages: Vec::new(),
             errors: 0,
             failure: None,
+            closed_render: None,
             question: None,
             asking: None,
             preferences,
@@ -734,6 +737,11 @@ impl App {
         self.drop_lightmap();
         (self.finer_mesh, self.save_when_solved) = (None, None);
         self.frame_all();
+        // What was set for the light of another model does not suit this one.
+        self.view.exposure = None;
+        if self.lighting.solution.is_none() && self.view.shading.shows_light() {
+            self.view.shading = ModelView::default().shading;
+        }
         self.show_own_light();
     }
 

@@ -39,11 +39,20 @@ impl RenderedImage {
     }
 }
 
+/// What a rendered image shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RenderSubject {
+    revision: u64,
+    /// The address of the solution.
+    light: usize,
+    camera: Camera,
+}
+
 /// Limit on the number of pixels of an interactive render.
 const MAX_PIXELS: u64 = 1 << 26;
 /// How long the view must be still before rendering starts.
 const QUIET: Duration = Duration::from_millis(80);
-/// Final gather rays where no light has been solved: noisy, but not black.
+/// Final gather rays of each path.
 const GATHER: u32 = 8;
 
 impl App {
@@ -65,6 +74,9 @@ impl App {
             return;
         }
         self.jobs.cancel_kind(JobKind::Render);
+        if self.render.is_none() && self.show_closed_render(size, most) {
+            return;
+        }
         let last = self.render.take().filter(|p| p.size == size);
         self.render = Some(RenderedImage {
             size,
@@ -129,9 +141,40 @@ impl App {
         self.run_render(before);
     }
 
+    /// Shows the image that was closed last and goes on with it, if it is of this view of the model as it
+    /// is now.
+    fn show_closed_render(&mut self, size: (u32, u32), most: u32) -> bool {
+        let Some((of, closed)) = self.closed_render.take() else {
+            return false;
+        };
+        if of != self.render_subject() || closed.size != size || closed.samples == 0 {
+            return false;
+        }
+        let most = most.max(closed.samples);
+        self.render = Some(RenderedImage { most, ..closed });
+        self.resume_render();
+        true
+    }
+
+    /// What a rendered image depends on: the model, its light and the camera.
+    fn render_subject(&self) -> RenderSubject {
+        RenderSubject {
+            revision: self.revision,
+            light: self
+                .lighting
+                .solution
+                .as_ref()
+                .map_or(0, |s| Arc::as_ptr(s) as usize),
+            camera: self.view.camera.clone(),
+        }
+    }
+
     pub(super) fn close_render(&mut self) {
         self.jobs.cancel_kind(JobKind::Render);
-        self.render = None;
+        if let Some(mut render) = self.render.take() {
+            render.passes.pause();
+            self.closed_render = Some((self.render_subject(), render));
+        }
         if self.question == Some(PendingQuestion::UnfinishedRender) {
             self.question = None;
         }
@@ -154,6 +197,16 @@ impl App {
         }
     }
 
+    /// The exposure of a rendered image: that of the view, so that both are alike; without solved light,
+    /// one that suits the image.
+    pub fn picture_exposure(&self, image: &Image) -> f64 {
+        match (self.view.exposure, self.lighting.range) {
+            (Some(exposure), _) => exposure,
+            (None, Some(_)) => self.auto_exposure(),
+            (None, None) => auto_exposure(image),
+        }
+    }
+
     /// Writes the current image: PNG as displayed, EXR and HDR with linear radiance.
     pub(super) fn save_render(&mut self, path: PathBuf) {
         self.asking = None;
@@ -167,7 +220,7 @@ impl App {
             Some(_) => absolute(path),
             None => absolute(path).with_extension("png"),
         };
-        let exposure = self.view.exposure;
+        let exposure = self.picture_exposure(&image);
         let Some(output) = self.output(&path) else {
             return;
         };
@@ -189,7 +242,7 @@ impl App {
 fn write_picture(
     image: &Image,
     kind: Option<&str>,
-    exposure: Option<f64>,
+    exposure: f64,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     match kind {
@@ -207,8 +260,7 @@ fn write_picture(
 }
 
 /// The image as displayed: 8-bit sRGB, three bytes per pixel.
-pub fn shown(image: &Image, exposure: Option<f64>) -> Vec<u8> {
-    let exposure = exposure.unwrap_or_else(|| auto_exposure(image));
+pub fn shown(image: &Image, exposure: f64) -> Vec<u8> {
     tone_map(image, exposure, Tone::default())
 }
 
@@ -228,7 +280,7 @@ struct RenderJob {
 impl RenderJob {
     /// Renders a coarse image first, then passes that each double the number of paths.
     fn run(&self, progress: &Progress, outbox: &JobSender<JobResult>) {
-        let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
+        let (scene, _) = self.document.lit_scene(self.solution.as_deref());
         if progress.advance(0).is_err() {
             return;
         }
@@ -238,8 +290,9 @@ impl RenderJob {
                 size,
                 samples_per_pixel: samples,
                 gather: match self.gather {
+                    // Everywhere: where some faces are gathered and some interpolated, the edges
+                    // between them show.
                     Some(rays) => FinalGather::Everywhere(rays),
-                    None if is_lit => FinalGather::Uneven(GATHER),
                     None => FinalGather::Everywhere(GATHER),
                 },
                 seed,

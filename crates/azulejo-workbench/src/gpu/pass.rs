@@ -147,6 +147,20 @@ struct ObjectDraw<'a> {
     visible: &'a VisibleObject,
     number: u32,
     culled: Option<wgpu::Face>,
+    /// The side that the backs of its faces are on, in GPU terms: of mirrored objects, the front.
+    back: wgpu::Face,
+}
+
+impl ObjectDraw<'_> {
+    /// What is culled from its glass, layer by layer: first the fronts, then the backs.
+    fn glass_layers(&self) -> impl Iterator<Item = Option<wgpu::Face>> + use<> {
+        let front = match self.back {
+            wgpu::Face::Back => wgpu::Face::Front,
+            wgpu::Face::Front => wgpu::Face::Back,
+        };
+        let backs = self.culled.is_none().then_some(Some(front));
+        backs.into_iter().chain([Some(self.back)])
+    }
 }
 
 /// The middle of a piece of an object, in view space.
@@ -168,6 +182,11 @@ impl PassEncoder<'_> {
                 self.stages(&one)
                     .map(|stage| self.pipeline_key(stage, one.culled)),
             );
+            let glass = self.face_stage(one.geometry.attributes(), true);
+            if let Some(stage) = glass {
+                let layers = one.glass_layers();
+                ways.extend(layers.map(|culled| self.pipeline_key(stage, culled)));
+            }
         }
         for way in ways {
             self.pipelines.prepare(self.device, way);
@@ -181,9 +200,13 @@ impl PassEncoder<'_> {
         for one in self.object_draws() {
             self.faces(&mut pass, &one, false, &self.pieces(&one));
         }
-        // Each glass is seen through those before it, so that the farthest is drawn first.
+        // Each glass is seen through those before it, so that the farthest is drawn first, and of each
+        // the faces that are turned away: those of a ball lie behind the others.
         for (one, piece) in self.glasses() {
-            self.faces(&mut pass, &one, true, &[piece]);
+            for culled in one.glass_layers() {
+                let layer = ObjectDraw { culled, ..one };
+                self.faces(&mut pass, &layer, true, &[piece]);
+            }
         }
         for one in self.object_draws() {
             self.lines_and_points(&mut pass, &one);
@@ -217,6 +240,7 @@ impl PassEncoder<'_> {
                 visible,
                 number,
                 culled: self.frame.hides_backs.then_some(culled),
+                back: culled,
             })
         })
     }

@@ -7,6 +7,7 @@ use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::jobs::JobKind;
 use crate::preferences::Preferences;
 use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
+use crate::words::Language;
 use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -105,7 +106,7 @@ impl Menu {
     ];
 
     /// Its label.
-    pub fn label(self, language: crate::words::Language) -> &'static str {
+    pub fn label(self, language: Language) -> &'static str {
         match self {
             Menu::File => language.tr("File"),
             Menu::Edit => language.tr("Edit"),
@@ -442,8 +443,9 @@ pub const ACTIONS: &[Action] = &[
         })
     })
     .ticked(|a| a.view.comparison.is_some()),
-    action(Menu::View, "Render image", key(Key::F12), |_| {
-        Some(ActionTarget::Window(WindowAction::ToggleRender))
+    action(Menu::View, "Render image", key(Key::F12), |a| {
+        let has_surfaces = !a.document.objects.is_empty() || a.render.is_some();
+        has_surfaces.then_some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::View, "Back to the model", key(Key::Escape), |a| {
         match a.failure {
@@ -495,7 +497,8 @@ pub const ACTIONS: &[Action] = &[
         |a| shade(a, Shading::Normals),
     ),
     action(Menu::Light, "Solve", key(Key::F5), |a| {
-        enabled_if(!a.is_busy(JobKind::Solve), Command::Solve)
+        let is_possible = !a.document.objects.is_empty() && !a.is_busy(JobKind::Solve);
+        enabled_if(is_possible, Command::Solve)
     }),
     action(Menu::Light, "Pause", key(Key::F6), |a| {
         let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
@@ -543,6 +546,28 @@ pub const ACTIONS: &[Action] = &[
     }),
 ];
 
+/// A shortcut as keyboards name its key, in the language of the window.
+pub fn key_text(context: &egui::Context, key: &KeyboardShortcut, language: Language) -> String {
+    let text = context.format_shortcut(key);
+    let name = match key.logical_key {
+        Key::Questionmark => "?",
+        Key::Comma => ",",
+        Key::Period => ".",
+        Key::Minus => "−",
+        Key::Escape => "Esc",
+        Key::Delete => match language {
+            Language::Spanish => "Supr",
+            _ => "Del",
+        },
+        Key::Home => match language {
+            Language::Spanish => "Inicio",
+            _ => "Home",
+        },
+        _ => return text,
+    };
+    text.replace(key.logical_key.name(), name)
+}
+
 /// The actions whose shortcuts were pressed. Shortcuts without modifiers are disabled while a text
 /// field has the focus.
 pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
@@ -559,6 +584,10 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
             continue;
         }
         if !context.input(|input| input.key_pressed(key.logical_key)) {
+            continue;
+        }
+        // An open menu or list takes Escape for itself.
+        if key.logical_key == Key::Escape && egui::Popup::is_any_open(context) {
             continue;
         }
         // A key that does nothing now is left to others: Escape closes much besides an image.

@@ -4,8 +4,8 @@ use azulejo::formats::mgf::black_body_color;
 use azulejo::scene::Rgb;
 
 /// Temperatures that are told apart, K: colder bodies have no blue on a display.
-const LEAST: f64 = 1_900.0;
-const MOST: f64 = 20_000.0;
+pub const LEAST: f64 = 1_900.0;
+pub const MOST: f64 = 20_000.0;
 
 /// How far a colour may be from that of a glowing body, by its channels relative to its luminance.
 const TOLERANCE: f64 = 0.12;

@@ -174,10 +174,15 @@ pub(super) fn temperature_row(ui: &mut Ui, cx: &PanelContext, light: Rgb) -> Opt
     let found = color_temperature::of(light);
     ui.label(cx.tr("Colour temperature"));
     let mut kelvin = found.unwrap_or(6_500.0);
-    let drag = inputs::number(&mut kelvin, 1_000.0..=20_000.0)
+    let range = color_temperature::LEAST..=color_temperature::MOST;
+    let mut drag = inputs::number(&mut kelvin, range)
         .speed(10.0)
         .max_decimals(0)
         .suffix(" K");
+    if found.is_none() {
+        // The field is for choosing one; that of this colour there is not.
+        drag = drag.custom_formatter(|_, _| "–".into());
+    }
     let field = ui.add(drag).accessible_name(cx.tr("Colour temperature"));
     if found.is_none() {
         field

@@ -171,7 +171,8 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
             .into_iter()
             .zip([&mut v.x, &mut v.y, &mut v.z])
         {
-            let drag = inputs::number(x, f64::NEG_INFINITY..=f64::INFINITY)
+            // Farther away, not even half precision would be left for the model.
+            let drag = inputs::number(x, -1e12..=1e12)
                 .speed(speed)
                 .max_decimals(decimals)
                 .prefix(format!("{axis} "));

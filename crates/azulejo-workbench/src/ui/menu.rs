@@ -1,6 +1,6 @@
 //! The menu bar and the toolbar.
 
-use super::actions::{ACTIONS, Action, ActionTarget, Menu, label, of_shading};
+use super::actions::{ACTIONS, Action, ActionTarget, Menu, key_text, label, of_shading};
 use super::panel_context::PanelContext;
 use super::viewport::action_button as tool;
 use crate::app::App;
@@ -85,7 +85,7 @@ fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget
         (true, true) => format!("✔ {name}"),
         (true, false) => format!("      {name}"),
     };
-    let key = action.key.map(|key| ui.ctx().format_shortcut(&key));
+    let key = action.key.map(|key| key_text(ui.ctx(), &key, cx.language));
     let mut button = Button::new(label);
     if let Some(key) = &key {
         button = button.shortcut_text(key.clone());

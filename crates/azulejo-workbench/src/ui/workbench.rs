@@ -255,7 +255,11 @@ impl Workbench {
                 .show(ui, |ui| messages::show(ui, &mut cx));
         }
         let widths = PanelWidths::of(&app.preferences, window);
+        let before = cx.commands.len();
         SidePanel::Tree.show(ui, &mut cx, widths, window, |ui, cx| tree.show(ui, cx));
+        if let Some(tab) = tab_of_choice(&cx, &cx.commands[before..], self.tab) {
+            self.tab = tab;
+        }
         SidePanel::Properties.show(ui, &mut cx, widths, window, |ui, cx| {
             tabs(ui, &mut self.tab, cx);
             ui.separator();
@@ -536,6 +540,20 @@ impl eframe::App for Workbench {
     fn persist_egui_memory(&self) -> bool {
         false
     }
+}
+
+/// The tab that shows what was chosen in the tree, unless one that is open does.
+fn tab_of_choice(cx: &PanelContext, sent: &[Command], open: PanelTab) -> Option<PanelTab> {
+    let chosen = sent.iter().find_map(|command| match command {
+        Command::Select(selection) => Some(selection),
+        _ => None,
+    })?;
+    if chosen.material != cx.app.selection.material && chosen.ids == cx.app.selection.ids {
+        return Some(PanelTab::Material);
+    }
+    let is_empty = chosen.ids.is_empty();
+    let shows_it = matches!(open, PanelTab::Object | PanelTab::Material);
+    (!is_empty && !shows_it).then_some(PanelTab::Object)
 }
 
 /// The tabs, in as many rows as they need.

@@ -3,6 +3,12 @@
 use super::Translation;
 
 pub const TABLE: &[Translation] = &[
+    [
+        "Render this size",
+        "Renderizar a este tamaño",
+        "Renderizar a este tamanho",
+    ],
+    ["Width", "Anchura", "Largura"],
     // The start screen.
     ["Recent files", "Archivos recientes", "Ficheiros recentes"],
     [

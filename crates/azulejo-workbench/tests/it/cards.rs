@@ -123,7 +123,7 @@ fn two_modes_are_compared_and_the_divider_moves_by_keys() {
 fn light_that_is_less_accurate_than_asked_for_says_so() {
     let mut app = opened("cornell.grf");
     app.lighting.settings.error = 0.001;
-    app.lighting.settings.time = Some(1.5);
+    app.lighting.settings.time = Some(4.0);
     let mut window = window(app);
     window.state_mut().app.execute(Command::Solve);
     wait(&mut window);

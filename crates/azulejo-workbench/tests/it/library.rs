@@ -7,11 +7,12 @@ use azulejo_workbench::document::{Edit, NewShapeKind};
 use azulejo_workbench::ui::PanelTab;
 use egui::accesskit::Role;
 
-/// A window with two boxes, the last of which is selected, and its library.
-fn with_library() -> TestWindow {
+/// A window with boxes of one material, the last of which is selected, and its library.
+fn with_library(boxes: usize) -> TestWindow {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewShapeKind::Cuboid));
-    app.execute(Command::AddShape(NewShapeKind::Cuboid));
+    for _ in 0..boxes {
+        app.execute(Command::AddShape(NewShapeKind::Cuboid));
+    }
     let mut window = window(app);
     window.state_mut().tab = PanelTab::Material;
     // Pictures arrive for a while, so that there is no frame after which nothing changes.
@@ -33,7 +34,7 @@ fn tap(window: &mut TestWindow, label: &str) {
 
 #[test]
 fn a_picture_gives_the_selected_material_its_reflection_in_one_step() {
-    let mut window = with_library();
+    let mut window = with_library(1);
     let before = window.state().app.document.materials.clone();
     tap(&mut window, "Copper");
     let app = &window.state().app;
@@ -56,7 +57,7 @@ fn a_picture_gives_the_selected_material_its_reflection_in_one_step() {
 
 #[test]
 fn other_objects_keep_the_material_that_they_shared() {
-    let mut window = with_library();
+    let mut window = with_library(2);
     let app = &mut window.state_mut().app;
     let ids: Vec<_> = app.document.objects.iter().map(|o| o.id).collect();
     app.execute(Command::Edit(Edit::Assign(ids.clone(), 0), None));
@@ -86,7 +87,7 @@ fn other_objects_keep_the_material_that_they_shared() {
 
 #[test]
 fn a_material_is_added_for_the_selected_objects_in_one_step() {
-    let mut window = with_library();
+    let mut window = with_library(2);
     let before = window.state().app.document.materials.len();
     tap(&mut window, "Add to the scene: Oak");
     let app = &window.state().app;

@@ -60,6 +60,10 @@ pub fn is_studio_part(name: &str) -> bool {
 /// Distance of the lamps from the middle of the model, relative to its size.
 const DISTANCE: f64 = 2.2;
 
+/// Radiance of what is seen beyond the floor: darker than that in the light of the lamps, so that the model
+/// stands out, and not black.
+const BACKDROP: Rgb = Rgb::new(0.085, 0.095, 0.11);
+
 /// Half of the edge of the floor, relative to the size of the model.
 const FLOOR: f64 = 6.0;
 
@@ -141,6 +145,7 @@ fn around(bounds: Aabb, units: Units) -> Option<Scene> {
         cameras: vec![view],
         ..Scene::default()
     };
+    scene.background = Some((BACKDROP * brightness(units)).into());
     let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
     let right = up.cross(front);
     let floor = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));

@@ -1,6 +1,6 @@
 //! The list of keyboard and mouse shortcuts.
 
-use crate::ui::actions::{ACTIONS, Menu};
+use crate::ui::actions::{ACTIONS, Menu, key_text};
 use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use egui::{Grid, Id, Modal, Ui};
@@ -100,7 +100,7 @@ fn key_column(ui: &mut Ui, cx: &PanelContext, menus: &[Menu]) {
             .striped(true)
             .show(ui, |ui| {
                 for action in keyed {
-                    let key = action.key.map(|k| ui.ctx().format_shortcut(&k));
+                    let key = action.key.map(|k| key_text(ui.ctx(), &k, cx.language));
                     ui.monospace(key.unwrap_or_default());
                     ui.label(cx.tr(action.label));
                     ui.end_row();

@@ -1,6 +1,6 @@
 //! Solver controls: start, pause, stop, and progress.
 
-use super::super::actions::ACTIONS;
+use super::super::actions::{ACTIONS, key_text};
 use super::super::panel_context::PanelContext;
 use super::percent;
 use crate::command::Command;
@@ -34,7 +34,7 @@ fn buttons(ui: &mut Ui, cx: &mut PanelContext) {
                 .iter()
                 .find(|a| a.label == action)
                 .and_then(|a| a.key);
-            let key = key.map(|k| ui.ctx().format_shortcut(&k));
+            let key = key.map(|k| key_text(ui.ctx(), &k, language));
             let button = ui.add_enabled(makes_sense, button);
             let button = button.on_hover_text(key.unwrap_or_default());
             if button.clicked() {

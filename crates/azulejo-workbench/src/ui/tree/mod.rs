@@ -24,6 +24,8 @@ pub struct SceneTree {
     /// The item to scroll to.
     reveal: Option<ItemId>,
     last_selected: Option<ItemId>,
+    /// Whether a row was clicked in the last frame.
+    was_clicked: bool,
 }
 
 /// The item being renamed, and its name so far.
@@ -71,12 +73,15 @@ impl SceneTree {
         }
         let mut toggled = None;
         let rename = &mut self.rename;
+        let before = cx.commands.len();
         area.show_rows(ui, height, visible.len(), |ui, range| {
             for &at in &visible[range] {
                 let clicked = row(ui, cx, &self.list, at, rename);
                 toggled = toggled.or(clicked);
             }
         });
+        let mut sent = cx.commands[before..].iter();
+        self.was_clicked = sent.any(|c| matches!(c, Command::Select(_)));
         if let Some(group) = toggled {
             self.list.toggle(group);
         }
@@ -87,7 +92,10 @@ impl SceneTree {
         let last = app.selection.ids.last().copied();
         if last != self.last_selected {
             self.last_selected = last;
-            self.reveal = last.or(self.reveal);
+            // A row that was clicked stays under the pointer.
+            if !std::mem::take(&mut self.was_clicked) {
+                self.reveal = last.or(self.reveal);
+            }
         }
     }
 }

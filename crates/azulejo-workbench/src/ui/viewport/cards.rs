@@ -1,14 +1,15 @@
 //! Cards over the model: what is being done and how long it takes, and what can be done next.
 
-use super::super::actions::{ACTIONS, Action, ActionTarget, label};
+use super::super::actions::{ACTIONS, Action, ActionTarget, key_text, label};
 use super::super::light::{count, percent, seconds};
 use super::super::panel_context::PanelContext;
 use crate::app::RenderedImage;
 use crate::command::Command;
 use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
+use azulejo::radiosity::SolveError;
 use egui::{
-    Align2, Button, Frame, Id, Key, KeyboardShortcut, ProgressBar, Rect, RichText, Ui, Vec2,
+    Align2, Button, DragValue, Frame, Id, KeyboardShortcut, ProgressBar, Rect, RichText, Ui, Vec2,
 };
 use std::sync::Arc;
 
@@ -163,6 +164,7 @@ pub fn show_render(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<Action
     card(ui, rect, Align2::CENTER_BOTTOM, "render", |ui| {
         let share = render.samples as f32 / render.most.max(1) as f32;
         ui.add(ProgressBar::new(share).text(render_state(cx)));
+        picture_size(ui, cx, render);
         ui.horizontal_wrapped(|ui| {
             if runs {
                 if ui.button(cx.tr("Stop")).clicked() {
@@ -173,16 +175,47 @@ pub fn show_render(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<Action
             }
             targets.extend(action_button(ui, cx, "Save image…"));
             let back = ui.button(cx.tr("Back to the model"));
-            let key = ui
-                .ctx()
-                .format_shortcut(&KeyboardShortcut::new(egui::Modifiers::NONE, Key::Escape));
-            if back.on_hover_text(key).clicked() {
+            if back.on_hover_text("Esc").clicked() {
                 cx.send(Command::CloseRender);
             }
         });
     });
     targets
 }
+
+/// Width, height and paths per pixel, and a button that renders with other ones.
+fn picture_size(ui: &mut Ui, cx: &mut PanelContext, render: &RenderedImage) {
+    let own = (render.size.0, render.size.1, render.most);
+    let id = Id::unique("picture size");
+    let kept: Option<(PictureSize, PictureSize)> = ui.data(|d| d.get_temp(id));
+    // What was typed for another image is forgotten.
+    let typed = kept.filter(|(of, _)| *of == own).map(|(_, typed)| typed);
+    let (mut width, mut height, mut paths) = typed.unwrap_or(own);
+    ui.horizontal_wrapped(|ui| {
+        let mut field = |value: &mut u32, most: u32, name: &str, unit: &str| {
+            let drag = DragValue::new(value).range(1..=most).suffix(unit);
+            ui.add(drag.speed(1.0).update_while_editing(false))
+                .on_hover_text(name)
+                .accessible_name(name);
+        };
+        field(&mut width, 8192, cx.tr("Width"), " ×");
+        field(&mut height, 8192, cx.tr("Height"), " px");
+        field(&mut paths, 65_536, cx.tr("paths per pixel"), "");
+        let wanted = (width, height, paths);
+        let button = Button::new(cx.tr("Render this size"));
+        if ui.add_enabled(wanted != own, button).clicked() {
+            cx.send(Command::Render {
+                width,
+                height,
+                paths: Some(paths),
+            });
+        }
+    });
+    ui.data_mut(|d| d.insert_temp(id, (own, (width, height, paths))));
+}
+
+/// Width and height in pixels, and paths per pixel.
+type PictureSize = (u32, u32, u32);
 
 /// A button for an entry of the menus, disabled where that is.
 pub fn action_button(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<ActionTarget> {
@@ -198,7 +231,7 @@ pub fn action_button(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<Acti
 
 /// The key of a button; of undo and redo also what they apply to, which the button does not say.
 fn about(ui: &Ui, cx: &PanelContext, action: &Action, key: &KeyboardShortcut) -> String {
-    let key = ui.ctx().format_shortcut(key);
+    let key = key_text(ui.ctx(), key, cx.language);
     let text = label(cx.app, action);
     if text == cx.tr(action.label) {
         key
@@ -256,6 +289,16 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
 /// How much more than the target the error may be without being pointed out.
 const SLACK: f64 = 1.1;
 
+/// A button that solves the light for as long as it takes.
+fn without_limit(ui: &mut Ui, cx: &mut PanelContext) {
+    if ui.button(cx.tr("Solve without a time limit")).clicked() {
+        let mut settings = cx.app.lighting.settings;
+        settings.time = None;
+        cx.send(Command::SetLight(settings));
+        cx.send(Command::Solve);
+    }
+}
+
 /// Tells that the solver stopped before the light is as accurate as was asked for, until it is
 /// closed.
 pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
@@ -282,12 +325,7 @@ pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
     card(ui, rect, Align2::CENTER_TOP, "inaccurate", |ui| {
         ui.label(format!("⚠ {text}"));
         ui.horizontal_wrapped(|ui| {
-            if ui.button(cx.tr("Solve without a time limit")).clicked() {
-                let mut settings = cx.app.lighting.settings;
-                settings.time = None;
-                cx.send(Command::SetLight(settings));
-                cx.send(Command::Solve);
-            }
+            without_limit(ui, cx);
             if ui.button(cx.tr("Close")).clicked() {
                 ui.data_mut(|d| d.insert_temp(closed, number));
             }
@@ -337,6 +375,9 @@ pub fn show_failure(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
                 ui.add(egui::Label::new(&failure).wrap().selectable(true));
             });
         ui.horizontal(|ui| {
+            if failure.contains(&SolveError::OutOfTime.to_string()) {
+                without_limit(ui, cx);
+            }
             let close = ui.button(cx.tr("Close"));
             if close.clicked() {
                 cx.send(Command::DismissFailure);

@@ -324,10 +324,13 @@ impl Viewport {
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
-            ui.horizontal(|ui| {
-                for (mode, name) in modes {
-                    ui.selectable_value(&mut self.mode, mode, name);
-                }
+            let frame = egui::Frame::popup(ui.style()).inner_margin(2.0);
+            frame.show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    for (mode, name) in modes {
+                        ui.selectable_value(&mut self.mode, mode, name);
+                    }
+                });
             });
         });
     }

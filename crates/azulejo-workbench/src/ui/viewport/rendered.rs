@@ -16,7 +16,7 @@ pub fn fit(rect: Rect, (width, height): (u32, u32)) -> Rect {
 #[derive(Default)]
 pub struct RenderTexture {
     texture: Option<TextureHandle>,
-    made_of: Option<(Arc<Image>, Option<f64>)>,
+    made_of: Option<(Arc<Image>, f64)>,
 }
 
 impl RenderTexture {
@@ -25,7 +25,7 @@ impl RenderTexture {
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
         let Some(picture) = &app.render else { return };
         if let Some(image) = &picture.image {
-            self.refresh(ui, image, app.view.exposure);
+            self.refresh(ui, image, app.picture_exposure(image));
         } else {
             self.made_of = None;
         }
@@ -37,7 +37,7 @@ impl RenderTexture {
         }
     }
 
-    fn refresh(&mut self, ui: &Ui, image: &Arc<Image>, exposure: Option<f64>) {
+    fn refresh(&mut self, ui: &Ui, image: &Arc<Image>, exposure: f64) {
         let is_same = self.made_of.as_ref().is_some_and(|(old, old_exposure)| {
             Arc::ptr_eq(old, image) && *old_exposure == exposure
         });
@@ -58,7 +58,7 @@ impl RenderTexture {
 }
 
 /// An image as displayed by egui.
-fn pixels(image: &Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
+fn pixels(image: &Image, exposure: f64) -> Arc<egui::ColorImage> {
     let bytes = crate::app::shown(image, exposure);
     let size = [image.width as usize, image.height as usize];
     Arc::new(egui::ColorImage::from_rgb(size, &bytes))

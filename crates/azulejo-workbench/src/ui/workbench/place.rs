@@ -37,9 +37,26 @@ impl Workbench {
     }
 }
 
-/// Moves a new window to a screen if it was made where it last was and that screen is gone.
+/// Height of a title bar and of the bar of a desktop, points: so much less than a screen has a window.
+const TITLE: f64 = 60.0;
+
+/// Shrinks a new window that is higher than its screen, and moves it to a screen if it was made where it last was and that screen is gone.
 pub(super) fn bring_back(context: &eframe::CreationContext<'_>, place: WindowPlace) {
-    let (Some(window), Some(position)) = (context.winit_window(), place.position) else {
+    let Some(window) = context.winit_window() else {
+        return;
+    };
+    if !place.is_maximized
+        && let Some(screen) = window.current_monitor()
+    {
+        let (mut size, screen_height) = (window.inner_size(), screen.size().height);
+        let most = screen_height.saturating_sub((TITLE * window.scale_factor()) as u32);
+        if size.height > most {
+            size.height = most;
+            // A desktop that does not allow this keeps the window as it is.
+            let _ = window.request_inner_size(size);
+        }
+    }
+    let Some(position) = place.position else {
         return;
     };
     let scale = window.scale_factor() as f32;
