@@ -3,7 +3,7 @@
 use crate::window::*;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::ui::actions::{ACTIONS, Action, Menu};
+use azulejo_workbench::ui::actions::{ACTIONS, Action, Menu, key_text};
 use azulejo_workbench::words::Language;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -30,7 +30,7 @@ fn label(window: &TestWindow, action: &Action) -> String {
         _ => action.label.to_owned(),
     };
     match action.key {
-        Some(key) => format!("{name} {}", window.ctx.format_shortcut(&key)),
+        Some(key) => format!("{name} {}", key_text(&window.ctx, &key, Language::English)),
         None => name,
     }
 }
