@@ -8,6 +8,7 @@ use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
 use super::placement::{self, PlaceArg, Placement};
+use super::shards::merge;
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
 use super::{exchange, form_factors, validate};
@@ -75,6 +76,9 @@ pub enum Command {
     /// Compute the matrix of form factors between patches
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
+    /// Put together what a command computed in parts with --shard
+    #[command(after_help = merge::EXAMPLES)]
+    Merge(merge::MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
     #[command(after_help = exchange::args::EXAMPLES)]
     Exchange(exchange::args::ExchangeArgs),
@@ -160,6 +164,15 @@ pub struct InputArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub outside: SurroundingsArgs,
+}
+
+impl InputArgs {
+    /// The files that are read.
+    pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
+        let named = self.scenes.iter_mut().chain(&mut self.lights);
+        let more = (self.reading.recipe.iter_mut()).chain(&mut self.outside.environment);
+        named.chain(more).collect()
+    }
 }
 
 /// How models are read and put together.
