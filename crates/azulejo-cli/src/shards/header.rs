@@ -171,19 +171,26 @@ impl PartHeader {
         if self.scene != other.scene {
             return Some(format!("is of another scene: {}", self.other_files(other)));
         }
-        if self.engine != other.engine {
+        if self.options != other.options {
             return Some(format!(
-                "was computed by the engine {}, and not by {}, because of another --engine or because the machines \
-                 differ in memory: choose one by --engine",
-                other.engine, self.engine
-            ));
-        }
-        if self.settings != other.settings || self.options != other.options {
-            return Some(format!(
-                "was computed with other options, or by processors with other instructions:\n  {}\n  {}",
+                "was computed with other options:\n  {}\n  {}",
                 self.line(),
                 other.line()
             ));
+        }
+        if self.engine != other.engine {
+            return Some(format!(
+                "was computed by the engine {}, and not by {}, because the machines differ in memory: choose one \
+                 by --engine",
+                other.engine, self.engine
+            ));
+        }
+        if self.settings != other.settings {
+            return Some(
+                "was computed on a processor with other instructions for rays, whose results differ in the last \
+                 bits: compute all parts on machines of one kind"
+                    .to_owned(),
+            );
         }
         None
     }

@@ -55,9 +55,17 @@ impl MergedParts {
                 Some(other) => notes.push(part.same_as(other)?),
             }
         }
-        let Some((_, header)) = first else {
+        let Some((path, header)) = first else {
             return Err(Failure::misuse("no parts are given"));
         };
+        if header.version != env!("CARGO_PKG_VERSION") {
+            return Err(Failure::failed(format_args!(
+                "{} is of version {} of azulejo, and this is {}: merge with the version that computed the parts",
+                path.display(),
+                header.version,
+                env!("CARGO_PKG_VERSION")
+            )));
+        }
         let missing: Vec<u32> = (1..=header.shard.of)
             .filter(|number| !by_number.contains_key(number))
             .collect();
