@@ -64,6 +64,17 @@ pub trait Journal: Sync {
         true
     }
 
+    /// Says on what the blocks of a stage depend besides the scene and the options, as a
+    /// [`digest`]: what each process computed itself, and may have computed otherwise on another
+    /// machine.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if that of others is another: their blocks do not fit. The journal reports it to
+    /// its owner.
+    fn rely_on(&self, _stage: JournalStage, _digest: u64) -> Result<(), Cancelled> {
+        Ok(())
+    }
+
     /// Waits until [`load`](Journal::load) has all blocks of a stage that others compute.
     ///
     /// # Errors
@@ -71,6 +82,14 @@ pub trait Journal: Sync {
     fn await_others(&self, _stage: JournalStage, _blocks: usize) -> Result<(), Cancelled> {
         Ok(())
     }
+}
+
+/// A digest of numbers, for [`Journal::rely_on`]: the same only for the same bits, but for chance (64-bit FNV-1a).
+pub fn digest(numbers: impl Iterator<Item = f64>) -> u64 {
+    let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
 }
 
 /// Stores nothing.
@@ -142,9 +161,10 @@ impl Division {
 
     /// Number of items that a process computes: those of a part if the result is made elsewhere.
     pub fn own_items(&self, journal: &dyn Journal) -> usize {
-        match journal.assembles() {
-            true => self.items,
-            false => self.items.div_ceil(self.parts),
+        if journal.assembles() {
+            self.items
+        } else {
+            self.items.div_ceil(self.parts)
         }
     }
 }
@@ -418,6 +438,15 @@ mod tests {
             assert_eq!(computed, 17);
             assert_eq!(run(&all), (whole(), 0));
         }
+    }
+
+    #[test]
+    fn digests_tell_bits_apart() {
+        assert_eq!(digest([].into_iter()), 0xcbf2_9ce4_8422_2325);
+        let of = |x: f64| digest([1.0, x].into_iter());
+        assert_eq!(of(2.0), of(2.0));
+        assert_ne!(of(2.0), of(2.0_f64.next_up()));
+        assert_ne!(of(0.0), of(-0.0));
     }
 
     #[test]

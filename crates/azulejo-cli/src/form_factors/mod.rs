@@ -12,7 +12,7 @@ mod view3d;
 
 use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
-use super::engine::{EngineName, PreparedEngine};
+use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
@@ -24,9 +24,7 @@ use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
-use azulejo_factors::{
-    Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
-};
+use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
@@ -237,7 +235,7 @@ impl FactorSetup {
         WorkKey {
             scene: ContentHasher::new().add(scene).key(),
             settings: key(&Scene::default(), &self.tracer, &self.options),
-            engine: engine_name(plan.engine()).to_owned(),
+            engine: engine::word(plan.engine()).to_owned(),
         }
     }
 }
@@ -267,10 +265,11 @@ pub fn enclosure(
         FactorJournal::None | FactorJournal::Parts(_) => None,
     };
     let factors = match how.journal {
-        FactorJournal::Parts(parts) => {
-            let found = session.with_progress(|p| prepared.compute(parts, p));
-            found.map_err(pass::failure)
-        }
+        FactorJournal::Parts(parts) => parts.used(
+            session
+                .with_progress(|p| prepared.compute(parts, p))
+                .map_err(pass::failure),
+        ),
         _ => compute(&prepared, journal.as_ref(), session),
     };
     journal
@@ -434,7 +433,7 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         .add(env!("CARGO_PKG_VERSION"))
         .add(&tracer.kernel_name())
         .add(&tracer.period());
-    add_engine(engine, &mut hasher);
+    engine::add_to_key(engine, &mut hasher);
     match *size {
         PatchSize::Count(patches) => hasher.add(&0u8).add(&patches),
         PatchSize::Squares(patches) => hasher.add(&1u8).add(&patches),
@@ -449,41 +448,6 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         .add(accuracy)
         .add(scene)
         .key()
-}
-
-/// What an engine is called on the command line.
-fn engine_name(engine: &Engine) -> &'static str {
-    match engine {
-        Engine::Auto => "auto",
-        Engine::Rays => "rays",
-        Engine::Hemicube(_) => "hemicube",
-        Engine::Hybrid(_) => "hybrid",
-        Engine::Analytic => "analytic",
-        Engine::Particles => "particles",
-    }
-}
-
-/// An engine with all its settings.
-fn add_engine(engine: &Engine, hasher: &mut ContentHasher) {
-    let mut hemicubes = |kind: &str, hemicube: &Hemicube| {
-        let Hemicube {
-            resolution,
-            points,
-            device,
-        } = hemicube;
-        let device = match device {
-            HemicubeBackend::Processor => "processor".to_owned(),
-            HemicubeBackend::Device(device) => device.name(),
-        };
-        hasher.add(kind).add(resolution).add(points).add(&device);
-    };
-    match engine {
-        Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
-        Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
-        other => {
-            hasher.add(engine_name(other));
-        }
-    }
 }
 
 /// Computes under a progress bar, and reports how to resume if interrupted.
@@ -513,6 +477,7 @@ fn compute(
 #[cfg(test)]
 mod key_tests {
     use super::*;
+    use azulejo_factors::Hemicube;
     use azulejo_scene::brdf::{Brdf, Content, Description, Measured, Merl};
     use azulejo_scene::synthetic::cube_room;
     use std::sync::Arc;

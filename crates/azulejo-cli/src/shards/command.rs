@@ -26,6 +26,8 @@ pub struct ShardedArgs<'a> {
 pub enum OutputArg<'a> {
     /// It needs one.
     Needed(&'a mut PathBuf),
+    /// It can do without.
+    Optional(&'a mut Option<PathBuf>),
 }
 
 impl OutputArg<'_> {
@@ -33,6 +35,7 @@ impl OutputArg<'_> {
     pub fn set(self, path: &Path) {
         match self {
             OutputArg::Needed(output) => *output = path.to_owned(),
+            OutputArg::Optional(output) => *output = Some(path.to_owned()),
         }
     }
 }
@@ -50,6 +53,23 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
                 files,
             })
         }
+        Command::Probe(args) => {
+            let mut files = args.input.files_mut();
+            files.extend(&mut args.probes.points);
+            files.extend(&mut args.normals);
+            Some(ShardedArgs {
+                name: "probe",
+                shard: &mut args.shard,
+                output: OutputArg::Optional(&mut args.output),
+                files,
+            })
+        }
+        Command::Solve(args) => Some(ShardedArgs {
+            name: "solve",
+            shard: &mut args.shard,
+            output: OutputArg::Optional(&mut args.output),
+            files: args.input.files_mut(),
+        }),
         _ => None,
     }
 }

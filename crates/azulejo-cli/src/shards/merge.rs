@@ -5,9 +5,9 @@ use super::command::{self, FoundFiles};
 use super::header::PartHeader;
 use crate::args::Command;
 use crate::failure::Failure;
-use crate::form_factors;
 use crate::report::Report;
 use crate::session::Session;
+use crate::{form_factors, probe, solve};
 use clap::{Args, ValueHint};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -68,6 +68,8 @@ pub fn run(args: &MergeArgs, session: &mut Session) -> Result<Report, Failure> {
     ));
     let report = match &command {
         Command::FormFactors(args) => form_factors::run_merged(args, &parts, session)?,
+        Command::Probe(args) => probe::run_merged(args, &parts, session)?,
+        Command::Solve(args) => solve::run_merged(args, &parts, session)?,
         _ => return Err(no_command(header)),
     };
     if parts.added() > 0 {

@@ -1,10 +1,11 @@
 //! Parts that are put together: the journal of the process that makes the result of them.
 
 use super::header::{Found, PartHeader, WorkKey};
+use super::part::BASIS;
 use super::runs;
 use crate::failure::Failure;
 use crate::record_file::RecordFile;
-use azulejo_trace::{Journal, JournalStage};
+use azulejo_trace::{Cancelled, Journal, JournalStage};
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -24,8 +25,12 @@ pub struct MergedParts {
     header: PartHeader,
     /// The part of each shard, in their order.
     parts: Vec<Mutex<RecordFile>>,
+    /// The path of each.
+    paths: Vec<PathBuf>,
     /// Blocks that were in no part.
     added: AtomicUsize,
+    /// Why they do not fit to what was computed here.
+    failure: Mutex<Option<Failure>>,
 }
 
 impl MergedParts {
@@ -85,11 +90,14 @@ impl MergedParts {
                 }
             )));
         }
+        let paths = by_number.values().map(|part| part.path.clone()).collect();
         let parts = by_number.into_values().map(|part| Mutex::new(part.records));
         Ok(MergedParts {
             parts: parts.collect(),
+            paths,
             header,
             added: AtomicUsize::new(0),
+            failure: Mutex::default(),
         })
     }
 
@@ -133,6 +141,15 @@ impl MergedParts {
                 .to_owned()
         };
         Err(Failure::failed(format_args!("the parts do not fit: {why}")))
+    }
+
+    /// The outcome of work that used them: why they do not fit, if that ended it.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn used<T>(&self, outcome: Result<T, Failure>) -> Result<T, Failure> {
+        let failure = &mut *self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.take().map_or(outcome, Err)
     }
 
     /// Number of blocks that were in no part and had to be computed.
@@ -250,5 +267,27 @@ impl Journal for MergedParts {
 
     fn parts(&self) -> usize {
         self.parts.len()
+    }
+
+    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
+        let bytes = digest.to_le_bytes();
+        for (part, path) in self.parts.iter().zip(&self.paths) {
+            let mut records = part.lock().unwrap_or_else(PoisonError::into_inner);
+            if records
+                .read((stage, BASIS))
+                .is_some_and(|known| known == bytes)
+            {
+                continue;
+            }
+            let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+            *failure = Some(Failure::failed(format_args!(
+                "{} was computed on a machine that computes the light between patches otherwise than this one, \
+                 because of its memory or its processor: give the same --memory to all, or merge on a machine of \
+                 that kind",
+                path.display()
+            )));
+            return Err(Cancelled);
+        }
+        Ok(())
     }
 }

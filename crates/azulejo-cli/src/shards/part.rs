@@ -16,6 +16,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// The number of the record that says on what the blocks of a stage rely.
+pub const BASIS: usize = usize::MAX;
+
 /// A part to be computed.
 pub struct PartPlan {
     path: PathBuf,
@@ -87,7 +90,7 @@ impl PartPlan {
             shard: self.shard,
             block_end: session.block_end(),
             state: Mutex::new(PartState {
-                before: records.len(),
+                before: blocks_of(&records),
                 records,
                 failure: None,
             }),
@@ -135,6 +138,11 @@ impl PartPlan {
     }
 }
 
+/// Number of blocks with results.
+fn blocks_of(records: &RecordFile) -> usize {
+    records.blocks().filter(|id| id.1 != BASIS).count()
+}
+
 /// A part that is being computed.
 pub struct Part {
     path: PathBuf,
@@ -171,11 +179,11 @@ impl Part {
             session.say(&format!("{path} is complete already"));
         } else {
             if before > 0 {
-                session.say(&format!("resuming from {path}, {before} blocks"));
+                session.say(&format!("resuming from {path}, blocks done: {before}"));
             }
             self.complete(session, work)?;
         }
-        let blocks = self.state().records.len();
+        let blocks = blocks_of(&self.state().records);
         let words = match blocks {
             0 => "nothing to do: there are fewer rows or points than shards, and an empty part is right".to_owned(),
             1 => "1 block".to_owned(),
@@ -203,7 +211,7 @@ impl Part {
             Err(Failure::Cancelled) => {
                 session.say(&format!(
                     "{} blocks are kept in {}: the same command resumes from there",
-                    state.records.len(),
+                    blocks_of(&state.records),
                     self.path.display()
                 ));
                 Err(Failure::Cancelled)
@@ -250,6 +258,25 @@ impl Journal for Part {
         let next = blocks.find(|block| block % self.parts() == own);
         self.block_end.set_in_block(next.is_some());
         Ok(next)
+    }
+
+    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
+        let (id, bytes) = ((stage, BASIS), digest.to_le_bytes());
+        let mut state = self.state();
+        let failure = match state.records.read(id) {
+            Some(known) if known == bytes => return Ok(()),
+            Some(_) => Failure::failed(format_args!(
+                "{} was begun on a machine that computes the light between patches otherwise, because of its memory or \
+                 its processor: resume it on a machine of that kind, or remove it",
+                self.path.display()
+            )),
+            None => match state.records.append(id, &bytes) {
+                Ok(()) => return Ok(()),
+                Err(e) => Failure::file("write", &self.path, &e),
+            },
+        };
+        state.failure = Some(failure);
+        Err(Cancelled)
     }
 
     fn assembles(&self) -> bool {

@@ -436,3 +436,135 @@ fn a_full_disk_is_an_error() {
     folder.ok(&format!("{QUICK} -o whole.npz"));
     assert!(folder.read("x.npz") == folder.read("whole.npz"));
 }
+
+/// So many points on the floor of the room, as text.
+fn floor(points: usize) -> String {
+    let line = |i: usize| {
+        let [x, z] = [i % 50, i / 50].map(|k| 0.1 + 0.075 * k as f64);
+        format!("{x} 0.001 {z} 0 1 0\n")
+    };
+    (0..points).map(line).collect()
+}
+
+const PROBE: &str = "probe room.obj --points p.txt --patches 50 --rays 64";
+
+#[test]
+fn irradiance_at_points() {
+    let folder = Folder::with_room();
+    // Not a multiple of the points that are gathered together.
+    folder.write("p.txt", floor(1003));
+    check(&folder, PROBE, "npy");
+    check(&folder, &format!("{PROBE} --bounces 2"), "txt");
+    folder.ok(&format!("{PROBE} --shard 1/1 -o part"));
+    let merged = folder.ok("merge part -o -").out;
+    assert_eq!(merged, folder.ok(PROBE).out);
+    // Other points under the same name.
+    compute(&folder, PROBE, "p", 2);
+    folder.write("p.txt", floor(1004));
+    folder.fails("merge p-1 p-2 -o x.npy", 1, "p.txt has changed");
+    folder.ok(&format!("{PROBE} --shard 2/2 -o other-2"));
+    folder.fails(
+        "merge p-1 other-2 -o x.npy",
+        1,
+        "other-2 does not belong to p-1",
+    );
+    folder.fails(
+        &format!("{PROBE} --shard 2/2 -o p-2"),
+        1,
+        "is of other work",
+    );
+}
+
+#[test]
+fn irradiance_at_vertices() {
+    let folder = Folder::with_room();
+    let line = "solve room.obj --patches 300 --rays 64";
+    check(&folder, line, "grf");
+    check(&folder, &format!("{line} --keep-mesh --sides split"), "glb");
+}
+
+#[test]
+fn light_goes_into_the_text_of_a_copy_by_shards() {
+    let folder = Folder::with_room();
+    folder.ok("convert room.obj -o room.grf");
+    let line = "solve room.grf --in-place --patches 100 --rays 64";
+    check(&folder, line, "grf");
+    folder.fails(&format!("{line} --shard 1/2"), 2, "-o PART is missing");
+    compute(&folder, line, "p", 2);
+    let model = folder.read("room.grf");
+    folder.fails("merge p-1 p-2 -o room.grf", 2, "computed from");
+    folder.fails(&format!("{line} --shard 1/2 -o room.grf"), 1, "is no part");
+    assert!(folder.read("room.grf") == model);
+}
+
+#[test]
+fn work_to_an_error_or_a_time_is_not_divided() {
+    let folder = Folder::with_room();
+    folder.write("p.txt", floor(10));
+    for command in ["probe room.obj --points p.txt", "solve room.obj"] {
+        for options in ["", "--error 1%", "--error 1% --rays 64"] {
+            let line = format!("{command} {options} --shard 1/2 -o part");
+            folder.fails(&line, 2, "give --rays N alone");
+        }
+        let line = format!("{command} --rays 64 --time 10s --shard 1/2 -o part");
+        folder.fails(&line, 2, "depends on the machine");
+    }
+    folder.write("r.f32", [0u8; 32]);
+    let line = "probe room.obj --hits r.f32 --rays 64 --shard 1/2 -o part";
+    folder.fails(line, 2, "divides --points");
+    folder.fails(
+        "bake room.obj --shard 1/2 -o part",
+        2,
+        "unexpected argument",
+    );
+    assert!(!folder.path("part").exists());
+}
+
+/// Parts from machines that solved the light between patches otherwise do not fit.
+#[test]
+fn parts_of_other_light_between_patches_are_refused() {
+    let folder = Folder::with_room();
+    folder.write("p.txt", floor(200));
+    compute(&folder, PROBE, "p", 2);
+    let part = folder.read("p-2");
+    let header = 24 + u32::from_le_bytes(*part[16..].first_chunk().unwrap()) as usize;
+    // The first record is the digest of that light: eight bytes behind a head of 28.
+    let mut other = part.clone();
+    other[header + 28] ^= 1;
+    let digest = crc32fast::hash(&other[header + 28..header + 36]);
+    other[header + 20..header + 24].copy_from_slice(&digest.to_le_bytes());
+    let head = crc32fast::hash(&other[header..header + 24]);
+    other[header + 24..header + 28].copy_from_slice(&head.to_le_bytes());
+    folder.write("p-2", &other);
+    folder.fails(
+        "merge p-1 p-2 -o x.npy",
+        1,
+        "p-2 was computed on a machine that",
+    );
+    assert!(!folder.path("x.npy").exists());
+    // Nor is it resumed.
+    folder.write("p-2", &other[..header + 36]);
+    folder.fails(
+        &format!("{PROBE} --shard 2/2 -o p-2"),
+        1,
+        "was begun on a machine that",
+    );
+}
+
+/// A shard of points that is killed goes on.
+#[test]
+fn interrupted_points_go_on_to_the_same_bytes() {
+    let folder = Folder::with_room();
+    // Two blocks, of so many rays that there is time to interrupt the second.
+    folder.write("p.txt", floor(700));
+    let line = "probe room.obj --points p.txt --patches 50 --rays 20000";
+    folder.ok(&format!("{line} -o whole.npy"));
+    let shard = format!("{line} --shard 1/1 -o part");
+    let mut child = started(&folder, &shard, "part", 30_000);
+    signal(&child, Signal::SIGKILL);
+    child.wait().unwrap();
+    let run = folder.ok(&shard);
+    assert!(run.err.contains("resuming from part, blocks done: 1"), "{}", run.err);
+    folder.ok("merge part -o merged.npy");
+    assert!(folder.read("merged.npy") == folder.read("whole.npy"));
+}
