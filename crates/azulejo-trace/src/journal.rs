@@ -440,6 +440,62 @@ mod tests {
         }
     }
 
+    /// One of two processes that both go on with the blocks of both.
+    struct Rank<'a> {
+        own: Memory,
+        other: &'a Memory,
+    }
+
+    impl Journal for Rank<'_> {
+        fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+            self.own.load(stage, block)
+        }
+
+        fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+            self.own.save(stage, block, bytes);
+        }
+
+        fn parts(&self) -> usize {
+            self.own.parts()
+        }
+
+        fn next(
+            &self,
+            stage: JournalStage,
+            blocks: Range<usize>,
+        ) -> Result<Option<usize>, Cancelled> {
+            self.own.next(stage, blocks)
+        }
+
+        fn await_others(&self, _: JournalStage, blocks: usize) -> Result<(), Cancelled> {
+            assert_eq!(blocks, 6);
+            let others = self.other.blocks.lock().unwrap().clone();
+            self.own.blocks.lock().unwrap().extend(others);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn ranks_go_on_with_the_blocks_of_all() {
+        let other = Memory {
+            part: 1,
+            ..Memory::whole(2)
+        };
+        assert_eq!(run(&other), (None, 9));
+        let own = Memory {
+            part: 2,
+            ..Memory::whole(2)
+        };
+        let rank = Rank { own, other: &other };
+        let mut computed = 0;
+        let compute = |wanted: &[usize]| {
+            computed += wanted.len();
+            Ok(wanted.iter().map(|&i| item(i)).collect())
+        };
+        let items = resumed(&rank, STAGE, (17, 3), &Progress::new(), compute).unwrap();
+        assert_eq!((items, computed), (whole(), 8));
+    }
+
     #[test]
     fn digests_tell_bits_apart() {
         assert_eq!(digest([].into_iter()), 0xcbf2_9ce4_8422_2325);

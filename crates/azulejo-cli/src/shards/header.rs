@@ -139,9 +139,12 @@ impl PartHeader {
 
     /// The command, as it was typed.
     pub fn line(&self) -> String {
-        let word = |word: &String| match word.contains(char::is_whitespace) {
-            true => format!("'{word}'"),
-            false => word.clone(),
+        let word = |word: &String| {
+            if word.contains(char::is_whitespace) {
+                format!("'{word}'")
+            } else {
+                word.clone()
+            }
         };
         let words: Vec<String> = self.command.iter().map(word).collect();
         format!("azulejo {}", words.join(" "))
@@ -208,9 +211,10 @@ impl PartHeader {
             .filter(differs)
             .map(NamedFile::name)
             .collect();
-        match names.is_empty() {
-            true => "the options that make it differ".to_owned(),
-            false => format!("{} differ", names.join(", ")),
+        if names.is_empty() {
+            "options that change it differ".to_owned()
+        } else {
+            format!("{} differ", names.join(", "))
         }
     }
 }

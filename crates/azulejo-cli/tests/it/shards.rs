@@ -564,7 +564,11 @@ fn interrupted_points_go_on_to_the_same_bytes() {
     signal(&child, Signal::SIGKILL);
     child.wait().unwrap();
     let run = folder.ok(&shard);
-    assert!(run.err.contains("resuming from part, blocks done: 1"), "{}", run.err);
+    assert!(
+        run.err.contains("resuming from part, blocks done: 1"),
+        "{}",
+        run.err
+    );
     folder.ok("merge part -o merged.npy");
     assert!(folder.read("merged.npy") == folder.read("whole.npy"));
 }
