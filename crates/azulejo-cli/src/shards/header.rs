@@ -65,7 +65,7 @@ pub struct PartHeader {
 }
 
 /// What stands at the beginning of a file.
-pub enum Found {
+pub enum FileStart {
     /// A header of so many bytes.
     Header(Box<PartHeader>, u64),
     /// The beginning of one, or nothing.
@@ -88,7 +88,7 @@ impl PartHeader {
     ///
     /// # Errors
     /// It is no part, or one of another version, or damaged.
-    pub fn read(file: &mut File, path: &Path) -> Result<Found, Failure> {
+    pub fn read(file: &mut File, path: &Path) -> Result<FileStart, Failure> {
         let failed = |e: io::Error| Failure::file("read", path, &e);
         let refused =
             |words: &str| Err(Failure::failed(format_args!("{} {words}", path.display())));
@@ -102,7 +102,7 @@ impl PartHeader {
             );
         }
         if read < MAGIC.len() {
-            return Ok(Found::Beginning);
+            return Ok(FileStart::Beginning);
         }
         if !head.starts_with(MAGIC) {
             return refused(
@@ -111,7 +111,7 @@ impl PartHeader {
             );
         }
         if read < HEAD {
-            return Ok(Found::Beginning);
+            return Ok(FileStart::Beginning);
         }
         let [length, checksum] = [16, 20].map(|at| {
             let bytes = head[at..].first_chunk().copied().unwrap_or_default();
@@ -124,13 +124,13 @@ impl PartHeader {
         let wanted = u64::from(length);
         file.take(wanted).read_to_end(&mut text).map_err(failed)?;
         if text.len() < length as usize {
-            return Ok(Found::Beginning);
+            return Ok(FileStart::Beginning);
         }
         if crc32fast::hash(&text) != checksum {
             return refused("is damaged: the checksum of its header is wrong; compute it again");
         }
         match serde_json::from_slice(&text) {
-            Ok(header) => Ok(Found::Header(Box::new(header), HEAD as u64 + wanted)),
+            Ok(header) => Ok(FileStart::Header(Box::new(header), HEAD as u64 + wanted)),
             Err(_) => refused(
                 "is a part of another version of azulejo: compute it and merge it by the same version",
             ),

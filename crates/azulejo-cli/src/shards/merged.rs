@@ -1,6 +1,6 @@
 //! Parts that are put together: the journal of the process that makes the result of them.
 
-use super::header::{Found, PartHeader, WorkKey};
+use super::header::{FileStart, PartHeader, WorkKey};
 use super::part::BASIS;
 use super::runs;
 use crate::failure::Failure;
@@ -170,10 +170,10 @@ impl CompletePart {
         }
         let is_in_work = matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
         let (header, records) = match PartHeader::read(&mut file, path)? {
-            Found::Header(header, length) => {
+            FileStart::Header(header, length) => {
                 (header, RecordFile::scan(file, length).map_err(failed)?)
             }
-            Found::Beginning => {
+            FileStart::Beginning => {
                 return Err(Failure::failed(format_args!(
                     "{shown} is cut off in its header: copy it again, or compute it again"
                 )));

@@ -1,7 +1,7 @@
 //! A part while it is computed: the journal of a shard, which is the part as soon as it is complete.
 
 use super::command;
-use super::header::{Found, PartHeader, WorkKey};
+use super::header::{FileStart, PartHeader, WorkKey};
 use super::{Shard, refuse_stream};
 use crate::content_key::shown;
 use crate::failure::Failure;
@@ -65,7 +65,7 @@ impl PartPlan {
     ///
     /// # Errors
     /// It cannot be written, is in use, or belongs to other work.
-    pub fn open(&self, key: &WorkKey, session: &mut Session) -> Result<Part, Failure> {
+    pub fn open(&self, key: &WorkKey, session: &mut Session) -> Result<ShardPart, Failure> {
         let header = PartHeader {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             command: command::typed()?,
@@ -85,7 +85,7 @@ impl PartPlan {
             Err(e) => return Err(Failure::file("open", &self.path, &e)),
             Ok(file) => self.resumed(file, &header, session)?,
         };
-        Ok(Part {
+        Ok(ShardPart {
             path: self.path.clone(),
             shard: self.shard,
             block_end: session.block_end(),
@@ -111,7 +111,7 @@ impl PartPlan {
             )));
         }
         let failed = |e| Failure::file("write", &self.path, &e);
-        let Found::Header(there, length) = PartHeader::read(&mut file, &self.path)? else {
+        let FileStart::Header(there, length) = PartHeader::read(&mut file, &self.path)? else {
             return RecordFile::begun(file, &header.bytes()).map_err(failed);
         };
         if there.shard != header.shard {
@@ -144,7 +144,7 @@ fn blocks_of(records: &RecordFile) -> usize {
 }
 
 /// A part that is being computed.
-pub struct Part {
+pub struct ShardPart {
     path: PathBuf,
     shard: Shard,
     block_end: Arc<BlockEnd>,
@@ -159,7 +159,7 @@ struct PartState {
     failure: Option<Failure>,
 }
 
-impl Part {
+impl ShardPart {
     /// Computes the blocks of this shard by `work`, which ends without a result, and completes the part.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl Part {
         self,
         session: &mut Session,
         report: &mut Report,
-        work: impl FnOnce(&Part, &Session) -> Result<(), Failure>,
+        work: impl FnOnce(&ShardPart, &Session) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let path = self.path.display().to_string();
         let (before, was_complete) = {
@@ -199,7 +199,7 @@ impl Part {
     fn complete(
         &self,
         session: &Session,
-        work: impl FnOnce(&Part, &Session) -> Result<(), Failure>,
+        work: impl FnOnce(&ShardPart, &Session) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let done = work(self, session);
         self.block_end.set_in_block(false);
@@ -229,7 +229,7 @@ impl Part {
     }
 }
 
-impl Journal for Part {
+impl Journal for ShardPart {
     fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
         self.state().records.read((stage, block))
     }
