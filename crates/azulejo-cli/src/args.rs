@@ -8,6 +8,7 @@ use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
 use super::placement::{self, PlaceArg, Placement};
+use super::shards::{Shard, merge, shard};
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
 use super::{exchange, form_factors, validate};
@@ -75,6 +76,9 @@ pub enum Command {
     /// Compute the matrix of form factors between patches
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
+    /// Put together what a command computed in parts with --shard
+    #[command(after_help = merge::EXAMPLES)]
+    Merge(merge::MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
     #[command(after_help = exchange::args::EXAMPLES)]
     Exchange(exchange::args::ExchangeArgs),
@@ -160,6 +164,15 @@ pub struct InputArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub outside: SurroundingsArgs,
+}
+
+impl InputArgs {
+    /// The files that are read.
+    pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
+        let named = self.scenes.iter_mut().chain(&mut self.lights);
+        let more = (self.reading.recipe.iter_mut()).chain(&mut self.outside.environment);
+        named.chain(more).collect()
+    }
 }
 
 /// How models are read and put together.
@@ -405,6 +418,11 @@ pub struct SolveArgs {
     /// irradiance alone [default: as many as the exact values need; with --in-place: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
+    /// Compute only shard K of N of the vertices, from 1, and write it to -o as a part; `azulejo merge` makes
+    /// the result of all parts. An interrupted shard resumes by the same command. With --rays alone:
+    /// work to an error or a time cannot be divided
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub shard: Option<Shard>,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -650,6 +668,11 @@ pub struct ProbeArgs {
     /// output [default: `-`, or none with --json]
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
+    /// Compute only shard K of N of the --points, from 1, and write it to -o as a part; `azulejo merge` makes
+    /// the result of all parts. An interrupted shard resumes by the same command. With --rays alone:
+    /// work to an error or a time cannot be divided
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub shard: Option<Shard>,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -708,7 +731,8 @@ Examples:
   azulejo solve hut.obj -o hut.glb --sides split
   azulejo solve scene.grf --in-place
   azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
-  azulejo solve room.obj -o room.grf --engine embree";
+  azulejo solve room.obj -o room.grf --engine embree
+  azulejo solve city.obj -o part-3 --rays 2048 --shard 3/64";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -722,6 +746,7 @@ Examples:
   azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
   azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
   azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+  azulejo probe city.obj --points p.npy -o part-3 --rays 2048 --shard 3/64
 
 Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
 Irradiance is in W/m² if emission is in W/(sr·m²).";

@@ -1,5 +1,6 @@
 //! The form factor engine: its options, its preparation, and its part of the report.
 
+use super::content_key::ContentHasher;
 use super::failure::Failure;
 use super::report::Report;
 use super::values;
@@ -74,6 +75,41 @@ pub struct EngineArgs {
         require_equals = true
     )]
     pub embree: Option<Option<PathBuf>>,
+}
+
+/// What an engine is called on the command line.
+pub fn word(engine: &Engine) -> &'static str {
+    match engine {
+        Engine::Auto => "auto",
+        Engine::Rays => "rays",
+        Engine::Hemicube(_) => "hemicube",
+        Engine::Hybrid(_) => "hybrid",
+        Engine::Analytic => "analytic",
+        Engine::Particles => "particles",
+    }
+}
+
+/// Adds an engine with all its settings to a key.
+pub fn add_to_key(engine: &Engine, hasher: &mut ContentHasher) {
+    let mut hemicubes = |kind: &str, hemicube: &Hemicube| {
+        let Hemicube {
+            resolution,
+            points,
+            device,
+        } = hemicube;
+        let device = match device {
+            HemicubeBackend::Processor => "processor".to_owned(),
+            HemicubeBackend::Device(device) => device.name(),
+        };
+        hasher.add(kind).add(resolution).add(points).add(&device);
+    };
+    match engine {
+        Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
+        Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
+        other => {
+            hasher.add(word(other));
+        }
+    }
 }
 
 /// An engine with its kernel and devices loaded.

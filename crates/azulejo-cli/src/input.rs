@@ -248,6 +248,7 @@ fn read_one(
     };
     model.warnings.iter().for_each(|w| session.warn(w));
     session.has_read(model.format);
+    session.has_read_files(path, model.files);
     match model.warnings.len() {
         0 => Ok(model.scene),
         n if reading.strict => Err(Failure::Failed(format!(

@@ -39,10 +39,12 @@ mod placement;
 mod points;
 mod probe;
 mod progress_bar;
+mod record_file;
 mod render;
 mod report;
 mod rtrace;
 mod session;
+mod shards;
 mod solve;
 mod surroundings;
 mod validate;
@@ -121,6 +123,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
         Command::FormFactors(args) => form_factors::run(args, &mut session)?,
+        Command::Merge(args) => shards::merge::run(args, &mut session)?,
         Command::Exchange(args) => exchange::run(args, &mut session)?,
         Command::Experiment(args) => match experiment::run(args, &mut session)? {
             Some(report) if args.list => return session.print(report),

@@ -1,13 +1,16 @@
 //! The first pass: its options, solution and summary.
 
 use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
-use super::engine::PreparedEngine;
+use super::content_key::ContentHasher;
+use super::engine::{self, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
 use super::session::Session;
+use super::shards::WorkKey;
 use azulejo::machine;
 use azulejo_radiosity::{
-    EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError, StoredSides,
+    EnergyBalance, Engine, FirstPass, LightSolution, Method, PatchSize, PointNormal, SolveError,
+    StoredSides,
 };
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
 use azulejo_trace::{Measure, Measured, Progress, Tracer};
@@ -59,6 +62,52 @@ pub fn solve(
         azulejo_radiosity::solve(scene, tracer, &options, progress)
     })
     .map_err(failure)
+}
+
+/// Refuses to divide work that depends on the time, or on the results of all points.
+pub fn refuse_indivisible(args: &FirstPassArgs) -> Result<(), Failure> {
+    if args.limit().is_some() {
+        return Err(Failure::misuse(
+            "--shard: how far work comes in a --time depends on the machine, so that parts would not fit together; \
+             give --rays N alone",
+        ));
+    }
+    if args.error.is_some() || args.rays.is_none() {
+        return Err(Failure::misuse(
+            "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
+             traces more rays, which a shard does not have; give --rays N alone",
+        ));
+    }
+    Ok(())
+}
+
+/// What blocks of points depend on, besides the light between patches.
+pub fn work_key(
+    scene: &Scene,
+    tracer: &Tracer,
+    options: &FirstPass,
+    points: &[PointNormal],
+) -> WorkKey {
+    let plain = FirstPass {
+        engine: Engine::Auto,
+        // What it changes is told by the light between patches.
+        memory: 0,
+        ..options.clone()
+    };
+    let mut settings = ContentHasher::new();
+    settings
+        .add(env!("CARGO_PKG_VERSION"))
+        .add(&tracer.kernel_name())
+        .add(&format!("{plain:?}"));
+    engine::add_to_key(&options.engine, &mut settings);
+    for point in points {
+        settings.add(&point.position).add(&point.normal);
+    }
+    WorkKey {
+        scene: ContentHasher::new().add(scene).key(),
+        settings: settings.key(),
+        engine: engine::word(&options.engine).to_owned(),
+    }
 }
 
 /// Runs work under a progress bar, and says as soon as it is known if the requested error will not

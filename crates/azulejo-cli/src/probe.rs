@@ -6,12 +6,14 @@ use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::report::{Report, count, number, seconds, short};
 use super::session::Session;
+use super::shards::{MergedParts, PartPlan, Shard};
 use super::{input, pass, points};
 use azulejo::output::Output;
+use azulejo_radiosity::{PointNormal, SolveError};
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
-use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
+use azulejo_trace::{Cancelled, Journal, KernelHit, NoJournal, Progress, Tracer};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -46,6 +48,56 @@ impl ProbeResults {
 
 /// Runs `probe`.
 pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
+    match args.shard {
+        Some(shard) => part(args, shard, session),
+        None => whole(args, None, session),
+    }
+}
+
+/// Runs `probe` with points from parts.
+pub fn run_merged(
+    args: &ProbeArgs,
+    parts: &MergedParts,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    whole(args, Some(parts), session)
+}
+
+/// Measures irradiance at a part of the points.
+fn part(args: &ProbeArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
+    let Some(points) = &args.probes.points else {
+        return Err(Failure::misuse(
+            "--shard divides --points; --radiance and --hits take a file of rays, which can be divided itself",
+        ));
+    };
+    pass::refuse_indivisible(&args.first_pass)?;
+    let output = args.output.as_deref().unwrap_or(Path::new("-"));
+    let planned = PartPlan::check(shard, output)?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    let points = points::read_points(points, args.normals.as_deref())?;
+    let tracer = prepared.tracer(&scene)?;
+    let options = pass::options(&args.first_pass, &prepared);
+    let part = planned.open(&pass::work_key(&scene, &tracer, &options, &points), session)?;
+    let mut report = Report::default();
+    part.fill(session, &mut report, |part, session| {
+        let done = session.with_progress(|p| {
+            azulejo_radiosity::probe_in_blocks(&scene, &tracer, &points, &options, (part, p))
+        });
+        match done {
+            Ok(_) | Err(SolveError::Elsewhere) => Ok(()),
+            Err(e) => Err(pass::failure(e)),
+        }
+    })?;
+    Ok(report)
+}
+
+/// Measures at all points or rays, or makes that of parts, and writes it.
+fn whole(
+    args: &ProbeArgs,
+    parts: Option<&MergedParts>,
+    session: &mut Session,
+) -> Result<Report, Failure> {
     let default = (!session.json()).then_some(Path::new("-"));
     let output = args.output.as_deref().or(default);
     let output = output.map(Output::check).transpose()?;
@@ -60,7 +112,17 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     };
     let mut report = Report::default();
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
-        (Some(path), _, _) => irradiance(&scene, path, args, &prepared, session, &mut report)?,
+        (Some(path), _, _) => {
+            let points = points::read_points(path, args.normals.as_deref())?;
+            irradiance(
+                &scene,
+                (&points, parts),
+                args,
+                &prepared,
+                session,
+                &mut report,
+            )?
+        }
         (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,
         (_, _, Some(path)) => hits(&scene, path, &prepared, session, &mut report)?,
         _ => return Err(Failure::misuse("nothing to probe")),
@@ -91,21 +153,25 @@ fn spent(label: &str, key: &str, clock: Clock, report: &mut Report) {
 
 fn irradiance(
     scene: &Scene,
-    path: &Path,
+    (points, parts): (&[PointNormal], Option<&MergedParts>),
     args: &ProbeArgs,
     prepared: &PreparedEngine,
     session: &Session,
     report: &mut Report,
 ) -> Result<ProbeResults, Failure> {
-    let points = points::read_points(path, args.normals.as_deref())?;
     let tracer = build(scene, prepared, report)?;
     let options = pass::options(&args.first_pass, prepared);
+    if let Some(parts) = parts {
+        parts.check(&pass::work_key(scene, &tracer, &options, points))?;
+    }
+    let journal: &dyn Journal = parts.map_or(&NoJournal, |parts| parts);
     session.limit_time(args.first_pass.limit());
     let clock = Clock::start();
     let probed = pass::with_forecast(&args.first_pass, session, |progress| {
-        azulejo_radiosity::probe(scene, &tracer, &points, &options, progress)
+        azulejo_radiosity::probe_in_blocks(scene, &tracer, points, &options, (journal, progress))
     })
-    .map_err(pass::failure)?;
+    .map_err(pass::failure);
+    let probed = parts.map_or(Ok(()), |p| p.used(Ok(()))).and(probed)?;
     spent("tracing", "trace", clock, report);
     pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();

@@ -3,8 +3,9 @@
 use super::args::CommonArgs;
 use super::clock::{self, Clock};
 use super::failure::Failure;
+use super::interrupt::{self, BlockEnd};
+use super::progress_bar;
 use super::report::{self, Report};
-use super::{interrupt, progress_bar};
 use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
@@ -12,6 +13,7 @@ use azulejo_trace::{Measured, Progress};
 use serde_json::{Value, json};
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -21,11 +23,14 @@ pub struct Session {
     json: bool,
     quiet: bool,
     progress: Arc<Progress>,
+    block_end: Arc<BlockEnd>,
     clock: Clock,
     warnings: Vec<Value>,
     /// The warnings as text, for commands that list them in their result.
     listed: Option<Vec<String>>,
     formats: Vec<Format>,
+    /// Models with the names of other files that were read for them.
+    files: Vec<(PathBuf, Vec<String>)>,
     makes_image: bool,
 }
 
@@ -33,7 +38,9 @@ impl Session {
     /// Starts the clock, sets up the threads and installs the handler of Ctrl-C.
     pub fn start(common: CommonArgs) -> Result<Session, Failure> {
         let progress = Arc::new(Progress::new());
-        interrupt::install(Arc::clone(&progress))?;
+        let block_end = Arc::new(BlockEnd::default());
+        let is_quiet = common.quiet || common.json;
+        interrupt::install(Arc::clone(&progress), Arc::clone(&block_end), is_quiet)?;
         rayon::ThreadPoolBuilder::new()
             .num_threads(common.threads.map_or(0, usize::from))
             .build_global()
@@ -42,10 +49,12 @@ impl Session {
             json: common.json,
             quiet: common.quiet,
             progress,
+            block_end,
             clock: Clock::start(),
             warnings: Vec::new(),
             listed: None,
             formats: Vec::new(),
+            files: Vec::new(),
             makes_image: false,
         })
     }
@@ -144,9 +153,24 @@ impl Session {
         self.makes_image
     }
 
+    /// How the work ends behind a block that is kept.
+    pub fn block_end(&self) -> Arc<BlockEnd> {
+        Arc::clone(&self.block_end)
+    }
+
     /// Records the format of a model.
     pub fn has_read(&mut self, format: Format) {
         self.formats.push(format);
+    }
+
+    /// Records the files that were read for a model, by their names relative to its folder.
+    pub fn has_read_files(&mut self, model: &Path, files: Vec<String>) {
+        self.files.push((model.to_owned(), files));
+    }
+
+    /// The models that were read, each with the names of the files read for it.
+    pub fn files(&self) -> &[(PathBuf, Vec<String>)] {
+        &self.files
     }
 
     /// The formats of the models that were read, in their order.

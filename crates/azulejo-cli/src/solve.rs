@@ -1,13 +1,17 @@
 //! `solve`: the first pass, from scene to irradiance on its vertices.
 
-use super::args::{SidesArg, SolveArgs};
+use super::args::{FirstPassArgs, SidesArg, SolveArgs};
 use super::failure::Failure;
 use super::in_place::InPlace;
 use super::kept_gltf::KeptGltf;
 use super::report::Report;
 use super::session::Session;
+use super::shards::{MergedParts, PartPlan, Shard};
 use super::{convert, input, pass};
 use azulejo::models::ModelOutput;
+use azulejo_radiosity::{FirstPass, LightSolution, SolveError};
+use azulejo_scene::Scene;
+use azulejo_trace::Tracer;
 use std::path::Path;
 
 /// Digits of light in a file that people edit: far more than its error leaves.
@@ -46,17 +50,89 @@ impl SolvedOutput {
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
+    match args.shard {
+        Some(shard) => part(args, shard, session),
+        None => whole(args, None, session),
+    }
+}
+
+/// Runs `solve` with vertices from parts.
+pub fn run_merged(
+    args: &SolveArgs,
+    parts: &MergedParts,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    whole(args, Some(parts), session)
+}
+
+/// The options of the first pass.
+fn pass_args(args: &SolveArgs) -> FirstPassArgs {
+    if args.in_place {
+        InPlace::options(&args.first_pass)
+    } else {
+        args.first_pass.clone()
+    }
+}
+
+/// Gathers the light at a part of the vertices.
+fn part(args: &SolveArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
+    pass::refuse_indivisible(&args.first_pass)?;
+    let Some(output) = &args.output else {
+        return Err(Failure::misuse("--shard: -o PART is missing"));
+    };
+    let planned = PartPlan::check(shard, output)?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    let tracer = prepared.tracer(&scene)?;
+    let options = pass::options(&pass_args(args), &prepared);
+    let part = planned.open(&pass::work_key(&scene, &tracer, &options, &[]), session)?;
+    let mut report = Report::default();
+    part.fill(session, &mut report, |part, session| {
+        let done = session.with_progress(|p| {
+            azulejo_radiosity::solve_in_blocks(&scene, &tracer, &options, part, p)
+        });
+        match done {
+            Ok(_) | Err(SolveError::Elsewhere) => Ok(()),
+            Err(e) => Err(pass::failure(e)),
+        }
+    })?;
+    Ok(report)
+}
+
+/// The light at all vertices, with those of parts.
+fn merged(
+    scene: &Scene,
+    tracer: &Tracer,
+    options: &FirstPass,
+    parts: &MergedParts,
+    session: &Session,
+) -> Result<LightSolution, Failure> {
+    parts.check(&pass::work_key(scene, tracer, options, &[]))?;
+    let light = session
+        .with_progress(|p| azulejo_radiosity::solve_in_blocks(scene, tracer, options, parts, p));
+    parts.used(light.map_err(pass::failure))
+}
+
+/// Solves the light, or makes it from parts, and writes the scene with it.
+fn whole(
+    args: &SolveArgs,
+    parts: Option<&MergedParts>,
+    session: &mut Session,
+) -> Result<Report, Failure> {
     let output = SolvedOutput::check(args)?;
     session.claim_stdout(output.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
     let mut scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
     let kept = KeptGltf::of(args, &scene, session)?;
-    let first_pass = match &output {
-        SolvedOutput::InPlace(_) => InPlace::options(&args.first_pass),
-        SolvedOutput::Model(_) => args.first_pass.clone(),
-    };
+    let first_pass = pass_args(args);
     let tracer = prepared.tracer(&scene)?;
-    let light = pass::solve(&scene, &tracer, &first_pass, &prepared, session)?;
+    let light = match parts {
+        None => pass::solve(&scene, &tracer, &first_pass, &prepared, session)?,
+        Some(parts) => {
+            let options = pass::options(&first_pass, &prepared);
+            merged(&scene, &tracer, &options, parts, session)?
+        }
+    };
     let mut report = Report::default();
     pass::describe(&light.report, &first_pass, &prepared, &scene, &mut report)?;
     let fits = KeptGltf::fits(&light.irradiance);

@@ -11,6 +11,9 @@ pub enum FactorsError {
     NoSurface,
     /// The caller cancelled.
     Cancelled,
+    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
+    /// ([`Journal::assembles`](azulejo_trace::Journal::assembles)).
+    Elsewhere,
     /// The forecast of the matrix exceeds the memory that may be used.
     TooLarge {
         /// Rows of the matrix.
@@ -33,6 +36,7 @@ impl fmt::Display for FactorsError {
         match self {
             FactorsError::NoSurface => f.write_str("the scene has no surface for light to fall on"),
             FactorsError::Cancelled => f.write_str("cancelled"),
+            FactorsError::Elsewhere => f.write_str("the result is made elsewhere"),
             FactorsError::TooLarge {
                 rows,
                 bytes,

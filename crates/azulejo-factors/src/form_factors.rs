@@ -18,10 +18,9 @@ mod boxes;
 mod closure;
 mod design_effect;
 mod enclosure;
-mod exchange;
+pub(crate) mod exchange;
 mod forecast;
 mod group;
-pub(crate) mod journal;
 mod matrix;
 mod merge;
 mod near;
@@ -46,13 +45,13 @@ use crate::row::Columns;
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
+pub use azulejo_trace::{Journal, JournalStage, NoJournal};
 pub use design_effect::DesignEffect;
 pub use enclosure::{InterchangeError, Scaled};
 pub use exchange::{Exchange, ExchangeAreas};
 use forecast::Costs;
 pub use forecast::Forecast;
 use glam::DVec3;
-pub use journal::{Journal, JournalStage, NoJournal};
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
 pub use one_row::{Factor, FactorsFrom, form_factors_from};
 pub use options::{Closure, FormFactorOptions, MOST_RAYS};
@@ -231,7 +230,8 @@ impl<'a> PreparedPlan<'a> {
     ///
     /// # Errors
     /// [`FactorsError::TooLarge`] if the forecast exceeds the memory,
-    /// [`FactorsError::Cancelled`].
+    /// [`FactorsError::Cancelled`], and [`FactorsError::Elsewhere`] when all blocks of this process are in the
+    /// journal of one that does not assemble them.
     pub fn compute(
         &self,
         journal: &dyn Journal,
@@ -245,6 +245,11 @@ impl<'a> PreparedPlan<'a> {
         }
         factors.update_row_errors();
         Ok(factors)
+    }
+
+    /// The engine, where it was to be chosen the chosen one.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
     }
 
     /// Number of rows of the matrix.
@@ -285,6 +290,19 @@ impl<'a> PreparedPlan<'a> {
     /// Rays per row, as far as they are allowed.
     fn row_rays(&self) -> u32 {
         self.plan.options.rays.min(MOST_RAYS)
+    }
+
+    /// An error if the matrix is assembled here and does not fit in memory.
+    fn refuse_too_large(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<(), FactorsError> {
+        if !journal.assembles() {
+            return Ok(());
+        }
+        let forecast = self.forecast(progress)?;
+        refuse(self.plan.options, forecast.rows, forecast.bytes as f64)
     }
 
     fn estimator(&self) -> Estimator<'_> {
@@ -332,12 +350,17 @@ impl<'a> PreparedPlan<'a> {
             factors.engine_used = factors.engine_used.because(self.why.clone());
             return Ok(factors);
         }
-        let forecast = self.forecast(progress)?;
-        refuse(options, forecast.rows, forecast.bytes as f64)?;
+        self.refuse_too_large(journal, progress)?;
         let estimator = self.estimator();
         let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
-            near::exact(&self.sides, self.gatherer.surfaces(), seed, progress)?
+            near::exact(
+                &self.sides,
+                self.gatherer.surfaces(),
+                seed,
+                journal,
+                progress,
+            )?
         } else {
             vec![Vec::new(); self.sides.len()]
         };
@@ -350,6 +373,7 @@ impl<'a> PreparedPlan<'a> {
             is_known: &|_, _, _| false,
         };
         let traced = tracing.trace(journal, progress)?;
+        let traced = traced.ok_or(FactorsError::Elsewhere)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;
         Ok(FormFactors {
             engine_used: estimator.engine_used().because(self.why.clone()),

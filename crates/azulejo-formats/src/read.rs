@@ -7,14 +7,15 @@ use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
-use crate::{Files, Position, ReadError, ReadOptions, Warning};
+use crate::{FileError, Files, Position, ReadError, ReadOptions, Warning};
 use crate::{abaqus, cityjson, energyplus, nastran, openfoam};
 use crate::{
     dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
     vtk,
 };
 use azulejo_scene::{Mesh, Scene, Shape};
-use std::collections::{HashMap, HashSet};
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// A model and the format that it was recognized as.
@@ -26,6 +27,22 @@ pub struct RecognizedModel {
     pub warnings: Vec<Warning>,
     /// The format of the file.
     pub format: Format,
+    /// The other files that were read for it, by their names relative to its folder, sorted.
+    pub files: Vec<String>,
+}
+
+/// Files, with the names of those that were read.
+struct ListedFiles<'a> {
+    files: &'a dyn Files,
+    names: RefCell<BTreeSet<String>>,
+}
+
+impl Files for ListedFiles<'_> {
+    fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
+        let bytes = self.files.read(name)?;
+        self.names.borrow_mut().insert(name.to_owned());
+        Ok(bytes)
+    }
 }
 
 /// Reads a model in any supported format, compressed with gzip or not. `name` is used in messages;
@@ -73,8 +90,12 @@ pub fn read_with(
         Format::CityJson => cityjson::read,
         Format::EnergyPlus => energyplus::read,
     };
+    let listed = ListedFiles {
+        files,
+        names: RefCell::default(),
+    };
     let loaded = counted_first(bytes.len(), options, |options| {
-        read(bytes, name, files, options)
+        read(bytes, name, &listed, options)
     })?;
     let (mut scene, mut warnings) = (loaded.scene, loaded.warnings);
     // A GRF file keeps its vertices, in which its light is stored, and the reflectances of that light.
@@ -89,6 +110,7 @@ pub fn read_with(
         scene,
         warnings,
         format,
+        files: listed.names.into_inner().into_iter().collect(),
     })
 }
 

@@ -159,7 +159,7 @@ mod tests {
     use crate::deadline::GatherPace;
     use crate::gather::{GatherLight, GatherTargets};
     use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-    use azulejo_trace::{DiffuseHit, GatherPoint, Gatherer, OutgoingRadiosity, Progress};
+    use azulejo_trace::{DiffuseHit, GatherPoint, Gatherer, NoJournal, OutgoingRadiosity, Progress};
     use azulejo_trace::{Surfaces, Tracer};
     use glam::dvec3;
 
@@ -198,6 +198,7 @@ mod tests {
             gatherer: &gatherer,
             light: GatherLight::new(&light, None),
             points: &points,
+            journal: &NoJournal,
             pace: &GatherPace::default(),
             seed: 3,
             progress: &Progress::new(),
@@ -205,6 +206,7 @@ mod tests {
         let targets = GatherTargets {
             points: &points,
             areas: &[],
+            journal: &NoJournal,
         };
         let all_points: Vec<u32> = (0..3600).collect();
         let truth = pass

@@ -12,10 +12,11 @@ use crate::sparse::{self, GatheredValues, PointKind};
 use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
+use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Measure, Progress, SplitIrradiance, Termination,
+    Journal, JournalStage, Measure, Progress, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -112,6 +113,9 @@ pub enum GatherError {
     Cancelled,
     /// Long after the deadline some points still had no light.
     OutOfTime,
+    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
+    /// ([`Journal::assembles`]).
+    Elsewhere,
 }
 
 impl From<Cancelled> for GatherError {
@@ -127,6 +131,8 @@ pub struct GatherTargets<'a> {
     pub points: &'a [GatherPoint],
     /// The area for which each stands, square scene units; empty if all count alike.
     pub areas: &'a [f64],
+    /// Where blocks of points with their first rays are kept.
+    pub journal: &'a dyn Journal,
 }
 
 /// Irradiance at points, with the rays it took.
@@ -283,6 +289,7 @@ pub(crate) fn gather_watched(
         gatherer,
         light,
         points: targets.points,
+        journal: targets.journal,
         pace: &GatherPace::default(),
         seed,
         progress,
@@ -311,6 +318,7 @@ pub(crate) fn gather_split(
         gatherer,
         light,
         points: targets.points,
+        journal: targets.journal,
         pace: &GatherPace::default(),
         seed,
         progress,
@@ -439,6 +447,7 @@ pub(crate) struct GatherPass<'a, L> {
     pub gatherer: &'a Gatherer<'a>,
     pub light: GatherLight<'a, L>,
     pub points: &'a [GatherPoint],
+    pub journal: &'a dyn Journal,
     pub pace: &'a GatherPace,
     pub seed: u32,
     pub progress: &'a Progress,
@@ -508,7 +517,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             Some(_) => FIRST_RAYS.min(most),
             None => most,
         };
-        self.raise(all, &vec![rays; self.points.len()])?;
+        self.begin(all, rays)?;
         if all.spent.contains(&0) {
             return Err(GatherError::OutOfTime);
         }
@@ -551,6 +560,37 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             watch(all);
             self.raise(all, &totals)?;
         }
+    }
+
+    /// Gathers with so many rays at all points, which have none yet, in blocks that the journal holds or
+    /// others compute. What there is time for before a deadline is not kept.
+    fn begin(&self, all: &mut Gathering, rays: u32) -> Result<(), GatherError> {
+        if self.progress.has_deadline() || !self.journal.is_kept() {
+            return Ok(self.raise(all, &vec![rays; self.points.len()])?);
+        }
+        let termination = all.strata.termination(0);
+        let count = self.points.len();
+        let size = (count.div_ceil(CHUNK), block_chunks(rays));
+        let own = Division::new(size.0, size.1, self.journal).own_items(self.journal);
+        self.progress.begin("irradiance", (own * CHUNK) as u64);
+        let stage = JournalStage::Points;
+        let found = resumed(self.journal, stage, size, self.progress, |chunks| {
+            let of = |&chunk: &usize| (chunk * CHUNK) as u32..count.min((chunk + 1) * CHUNK) as u32;
+            let chosen: Vec<u32> = chunks.iter().flat_map(of).collect();
+            let found = self.gather_at(&chosen, 0..rays, termination)?;
+            let found: Vec<SplitIrradiance> = found.into_iter().flatten().collect();
+            Ok(found
+                .chunks(CHUNK)
+                .map(|c| PointChunk(c.to_vec()))
+                .collect())
+        })?;
+        let found = found.ok_or(GatherError::Elsewhere)?;
+        for (i, new) in found.iter().flat_map(|chunk| &chunk.0).enumerate() {
+            all.values.add(i, new, 1.0);
+            all.spent[i] = rays;
+        }
+        all.combine();
+        Ok(())
     }
 
     /// Raises every point to its total, in groups with the same start and total; points keep what
@@ -687,6 +727,39 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())
+    }
+}
+
+/// Rays of a journal block, about, and fewest and most of its chunks.
+const BLOCK_RAYS: usize = 1 << 23;
+const BLOCK: [usize; 2] = [32, 4096];
+
+/// Chunks of a journal block.
+fn block_chunks(rays: u32) -> usize {
+    (BLOCK_RAYS / (CHUNK * rays.max(1) as usize)).clamp(BLOCK[0], BLOCK[1])
+}
+
+/// Points that were gathered together.
+struct PointChunk(Vec<SplitIrradiance>);
+
+impl Record for PointChunk {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_list(&self.0, bytes, |point, bytes| {
+            let all = [point.direct, point.indirect].map(|g| g.replicates);
+            let numbers = all.into_iter().flatten().flat_map(Rgb::to_array);
+            bytes.extend(numbers.flat_map(f64::to_le_bytes));
+        });
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<PointChunk> {
+        let points = bytes.list(|b| {
+            let [mut direct, mut indirect] = [Gathered::default(); 2];
+            for colour in direct.replicates.iter_mut().chain(&mut indirect.replicates) {
+                *colour = Rgb::new(b.f64()?, b.f64()?, b.f64()?);
+            }
+            Some(SplitIrradiance { direct, indirect })
+        });
+        points.map(PointChunk)
     }
 }
 

@@ -54,8 +54,9 @@ pub use path_pairs::{PairRange, PathPair};
 pub use preview::{Preview, PreviewStage};
 pub use sides::StoredSides;
 pub use solve::{
-    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
+    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_in_blocks,
+    solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
-pub use solved_light::{Probed, SolvedLight, probe};
+pub use solved_light::{Probed, SolvedLight, probe, probe_in_blocks};
 pub use system::EnergyBalance;

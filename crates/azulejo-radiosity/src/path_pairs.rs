@@ -3,7 +3,7 @@
 use crate::deadline::GatherPace;
 use crate::gather::{GatherLight, GatherPass};
 use azulejo_trace::{
-    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Progress, Termination,
+    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, NoJournal, Progress, Termination,
 };
 use std::ops::Range;
 
@@ -44,6 +44,7 @@ pub(crate) fn gather_pairs(
         gatherer,
         light,
         points,
+        journal: &NoJournal,
         pace: &GatherPace::default(),
         seed,
         progress,

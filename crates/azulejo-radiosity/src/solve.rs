@@ -13,7 +13,7 @@ use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Progress, Tracer};
+use azulejo_trace::{Cancelled, Journal, JournalStage, NoJournal, Progress, Tracer};
 use std::fmt;
 
 /// Options of the first pass.
@@ -181,6 +181,9 @@ pub enum SolveError {
     OutOfTime,
     /// The caller cancelled.
     Cancelled,
+    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
+    /// ([`Journal::assembles`]).
+    Elsewhere,
     /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
     /// this; programs that also compute matrices do.
     Factors(FactorsError),
@@ -191,6 +194,7 @@ impl From<FactorsError> for SolveError {
         match error {
             FactorsError::NoSurface => SolveError::NoSurface,
             FactorsError::Cancelled => SolveError::Cancelled,
+            FactorsError::Elsewhere => SolveError::Elsewhere,
             other => SolveError::Factors(other),
         }
     }
@@ -201,6 +205,7 @@ impl From<GatherError> for SolveError {
         match error {
             GatherError::Cancelled => SolveError::Cancelled,
             GatherError::OutOfTime => SolveError::OutOfTime,
+            GatherError::Elsewhere => SolveError::Elsewhere,
         }
     }
 }
@@ -229,6 +234,7 @@ impl fmt::Display for SolveError {
                  or ask for fewer patches",
             ),
             SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
+            SolveError::Elsewhere => FactorsError::Elsewhere.fmt(f),
             SolveError::Factors(error) => error.fmt(f),
         }
     }
@@ -319,7 +325,22 @@ pub fn solve(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<LightSolution, SolveError> {
-    solve_for(None, scene, tracer, pass, progress)
+    solve_for(None, scene, tracer, pass, (&NoJournal, progress))
+}
+
+/// As [`solve`], with blocks of vertices that the journal holds or others compute. The light between
+/// patches is computed by each process.
+///
+/// # Errors
+/// As [`solve`], and [`SolveError::Elsewhere`].
+pub fn solve_in_blocks(
+    scene: &Scene,
+    tracer: &Tracer,
+    pass: &FirstPass,
+    journal: &dyn Journal,
+    progress: &Progress,
+) -> Result<LightSolution, SolveError> {
+    solve_for(None, scene, tracer, pass, (journal, progress))
 }
 
 /// As [`solve`], with previews: as soon as the patches are solved, and after each pass over the
@@ -357,7 +378,7 @@ pub fn solve_watched(
     progress: &Progress,
     watch: &mut dyn FnMut(Preview),
 ) -> Result<LightSolution, SolveError> {
-    solve_for(Some(watch), scene, tracer, pass, progress)
+    solve_for(Some(watch), scene, tracer, pass, (&NoJournal, progress))
 }
 
 fn solve_for(
@@ -365,7 +386,7 @@ fn solve_for(
     scene: &Scene,
     tracer: &Tracer,
     pass: &FirstPass,
-    progress: &Progress,
+    (journal, progress): (&dyn Journal, &Progress),
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
@@ -376,6 +397,7 @@ fn solve_for(
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
     let (light, black) = (solved.light(pass), solved.black_light(pass));
+    journal.rely_on(JournalStage::Points, solved.digest())?;
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(
         &solved.gatherer,
@@ -383,6 +405,7 @@ fn solve_for(
         GatherTargets {
             points: &targets.points,
             areas: &targets.areas(&solved.patches),
+            journal,
         },
         pass.effort(solved.method),
         seed,

@@ -15,8 +15,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress,
-    SplitIrradiance, Surfaces, Termination, Tracer,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, NoJournal, Progress,
+    SplitIrradiance, Surfaces, Termination, Tracer, journal,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -71,6 +71,7 @@ pub fn radiosity(
     let nothing = Gathering::new(GatherTargets {
         points: &[],
         areas: &[],
+        journal: &NoJournal,
     });
     if solved.method == Method::Paths {
         return Err(SolveError::OutOfTime);
@@ -190,6 +191,12 @@ impl<'a> SolvedPatches<'a> {
             has_light_left: pass.bounces.is_some(),
             absorbed_by_limit,
         })
+    }
+
+    /// A digest of the light on patches, for those who share the work on what is gathered from it.
+    pub fn digest(&self) -> u64 {
+        let all = self.solution.solutions.iter().flatten();
+        journal::digest(all.flat_map(|light| light.to_array()))
     }
 
     /// B of every side with its standard error.

@@ -9,7 +9,9 @@ use azulejo_factors::row::side;
 use azulejo_factors::{PointNormal, ProxyScene};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{GatherPoint, Gathered, Gatherer, Progress, Tracer};
+use azulejo_trace::{
+    GatherPoint, Gathered, Gatherer, Journal, JournalStage, NoJournal, Progress, Tracer,
+};
 use rayon::prelude::*;
 
 /// Points that are worked on together.
@@ -50,6 +52,7 @@ impl<'a> SolvedLight<'a> {
         self.solved.report(&Gathering::new(GatherTargets {
             points: &[],
             areas: &[],
+            journal: &NoJournal,
         }))
     }
 
@@ -74,6 +77,20 @@ impl<'a> SolvedLight<'a> {
     /// # Errors
     /// As [`solve`](crate::solve()).
     pub fn probe(&self, points: &[PointNormal], progress: &Progress) -> Result<Probed, SolveError> {
+        self.probe_in_blocks(points, &NoJournal, progress)
+    }
+
+    /// As [`probe`](SolvedLight::probe), with blocks of points that `journal` holds or others compute.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
+    pub fn probe_in_blocks(
+        &self,
+        points: &[PointNormal],
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<Probed, SolveError> {
+        journal.rely_on(JournalStage::Points, self.solved.digest())?;
         let points = self.proxy.on_polygons(points);
         let place = |(i, p): (usize, &PointNormal)| GatherPoint {
             position: p.position,
@@ -91,6 +108,7 @@ impl<'a> SolvedLight<'a> {
             GatherTargets {
                 points: &places,
                 areas: &[],
+                journal,
             },
             self.pass.effort(self.solved.method),
             hash(&[self.pass.key(), 2]),
@@ -164,7 +182,11 @@ impl<'a> SolvedLight<'a> {
         let found: Gathering = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
-            GatherTargets { points, areas },
+            GatherTargets {
+                points,
+                areas,
+                journal: &NoJournal,
+            },
             effort,
             hash(&[self.pass.key(), 2, seed]),
             progress,
@@ -195,6 +217,21 @@ pub fn probe(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
+    probe_in_blocks(scene, tracer, points, pass, (&NoJournal, progress))
+}
+
+/// As [`probe`], with blocks of points that the journal holds or others compute. The light between patches is
+/// computed by each process.
+///
+/// # Errors
+/// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
+pub fn probe_in_blocks(
+    scene: &Scene,
+    tracer: &Tracer,
+    points: &[PointNormal],
+    pass: &FirstPass,
+    (journal, progress): (&dyn Journal, &Progress),
+) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    SolvedLight::new(&proxy, pass, progress)?.probe(points, progress)
+    SolvedLight::new(&proxy, pass, progress)?.probe_in_blocks(points, journal, progress)
 }

@@ -10,7 +10,7 @@ use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gather
 use crate::interpolation::{Interpolator, Stencil};
 use crate::records::RecordCells;
 use azulejo_scene::Rgb;
-use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, SplitIrradiance};
+use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, NoJournal, SplitIrradiance};
 
 /// Points from which on indirect light is interpolated: fewer are soon gathered.
 pub const LEAST_POINTS: usize = 4096;
@@ -308,6 +308,7 @@ impl RecordGather {
             ..Gathering::new(GatherTargets {
                 points: &points,
                 areas: &areas,
+                journal: &NoJournal,
             })
         };
         RecordGather {

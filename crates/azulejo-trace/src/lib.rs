@@ -12,7 +12,7 @@
 //! [`Gatherer`] (irradiance at points, for both passes). Embree can trace the triangles instead
 //! ([`Kernel`]; feature `embree`). [`item_buffer`] solves visibility by rasterization: it finds the
 //! patches that are visible through the pixels of a hemicube. [`Progress`] reports the progress of
-//! long work, pauses and stops it.
+//! long work, pauses and stops it; a [`Journal`] keeps its finished blocks, and divides it.
 //!
 //! ```
 //! use azulejo_scene::{math::Ray, synthetic::cube_room};
@@ -31,6 +31,7 @@ mod gather;
 mod hit;
 pub mod interaction;
 pub mod item_buffer;
+pub mod journal;
 mod kernel;
 pub mod lambert;
 pub mod lights;
@@ -45,6 +46,7 @@ pub use gather::{
     SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
 };
 pub use hit::{Hit, Item};
+pub use journal::{Journal, JournalStage, NoJournal};
 #[cfg(feature = "embree")]
 pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};

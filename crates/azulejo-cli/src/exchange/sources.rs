@@ -4,7 +4,7 @@ use super::args::ExchangeArgs;
 use super::of_file;
 use crate::failure::Failure;
 use crate::form_factors::stored::{is_archive, read_archive, refuse_computation};
-use crate::form_factors::{self, FactorRequest};
+use crate::form_factors::{self, FactorJournal, FactorRequest};
 use crate::report::{Report, percent};
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
@@ -64,7 +64,7 @@ fn computed(
             computation: &args.computation,
             separate: false,
             room: None,
-            journal: None,
+            journal: FactorJournal::None,
         };
         let mut other = Report::default();
         let report = if found.is_empty() {

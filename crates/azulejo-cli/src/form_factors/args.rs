@@ -2,6 +2,7 @@
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
+use crate::shards::{Shard, shard};
 use crate::values;
 use azulejo::periods::Periods;
 use azulejo_exchange::archive::ArchivePrecision;
@@ -36,6 +37,10 @@ pub struct FormFactorArgs {
     /// Write no journal next to the output; an interrupted computation then starts over
     #[arg(long)]
     pub no_journal: bool,
+    /// Compute only the rows of shard K of N, from 1, and write them to -o as a part; `azulejo merge` makes
+    /// the result of all parts. An interrupted shard resumes by the same command
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "no_journal")]
+    pub shard: Option<Shard>,
     #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]
@@ -257,6 +262,7 @@ Examples:
   azulejo form-factors city.stl -o vfsparse.inp.001 --by face --periodic x,y
   azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0
   azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
+  azulejo form-factors city.obj -o part-3 --shard 3/64
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
 The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at

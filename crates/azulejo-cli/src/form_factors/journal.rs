@@ -1,16 +1,15 @@
 //! The journal next to the output: finished blocks of rows, with which the same command resumes
 //! after an interruption.
 //!
-//! A header identifies the work by a hash of scene, options and version. Records follow, each with
-//! its length and checksums of header and content, and are only appended: however the process ends,
-//! earlier records are complete, and an incomplete record at the end is detected and truncated.
+//! A header identifies the work by a hash of scene, options and version; records follow
+//! ([`RecordFile`]).
 
 use crate::content_key::ContentKey;
 use crate::failure::Failure;
+use crate::record_file::{self, BlockId, RecordFile, read_up_to};
 use azulejo_factors::form_factors::{Journal, JournalStage};
-use std::collections::HashMap;
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -22,9 +21,6 @@ const MARK: &[u8] = b"azulejo form factors ";
 /// Magic, key and checksum.
 const HEADER: u64 = 24 + 32 + 4;
 
-/// Stage, block, length, checksum of the content, checksum of the fields before.
-const HEAD: usize = 4 + 8 + 8 + 4 + 4;
-
 /// A journal in a file.
 pub struct FileJournal {
     path: PathBuf,
@@ -35,20 +31,10 @@ pub struct FileJournal {
 #[derive(Default)]
 struct JournalState {
     /// Created with the first record.
-    file: Option<File>,
-    stored: HashMap<(JournalStage, usize), StoredBlock>,
-    /// Position of the next record.
-    end: u64,
+    records: Option<RecordFile>,
     /// Set after a write error: no more records are written.
     is_broken: bool,
     messages: Vec<String>,
-}
-
-#[derive(Clone, Copy)]
-struct StoredBlock {
-    start: u64,
-    length: u64,
-    checksum: u32,
 }
 
 impl FileJournal {
@@ -59,10 +45,14 @@ impl FileJournal {
         match OpenOptions::new().read(true).write(true).open(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => {}
             Err(e) => return Err(Failure::file("open", &path, &e)),
-            Ok(file) => {
-                lock(&file, &path)?;
-                state.resume(file, key, &path)?;
+            // Only one process at a time can use a journal.
+            Ok(file) if !record_file::is_free(&file) => {
+                return Err(Failure::failed(format_args!(
+                    "{} is in use: another azulejo is writing the same output",
+                    path.display()
+                )));
             }
+            Ok(file) => state.resume(file, key, &path)?,
         }
         Ok(FileJournal {
             path,
@@ -73,7 +63,7 @@ impl FileJournal {
 
     /// Number of stored blocks.
     pub fn blocks(&self) -> usize {
-        self.state().stored.len()
+        self.state().records.as_ref().map_or(0, RecordFile::len)
     }
 
     /// Its path.
@@ -90,7 +80,7 @@ impl FileJournal {
     pub fn remove(self) {
         let state = self.state.into_inner();
         let state = state.unwrap_or_else(PoisonError::into_inner);
-        if state.file.is_some() {
+        if state.records.is_some() {
             // A file that cannot be removed is restarted or used by the next run.
             let _ = std::fs::remove_file(&self.path);
         }
@@ -104,8 +94,11 @@ impl FileJournal {
 impl Journal for FileJournal {
     fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
         let mut state = self.state();
-        let place = *state.stored.get(&(stage, block))?;
-        let read = state.read(place);
+        let records = state.records.as_mut()?;
+        if !records.has((stage, block)) {
+            return None;
+        }
+        let read = records.read((stage, block));
         if read.is_none() {
             let path = self.path.display();
             let words = format!("{path}: a block is damaged and is computed again");
@@ -119,7 +112,7 @@ impl Journal for FileJournal {
         if state.is_broken {
             return;
         }
-        if let Err(e) = state.append(&self.path, self.key, stage, block, bytes) {
+        if let Err(e) = state.append(&self.path, self.key, (stage, block), bytes) {
             state.is_broken = true;
             let failure = Failure::file("write", &self.path, &e);
             let words = format!("{failure}: rows from here on would be lost by an interruption");
@@ -141,111 +134,42 @@ impl JournalState {
                 path.display()
             )));
         }
-        if header != self::header(key) {
+        let records = if header != self::header(key) {
             let words = format!(
                 "{}: belongs to another scene, other options or another version, or is damaged; restarted",
                 path.display()
             );
             self.messages.push(words);
-            file.set_len(0).map_err(failed)?;
-            file.rewind().map_err(failed)?;
-            file.write_all(&self::header(key)).map_err(failed)?;
-            self.end = HEADER;
+            RecordFile::begun(file, &self::header(key)).map_err(failed)?
         } else {
-            self.scan(&mut file).map_err(failed)?;
-            let length = file.metadata().map_err(failed)?.len();
-            if length > self.end {
+            let records = RecordFile::scan(file, HEADER).map_err(failed)?;
+            let rest = records.rest().map_err(failed)?;
+            if rest > 0 {
                 let words = format!(
-                    "{}: the last {} bytes are incomplete or damaged; they are computed again",
-                    path.display(),
-                    length - self.end
+                    "{}: the last {rest} bytes are incomplete or damaged; they are computed again",
+                    path.display()
                 );
                 self.messages.push(words);
-                file.set_len(self.end).map_err(failed)?;
+                records.cut().map_err(failed)?;
             }
-        }
-        self.file = Some(file);
+            records
+        };
+        self.records = Some(records);
         Ok(())
-    }
-
-    /// Finds all complete records.
-    fn scan(&mut self, file: &mut File) -> io::Result<()> {
-        let length = file.metadata()?.len();
-        self.end = HEADER;
-        let mut head = [0; HEAD];
-        loop {
-            file.seek(SeekFrom::Start(self.end))?;
-            if read_up_to(file, &mut head)? < HEAD {
-                return Ok(());
-            }
-            let Some((key, place)) = parse_record_header(&head, self.end + HEAD as u64) else {
-                return Ok(());
-            };
-            let Some(end) = place
-                .start
-                .checked_add(place.length)
-                .filter(|&e| e <= length)
-            else {
-                return Ok(());
-            };
-            self.stored.insert(key, place);
-            self.end = end;
-        }
-    }
-
-    fn read(&mut self, place: StoredBlock) -> Option<Vec<u8>> {
-        let file = self.file.as_mut()?;
-        file.seek(SeekFrom::Start(place.start)).ok()?;
-        // The scan has checked that the file is long enough.
-        let mut bytes = vec![0; usize::try_from(place.length).ok()?];
-        file.read_exact(&mut bytes).ok()?;
-        (crc32fast::hash(&bytes) == place.checksum).then_some(bytes)
     }
 
     fn append(
         &mut self,
         path: &Path,
         key: ContentKey,
-        stage: JournalStage,
-        block: usize,
+        id: BlockId,
         bytes: &[u8],
     ) -> io::Result<()> {
-        if self.file.is_none() {
-            let mut options = OpenOptions::new();
-            let mut file = options.read(true).write(true).create_new(true).open(path)?;
-            file.try_lock().map_err(io::Error::from)?;
-            file.write_all(&header(key))?;
-            self.end = HEADER;
-            self.file = Some(file);
-        }
-        let Some(file) = &mut self.file else {
-            return Ok(());
+        let records = match &mut self.records {
+            Some(records) => records,
+            None => self.records.insert(RecordFile::create(path, &header(key))?),
         };
-        let head = record_header(stage, block, bytes);
-        file.seek(SeekFrom::Start(self.end))?;
-        file.write_all(&head)?;
-        file.write_all(bytes)?;
-        let place = StoredBlock {
-            start: self.end + HEAD as u64,
-            length: bytes.len() as u64,
-            checksum: crc32fast::hash(bytes),
-        };
-        self.stored.insert((stage, block), place);
-        self.end = place.start + place.length;
-        Ok(())
-    }
-}
-
-/// Only one process at a time can use a journal.
-fn lock(file: &File, path: &Path) -> Result<(), Failure> {
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(Failure::failed(format_args!(
-            "{} is in use: another azulejo is writing the same output",
-            path.display()
-        ))),
-        // Some file systems have no locks.
-        Err(TryLockError::Error(_)) => Ok(()),
+        records.append(id, bytes)
     }
 }
 
@@ -258,66 +182,10 @@ fn header(key: ContentKey) -> [u8; HEADER as usize] {
     header
 }
 
-fn record_header(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
-    let mut head = number_of(stage).to_le_bytes().to_vec();
-    head.extend((block as u64).to_le_bytes());
-    head.extend((bytes.len() as u64).to_le_bytes());
-    head.extend(crc32fast::hash(bytes).to_le_bytes());
-    head.extend(crc32fast::hash(&head).to_le_bytes());
-    head
-}
-
-/// Parses a record header, if it is intact.
-fn parse_record_header(
-    head: &[u8; HEAD],
-    start: u64,
-) -> Option<((JournalStage, usize), StoredBlock)> {
-    let (said, checksum) = head.split_last_chunk::<4>()?;
-    if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {
-        return None;
-    }
-    let (stage, rest) = said.split_first_chunk::<4>()?;
-    let (block, rest) = rest.split_first_chunk::<8>()?;
-    let (length, checksum) = rest.split_first_chunk::<8>()?;
-    let stage = stage_of(u32::from_le_bytes(*stage))?;
-    let place = StoredBlock {
-        start,
-        length: u64::from_le_bytes(*length),
-        checksum: u32::from_le_bytes(*checksum.first_chunk()?),
-    };
-    Some(((stage, u64::from_le_bytes(*block) as usize), place))
-}
-
-fn number_of(stage: JournalStage) -> u32 {
-    match stage {
-        JournalStage::Rows => 0,
-        JournalStage::Pairs => 1,
-    }
-}
-
-fn stage_of(number: u32) -> Option<JournalStage> {
-    [JournalStage::Rows, JournalStage::Pairs]
-        .into_iter()
-        .find(|&s| number_of(s) == number)
-}
-
-/// Reads until `bytes` are full or the file ends.
-fn read_up_to(file: &mut File, bytes: &mut [u8]) -> io::Result<usize> {
-    let mut filled = 0;
-    while filled < bytes.len() {
-        match file.read(&mut bytes[filled..]) {
-            Ok(0) => break,
-            Ok(n) => filled += n,
-            Err(e) if e.kind() == ErrorKind::Interrupted => {}
-            Err(e) => return Err(e),
-        }
-    }
-    Ok(filled)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record_file::HEAD;
     use std::fs;
 
     struct Folder(PathBuf);
@@ -489,7 +357,7 @@ mod tests {
             .write(true)
             .open("/dev/full")
             .unwrap();
-        journal.state().file = Some(full);
+        journal.state().records = Some(RecordFile::scan(full, HEADER).unwrap());
         journal.save(JournalStage::Rows, 0, b"block");
         journal.save(JournalStage::Rows, 1, b"block");
         let said = journal.take_messages();

@@ -12,10 +12,11 @@ mod view3d;
 
 use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
-use super::engine::{EngineName, PreparedEngine};
+use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
+use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
@@ -23,15 +24,12 @@ use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
-use azulejo_factors::{
-    Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
-};
+use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use destination::Destination;
 use journal::FileJournal;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use view3d::View3dInput;
 
@@ -45,6 +43,62 @@ struct Computed {
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
+    match args.shard {
+        Some(shard) => part(args, shard, session),
+        None => whole(args, None, session),
+    }
+}
+
+/// Runs `form-factors` with rows from parts.
+pub fn run_merged(
+    args: &FormFactorArgs,
+    parts: &MergedParts,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    whole(args, Some(parts), session)
+}
+
+/// Computes a part of the rows.
+fn part(args: &FormFactorArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
+    if args
+        .input
+        .scenes
+        .iter()
+        .any(|path| stored::is_archive(path))
+    {
+        return Err(Failure::misuse(
+            "--shard: the factors of an .npz are computed, there is nothing to divide",
+        ));
+    }
+    let planned = PartPlan::check(shard, &args.output)?;
+    let (room, scene) = read_scene(args, session)?;
+    let scene = room.as_ref().map_or(&scene, View3dInput::scene);
+    let how = FactorRequest {
+        computation: &args.computation,
+        separate: args.matrix.separate,
+        room: room.as_ref(),
+        journal: FactorJournal::None,
+    };
+    let setup = FactorSetup::new(scene, how)?;
+    let plan = setup.plan(scene, how, session)?;
+    let prepared = plan.prepare();
+    let part = planned.open(&setup.work_key(scene, &prepared), session)?;
+    let mut report = Report::default();
+    part.fill(session, &mut report, |part, session| {
+        match session.with_progress(|p| prepared.compute(part, p)) {
+            Ok(_) | Err(FactorsError::Elsewhere) => Ok(()),
+            Err(e) => Err(pass::failure(e)),
+        }
+    })?;
+    Ok(report)
+}
+
+/// Computes the matrix, or makes it from parts, and writes it.
+fn whole(
+    args: &FormFactorArgs,
+    parts: Option<&MergedParts>,
+    session: &mut Session,
+) -> Result<Report, Failure> {
     let destination = Destination::new(args)?;
     session.claim_stdout(destination.output.is_stdout())?;
     let mut report = Report::default();
@@ -54,7 +108,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
             room: None,
             journal: None,
         },
-        None => computed(args, &destination.output, session, &mut report)?,
+        None => computed(args, parts, &destination.output, session, &mut report)?,
     };
     let mut enclosure = computed.enclosure;
     if let Some(share) = args.matrix.truncate {
@@ -74,22 +128,25 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
 /// Computes the matrix of models.
 fn computed(
     args: &FormFactorArgs,
+    parts: Option<&MergedParts>,
     output: &Output,
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Computed, Failure> {
-    let room = view3d::read(args, session)?;
-    let scene = match &room {
-        Some(room) => Cow::Borrowed(room.scene()),
-        None => Cow::Owned(painted(args, read_models(&args.input, session)?)?),
-    };
+    let (room, scene) = read_scene(args, session)?;
+    let scene = room.as_ref().map_or(&scene, View3dInput::scene);
+    let beside = output.file().filter(|_| !args.no_journal);
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
         room: room.as_ref(),
-        journal: output.file().filter(|_| !args.no_journal),
+        journal: match (parts, beside) {
+            (Some(parts), _) => FactorJournal::Parts(parts),
+            (None, Some(output)) => FactorJournal::Beside(output),
+            (None, None) => FactorJournal::None,
+        },
     };
-    let (enclosure, journal) = enclosure(&scene, how, session, report)?;
+    let (enclosure, journal) = enclosure(scene, how, session, report)?;
     let enclosure = match room {
         None => grouping::grouped(enclosure, args, session)?,
         Some(_) => enclosure,
@@ -101,6 +158,28 @@ fn computed(
     })
 }
 
+/// The View3D file, or the scene of other models.
+fn read_scene(
+    args: &FormFactorArgs,
+    session: &mut Session,
+) -> Result<(Option<View3dInput>, Scene), Failure> {
+    match view3d::read(args, session)? {
+        Some(room) => Ok((Some(room), Scene::default())),
+        None => Ok((None, painted(args, read_models(&args.input, session)?)?)),
+    }
+}
+
+/// Where finished blocks of rows are.
+#[derive(Clone, Copy)]
+pub enum FactorJournal<'a> {
+    /// Nowhere.
+    None,
+    /// In a journal next to this output.
+    Beside(&'a Path),
+    /// In parts that others computed.
+    Parts(&'a MergedParts),
+}
+
 /// How a matrix is computed.
 #[derive(Clone, Copy)]
 pub struct FactorRequest<'a> {
@@ -110,8 +189,55 @@ pub struct FactorRequest<'a> {
     pub separate: bool,
     /// The View3D file whose rows are wanted.
     pub room: Option<&'a View3dInput>,
-    /// The output next to which a journal is kept.
-    pub journal: Option<&'a Path>,
+    /// Where finished blocks are.
+    pub journal: FactorJournal<'a>,
+}
+
+/// What a plan refers to.
+struct FactorSetup {
+    engine: PreparedEngine,
+    tracer: Tracer,
+    options: FormFactorOptions,
+}
+
+impl FactorSetup {
+    fn new(scene: &Scene, how: FactorRequest) -> Result<FactorSetup, Failure> {
+        refuse_contradiction(how.computation)?;
+        let engine = how.computation.engine.prepare()?;
+        let tracer = repeated(engine.tracer(scene)?, how.computation)?;
+        let mut options = options(how, &engine);
+        if let Some(room) = how.room {
+            options = room.options(options, how.computation);
+        }
+        Ok(FactorSetup {
+            engine,
+            tracer,
+            options,
+        })
+    }
+
+    /// Divides the scene, and says what is wrong with it.
+    fn plan<'a>(
+        &'a self,
+        scene: &'a Scene,
+        how: FactorRequest,
+        session: &mut Session,
+    ) -> Result<Plan<'a>, Failure> {
+        let plan = Plan::new(scene, &self.tracer, &self.options).map_err(pass::failure)?;
+        if how.room.is_none() {
+            plan.flaws().iter().for_each(|flaw| session.note(flaw));
+        }
+        Ok(plan)
+    }
+
+    /// What all blocks depend on.
+    fn work_key(&self, scene: &Scene, plan: &PreparedPlan) -> WorkKey {
+        WorkKey {
+            scene: ContentHasher::new().add(scene).key(),
+            settings: key(&Scene::default(), &self.tracer, &self.options),
+            engine: engine::word(plan.engine()).to_owned(),
+        }
+    }
 }
 
 /// The factors between patches of a scene, with what they receive from outside, and the journal that is done
@@ -122,31 +248,37 @@ pub fn enclosure(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<(Enclosure, Option<FileJournal>), Failure> {
-    refuse_contradiction(how.computation)?;
-    let engine = how.computation.engine.prepare()?;
-    let tracer = repeated(engine.tracer(scene)?, how.computation)?;
-    let mut options = options(how, &engine);
-    if let Some(room) = how.room {
-        options = room.options(options, how.computation);
-    }
-    let plan = Plan::new(scene, &tracer, &options).map_err(pass::failure)?;
-    if how.room.is_none() {
-        plan.flaws().iter().for_each(|flaw| session.note(flaw));
-    }
+    let setup = FactorSetup::new(scene, how)?;
+    let FactorSetup {
+        engine,
+        tracer,
+        options,
+    } = &setup;
+    let plan = setup.plan(scene, how, session)?;
     let prepared = plan.prepare();
+    if let FactorJournal::Parts(parts) = how.journal {
+        parts.check(&setup.work_key(scene, &prepared))?;
+    }
     forecast(&prepared, session, report)?;
     let journal = match how.journal {
-        Some(output) => Some(open_journal(output, scene, &tracer, &options)?),
-        None => None,
+        FactorJournal::Beside(output) => Some(open_journal(output, scene, tracer, options)?),
+        FactorJournal::None | FactorJournal::Parts(_) => None,
     };
-    let factors = compute(&prepared, journal.as_ref(), session);
+    let factors = match how.journal {
+        FactorJournal::Parts(parts) => parts.used(
+            session
+                .with_progress(|p| prepared.compute(parts, p))
+                .map_err(pass::failure),
+        ),
+        _ => compute(&prepared, journal.as_ref(), session),
+    };
     journal
         .iter()
         .flat_map(FileJournal::take_messages)
         .for_each(|message| session.note(&message));
     let mut enclosure = Enclosure::new(&prepared, scene, factors?);
     if !options.two_sided && how.room.is_none() {
-        facing::advise(scene, &tracer, &enclosure.factors, session)?;
+        facing::advise(scene, tracer, &enclosure.factors, session)?;
     }
     engine.describe(&enclosure.factors.engine_used, report);
     let used = &enclosure.factors.engine_used.name;
@@ -301,7 +433,7 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         .add(env!("CARGO_PKG_VERSION"))
         .add(&tracer.kernel_name())
         .add(&tracer.period());
-    add_engine(engine, &mut hasher);
+    engine::add_to_key(engine, &mut hasher);
     match *size {
         PatchSize::Count(patches) => hasher.add(&0u8).add(&patches),
         PatchSize::Squares(patches) => hasher.add(&1u8).add(&patches),
@@ -316,38 +448,6 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         .add(accuracy)
         .add(scene)
         .key()
-}
-
-/// An engine with all its settings.
-fn add_engine(engine: &Engine, hasher: &mut ContentHasher) {
-    let mut hemicubes = |kind: &str, hemicube: &Hemicube| {
-        let Hemicube {
-            resolution,
-            points,
-            device,
-        } = hemicube;
-        let device = match device {
-            HemicubeBackend::Processor => "processor".to_owned(),
-            HemicubeBackend::Device(device) => device.name(),
-        };
-        hasher.add(kind).add(resolution).add(points).add(&device);
-    };
-    match engine {
-        Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
-        Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
-        Engine::Auto => {
-            hasher.add("auto");
-        }
-        Engine::Rays => {
-            hasher.add("rays");
-        }
-        Engine::Analytic => {
-            hasher.add("analytic");
-        }
-        Engine::Particles => {
-            hasher.add("particles");
-        }
-    }
 }
 
 /// Computes under a progress bar, and reports how to resume if interrupted.
@@ -377,6 +477,7 @@ fn compute(
 #[cfg(test)]
 mod key_tests {
     use super::*;
+    use azulejo_factors::Hemicube;
     use azulejo_scene::brdf::{Brdf, Content, Description, Measured, Merl};
     use azulejo_scene::synthetic::cube_room;
     use std::sync::Arc;

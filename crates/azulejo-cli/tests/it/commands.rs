@@ -259,6 +259,7 @@ fn the_program_explains_itself() {
         "render",
         "probe",
         "form-factors",
+        "merge",
         "exchange",
         "experiment",
         "validate",
@@ -293,7 +294,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 29);
+    assert_eq!(folder.names().len(), 30);
 }
 
 #[test]

@@ -35,3 +35,5 @@ mod interrupt;
 mod layers;
 mod lightmap;
 mod matrix_files;
+#[cfg(unix)]
+mod shards;

@@ -8,15 +8,14 @@ use super::traversal::{
 };
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
-use crate::form_factors::journal::{
-    Journal, JournalStage, Record, RecordReader, resumed, write_list,
-};
+use crate::form_factors::exchange::{read_row, write_row};
 use crate::form_factors::{Exchange, ExchangeAreas};
 use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
 use crate::shadow_rays::View;
 use azulejo_scene::math::area_vector;
-use azulejo_trace::{Cancelled, Progress, Surfaces};
+use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
+use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -140,27 +139,37 @@ impl<'a> Exchanger<'a> {
         self.positions[row] != NOWHERE
     }
 
-    /// The upper triangle of each order, by rows, except blocks that the journal holds. Rows that
-    /// time ran out for are not marked in `is_done`.
+    /// The upper triangle of each order, by rows, except blocks that the journal holds; `None` if others
+    /// make the result. Rows that time ran out for are not marked in `is_done`.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn all(&self, journal: &dyn Journal, progress: &Progress) -> Result<AllPairs, Cancelled> {
+    pub fn all(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<Option<AllPairs>, Cancelled> {
         let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
         let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
-        progress.begin("exchange areas", groups.len() as u64);
-        let group = |rows: &&[u32]| {
+        let size = (groups.len(), block_groups(self.sides.len()));
+        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        progress.begin("exchange areas", own as u64);
+        let group = |&group: &usize| {
             progress.advance(1)?;
             if progress.out_of_time() {
                 return Ok(RowGroup::default());
             }
-            let (rows, counts) = self.group(rows, true);
+            let (rows, counts) = self.group(groups[group], true);
             Ok(RowGroup { rows, counts })
         };
-        let size = (groups.len(), block_groups(self.sides.len()));
-        let done = resumed(journal, JournalStage::Pairs, size, progress, |block| {
-            groups[block].par_iter().map(group).collect()
+        let done = resumed(journal, JournalStage::Pairs, size, progress, |wanted| {
+            wanted.par_iter().map(group).collect()
         })?;
+        Ok(done.map(|done| self.assembled(done)))
+    }
+
+    /// The pairs of all groups.
+    fn assembled(&self, done: Vec<RowGroup>) -> AllPairs {
         let n = self.sides.len();
         let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
         // Rows without a facet count as done.
@@ -175,11 +184,11 @@ impl<'a> Exchanger<'a> {
                 }
             }
         }
-        Ok(AllPairs {
+        AllPairs {
             orders: orders.map(ExchangeAreas::from_rows),
             is_done,
             counts,
-        })
+        }
     }
 
     /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
@@ -441,7 +450,7 @@ impl Record for RowGroup {
     fn write(&self, bytes: &mut Vec<u8>) {
         write_list(&self.rows, bytes, |(id, orders), bytes| {
             bytes.extend(id.to_le_bytes());
-            orders.iter().for_each(|row| row.write(bytes));
+            orders.iter().for_each(|row| write_row(row, bytes));
         });
         let counts = self.counts.counts();
         bytes.extend(counts.into_iter().flat_map(u64::to_le_bytes));
@@ -450,7 +459,7 @@ impl Record for RowGroup {
     fn read(bytes: &mut RecordReader) -> Option<RowGroup> {
         let row = |b: &mut RecordReader| {
             let id = b.u32()?;
-            let orders = [Vec::read(b)?, Vec::read(b)?, Vec::read(b)?];
+            let orders = [read_row(b)?, read_row(b)?, read_row(b)?];
             Some((id, orders))
         };
         let rows = bytes.list(row)?;

@@ -4,7 +4,7 @@ use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::RowRemainder;
 use super::rows::RowTracing;
-use super::{FormFactors, Journal, PreparedPlan, merge, refuse};
+use super::{FormFactors, Journal, PreparedPlan, merge};
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
 use crate::engine::{Engine, EngineUsed, Estimator};
 use crate::error::FactorsError;
@@ -22,22 +22,24 @@ impl PreparedPlan<'_> {
         progress: &Progress,
     ) -> Result<FormFactors, FactorsError> {
         let (n, options) = (self.sides.len(), self.plan.options);
-        let forecast = self.forecast(progress)?;
-        refuse(options, forecast.rows, forecast.bytes as f64)?;
+        self.refuse_too_large(journal, progress)?;
         let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
         let exchanger = self.exchanger(list);
         let all = exchanger.all(journal, progress)?;
+        // Others have the rows that are not here.
+        let is_done = |row: usize| all.as_ref().is_none_or(|all| all.is_done[row]);
         let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
         let is_known = |i: usize, j: u32, order: Order| {
             let j = j as usize;
             exchanger.known[usize::from(order)]
                 && (has_formula[i] && has_formula[j])
-                && all.is_done[i.min(j)]
+                && is_done(i.min(j))
         };
-        let is_complete = exchanger.is_complete() && all.is_done.iter().all(|&done| done);
+        let is_complete = exchanger.is_complete() && (0..n).all(is_done);
         let patches = &self.plan.patches;
         let materials = patches.materials_in_use(&self.plan.proxy.scene);
         if is_complete && !materials.iter().any(|m| m.is_specular()) {
+            let all = all.ok_or(FactorsError::Elsewhere)?;
             let engine_used = EngineUsed {
                 name: "analytic".to_owned(),
                 device: self.gatherer.surfaces().tracer.kernel_name(),
@@ -56,16 +58,20 @@ impl PreparedPlan<'_> {
         }
         let rays = self.row_rays();
         let estimator = self.ray_estimator(rays);
+        let no_pairs = vec![Vec::new(); n];
         let tracing = RowTracing {
             sides: &self.sides,
             gatherer: &self.gatherer,
-            exact: &vec![Vec::new(); n],
+            exact: &no_pairs,
             estimator: &estimator,
             separate: options.separate,
             is_known: &is_known,
         };
         let traced = tracing.trace(journal, progress)?;
-        let by_rays = merge::merge(&self.sides, traced, tracing.exact, progress)?;
+        let (Some(all), Some(traced)) = (all, traced) else {
+            return Err(FactorsError::Elsewhere);
+        };
+        let by_rays = merge::merge(&self.sides, traced, &no_pairs, progress)?;
         let engine_used = EngineUsed {
             name: "analytic".to_owned(),
             device: estimator.engine_used().device,

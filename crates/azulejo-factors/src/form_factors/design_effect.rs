@@ -7,12 +7,12 @@
 //! the design effect of survey statistics (Kish, *Survey Sampling*, 1965, chapter 5). The variances
 //! of the pieces are multiplied by it before they are added up.
 
-use super::journal::{RecordReader, write_list};
 use super::rows::Column;
 use super::sides::Sides;
 use super::spread::mean_and_variance;
 use crate::patch::FaceId;
 use azulejo_trace::REPLICATES;
+use azulejo_trace::journal::{RecordReader, write_list};
 use std::collections::HashMap;
 use std::hash::Hash;
 

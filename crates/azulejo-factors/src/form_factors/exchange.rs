@@ -1,5 +1,6 @@
 //! Exchange areas S_ij = A_i X_ij, stored once per pair.
 
+use azulejo_trace::journal::{RecordReader, write_list};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -12,6 +13,26 @@ pub struct Exchange {
     pub value: f64,
     /// Its standard error.
     pub error: f32,
+}
+
+/// Appends a row's bytes for a journal.
+pub(crate) fn write_row(row: &[Exchange], bytes: &mut Vec<u8>) {
+    write_list(row, bytes, |e, bytes| {
+        bytes.extend(e.column.to_le_bytes());
+        bytes.extend(e.value.to_le_bytes());
+        bytes.extend(e.error.to_le_bytes());
+    });
+}
+
+/// The inverse of [`write_row`].
+pub(crate) fn read_row(bytes: &mut RecordReader) -> Option<Vec<Exchange>> {
+    bytes.list(|b| {
+        Some(Exchange {
+            column: b.u32()?,
+            value: b.f64()?,
+            error: b.f32()?,
+        })
+    })
 }
 
 /// Sums over rows are computed in this many parts, whatever the number of threads.

@@ -8,7 +8,8 @@ use crate::analytic::exchange_area;
 use crate::patch::Polygon;
 use crate::shadow_rays::View;
 use azulejo_scene::math::Aabb;
-use azulejo_trace::{Cancelled, Progress, Surfaces};
+use azulejo_trace::journal::{Division, Record, RecordReader, resumed};
+use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -34,24 +35,53 @@ const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
 /// Relative error of an unoccluded form factor: what [`Shaft`] may miss.
 const FREE_ERROR: f64 = 1e-7;
 
-/// Exact estimates of the selected pairs, in both rows of each.
+/// Pairs of a journal block: a second or so.
+const BLOCK: usize = 1 << 14;
+
+/// The value of a pair and its standard error.
+#[derive(Clone, Copy, Default)]
+struct PairValue(f64, f64);
+
+impl Record for PairValue {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.0.to_le_bytes());
+        bytes.extend(self.1.to_le_bytes());
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<PairValue> {
+        Some(PairValue(bytes.f64()?, bytes.f64()?))
+    }
+}
+
+/// Exact estimates of the selected pairs, in both rows of each, except those that the journal holds.
+///
+/// If others make the result, the columns are right and the values are 0: rows by rays need to know only
+/// which pairs have a formula.
 pub(super) fn exact(
     sides: &Sides,
     surfaces: &Surfaces,
     seed: u32,
+    journal: &dyn Journal,
     progress: &Progress,
 ) -> Result<Vec<PairEstimates>, Cancelled> {
     let rows = PairSelector::new(sides, surfaces);
     let pairs = rows.pairs();
     let occluders = Occluders::new(sides.patches, surfaces.scene);
-    progress.begin("formulas", pairs.len() as u64);
-    let estimate = |&(i, j): &(u32, u32)| {
+    let size = (pairs.len(), BLOCK);
+    let own = Division::new(size.0, size.1, journal).own_items(journal);
+    progress.begin("formulas", own as u64);
+    let estimate = |&pair: &usize| {
         progress.advance(1)?;
-        Ok(rows.estimate(i, j, surfaces, &occluders, seed))
+        let (i, j) = pairs[pair];
+        let (value, error) = rows.estimate(i, j, surfaces, &occluders, seed);
+        Ok(PairValue(value, error))
     };
-    let estimates: Vec<(f64, f64)> = pairs.par_iter().map(estimate).collect::<Result<_, _>>()?;
+    let estimates = resumed(journal, JournalStage::Formulas, size, progress, |wanted| {
+        wanted.par_iter().map(estimate).collect()
+    })?;
+    let estimates = estimates.unwrap_or_else(|| vec![PairValue::default(); pairs.len()]);
     let mut exact = vec![PairEstimates::new(); sides.len()];
-    for (&(i, j), (value, error)) in pairs.iter().zip(estimates) {
+    for (&(i, j), PairValue(value, error)) in pairs.iter().zip(estimates) {
         exact[i as usize].push(PairEstimate {
             column: j,
             value,

@@ -114,7 +114,7 @@ impl PreparedPlan<'_> {
             is_known: &|_, _, _| false,
         };
         progress.begin("form factors", 1);
-        let rows = tracing.block(row..row + 1, progress)?;
+        let rows = tracing.block(&[row], progress)?;
         let area = sides.area(row);
         let by_rays = |entries: &[RayEntry]| -> Vec<PairEstimate> {
             entries

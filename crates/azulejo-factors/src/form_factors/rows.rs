@@ -1,7 +1,6 @@
 //! Rows by rays or item buffers, sorted by what has a formula.
 
 use super::design_effect::{self, DesignEffect, ErrorGroup};
-use super::journal::{Journal, JournalStage, Record, RecordReader, resumed, write_list};
 use super::matrix::RowRemainder;
 use super::near::PairEstimates;
 use super::sides::Sides;
@@ -10,9 +9,9 @@ use crate::engine::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
+use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
+use azulejo_trace::{Cancelled, Gatherer, Journal, JournalStage, Progress, REPLICATES};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// A form factor as estimated by one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,33 +89,34 @@ pub(super) struct RowTracing<'a> {
 }
 
 impl RowTracing<'_> {
-    /// All rows, except blocks that the journal holds.
+    /// All rows, except blocks that the journal holds; `None` if others make the result.
     pub fn trace(
         &self,
         journal: &dyn Journal,
         progress: &Progress,
-    ) -> Result<TracedRows, Cancelled> {
-        let (n, rays) = (self.sides.len(), self.estimator.rays());
-        progress.begin("form factors", n as u64);
+    ) -> Result<Option<TracedRows>, Cancelled> {
+        let rays = self.estimator.rays();
         // Blocks must not depend on the machine, which may be another after an interruption.
-        let size = block_rows(rays);
-        let rows = resumed(journal, JournalStage::Rows, (n, size), progress, |rows| {
+        let size = (self.sides.len(), block_rows(rays));
+        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        progress.begin("form factors", own as u64);
+        let rows = resumed(journal, JournalStage::Rows, size, progress, |rows| {
             self.block(rows, progress)
         })?;
-        Ok(TracedRows {
+        Ok(rows.map(|rows| TracedRows {
             rows,
             orders: self.orders(),
             rays,
             noise: self.noise(),
-        })
+        }))
     }
 
     /// Some rows.
-    pub fn block(&self, rows: Range<usize>, progress: &Progress) -> Result<Vec<RayRow>, Cancelled> {
-        let wanted: Vec<Side> = rows.clone().map(|i| self.sides.side(i)).collect();
+    pub fn block(&self, rows: &[usize], progress: &Progress) -> Result<Vec<RayRow>, Cancelled> {
+        let wanted: Vec<Side> = rows.iter().map(|&i| self.sides.side(i)).collect();
         let found = self.estimator.rows(&wanted, progress)?;
-        let rows = rows.into_par_iter().zip(&found);
-        Ok(rows.map(|(i, row)| self.ray_row(i, row)).collect())
+        let rows = rows.par_iter().zip(&found);
+        Ok(rows.map(|(&i, row)| self.ray_row(i, row)).collect())
     }
 
     pub fn noise(&self) -> NoiseModel {
