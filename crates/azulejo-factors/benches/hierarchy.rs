@@ -20,7 +20,7 @@ use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{cornell_thesis_at, cube_array, room_with_table};
 use azulejo_trace::{Progress, Tracer};
 use std::time::Instant;
-use usage::peak_mebibytes;
+use usage::{cpu_seconds, peak_mebibytes};
 
 const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
@@ -68,11 +68,20 @@ fn named(name: &str, facets: usize) -> Scene {
 /// Cubes along either side of the city.
 const CUBES: u32 = 12;
 
-/// The seconds that something takes, with its result.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let start = Instant::now();
+/// Seconds by the clock and of all threads.
+#[derive(Clone, Copy)]
+struct Seconds {
+    wall: f64,
+    cpu: f64,
+}
+
+/// What something takes, with its result.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
+    let (start, cpu) = (Instant::now(), cpu_seconds());
     let found = work();
-    (found, start.elapsed().as_secs_f64())
+    let wall = start.elapsed().as_secs_f64();
+    let cpu = cpu_seconds() - cpu;
+    (found, Seconds { wall, cpu })
 }
 
 /// Seconds of a product with a vector, mean of a few.
@@ -80,7 +89,7 @@ fn product_seconds(operator: &dyn FactorOperator) -> f64 {
     let x = vec![1.0; operator.row_areas().len()];
     let products = 5;
     let work = || (0..products).for_each(|_| drop(std::hint::black_box(operator.apply(&x))));
-    timed(work).1 / f64::from(products)
+    timed(work).1.wall / f64::from(products)
 }
 
 fn compress(scene: &Scene, options: &FormFactorOptions) {
@@ -114,12 +123,14 @@ fn whole(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> FormFac
     form_factors(scene, tracer, options, &Progress::new()).expect("there are surfaces")
 }
 
-fn describe(name: &str, operator: &dyn FactorOperator, seconds: f64) {
+fn describe(name: &str, operator: &dyn FactorOperator, seconds: Seconds) {
     let n = operator.row_areas().len();
     println!(
-        "{name}: {n} rows, {:.1} MB, {:.2} bytes a pair of n², built in {seconds:.2} s, product {:.1} ms, peak {:.0} MiB",
+        "{name}: {n} rows, {:.1} MB, {:.2} bytes a pair of n², built in {:.2} s wall, {:.2} s CPU, product {:.1} ms, peak {:.0} MiB",
         operator.bytes() as f64 / 1e6,
         operator.bytes() as f64 / (n * n) as f64,
+        seconds.wall,
+        seconds.cpu,
         1e3 * product_seconds(operator),
         peak_mebibytes(),
     );
@@ -206,7 +217,8 @@ fn light(found: &dyn FactorOperator, exact: &dyn FactorOperator) {
     let off: f64 = (0..n).map(|k| (b[k] - truth[k]).powi(2)).sum();
     let all: f64 = (0..n).map(|k| reflected(k).powi(2)).sum();
     println!(
-        "   radiosity: {iterations} iterations, {seconds:.2} s, reflected light off by {:.1e} (RMS over RMS)",
+        "   radiosity: {iterations} iterations, {:.2} s, reflected light off by {:.1e} (RMS over RMS)",
+        seconds.wall,
         (off / all).sqrt()
     );
 }
