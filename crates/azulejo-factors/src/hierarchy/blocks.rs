@@ -57,7 +57,7 @@ pub struct BlockPart {
 }
 
 /// The numbers of a block that is not stored yet.
-pub(super) enum Content {
+pub(super) enum BlockNumbers {
     /// Row, column and value, sorted, each pair once.
     Sparse(Vec<(u16, u16, f32)>),
     /// u and v of each term.
@@ -65,21 +65,21 @@ pub(super) enum Content {
 }
 
 /// A block that is not stored yet.
-pub(super) struct Draft {
+pub(super) struct BlockDraft {
     pub rows: Range<u32>,
     pub columns: Range<u32>,
-    pub content: Content,
+    pub content: BlockNumbers,
 }
 
-impl Draft {
+impl BlockDraft {
     /// Bytes that it will take.
     pub fn bytes(&self) -> usize {
         let numbers = match &self.content {
-            Content::Sparse(entries) if self.is_dense(entries) => {
+            BlockNumbers::Sparse(entries) if self.is_dense(entries) => {
                 self.rows.len() * self.columns.len() * 4
             }
-            Content::Sparse(entries) => sparse_bytes(entries),
-            Content::LowRank { factors, .. } => 4 * factors.len(),
+            BlockNumbers::Sparse(entries) => sparse_bytes(entries),
+            BlockNumbers::LowRank { factors, .. } => 4 * factors.len(),
         };
         HEADER + numbers
     }
@@ -98,8 +98,8 @@ pub(super) fn sparse_bytes(entries: &[(u16, u16, f32)]) -> usize {
 }
 
 /// Stores blocks in parts that depend on the blocks alone.
-pub(super) fn store(drafts: Vec<Draft>) -> Vec<BlockPart> {
-    let all: usize = drafts.iter().map(Draft::bytes).sum();
+pub(super) fn store(drafts: Vec<BlockDraft>) -> Vec<BlockPart> {
+    let all: usize = drafts.iter().map(BlockDraft::bytes).sum();
     let (mut parts, mut part, mut bytes) = (Vec::new(), BlockPart::default(), 0);
     for draft in drafts {
         bytes += draft.bytes();
@@ -115,11 +115,11 @@ pub(super) fn store(drafts: Vec<Draft>) -> Vec<BlockPart> {
 }
 
 impl BlockPart {
-    fn push(&mut self, draft: Draft) {
+    fn push(&mut self, draft: BlockDraft) {
         let (values, layout) = (self.values.len() as u32, self.layout.len() as u32);
         let kind = match &draft.content {
-            Content::Sparse(entries) if entries.is_empty() => return,
-            Content::Sparse(entries) if draft.is_dense(entries) => {
+            BlockNumbers::Sparse(entries) if entries.is_empty() => return,
+            BlockNumbers::Sparse(entries) if draft.is_dense(entries) => {
                 let (m, n) = (draft.rows.len(), draft.columns.len());
                 self.values.resize(self.values.len() + m * n, 0.0);
                 let all = &mut self.values[values as usize..];
@@ -128,7 +128,7 @@ impl BlockPart {
                 }
                 BlockKind::Dense
             }
-            Content::Sparse(entries) => {
+            BlockNumbers::Sparse(entries) => {
                 for row in entries.chunk_by(|a, b| a.0 == b.0) {
                     self.layout.extend([row[0].0, row.len() as u16]);
                     self.layout.extend(row.iter().map(|e| e.1));
@@ -136,8 +136,8 @@ impl BlockPart {
                 }
                 BlockKind::Sparse
             }
-            Content::LowRank { rank: 0, .. } => return,
-            Content::LowRank { rank, factors } => {
+            BlockNumbers::LowRank { rank: 0, .. } => return,
+            BlockNumbers::LowRank { rank, factors } => {
                 self.values.extend_from_slice(factors);
                 BlockKind::LowRank { rank: *rank }
             }

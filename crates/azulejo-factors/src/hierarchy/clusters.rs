@@ -91,21 +91,21 @@ impl Clusters {
     }
 
     /// Of a pair of nodes the one to divide first: the larger that is no leaf.
-    pub fn to_divide(&self, a: usize, b: usize) -> Division {
+    pub fn to_divide(&self, a: usize, b: usize) -> DividedSide {
         match (self.node(a).is_leaf(), self.node(b).is_leaf()) {
-            (true, true) => Division::Neither,
-            (true, false) => Division::Columns,
-            (false, true) => Division::Rows,
+            (true, true) => DividedSide::Neither,
+            (true, false) => DividedSide::Columns,
+            (false, true) => DividedSide::Rows,
             // By numbers, so that boxes of one point are divided too.
-            (false, false) if self.node(a).len() >= self.node(b).len() => Division::Rows,
-            (false, false) => Division::Columns,
+            (false, false) if self.node(a).len() >= self.node(b).len() => DividedSide::Rows,
+            (false, false) => DividedSide::Columns,
         }
     }
 }
 
 /// Which of the two clusters of a block is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Division {
+pub(super) enum DividedSide {
     Rows,
     Columns,
     Neither,
@@ -113,15 +113,15 @@ pub(super) enum Division {
 
 /// The exchange area of two positions p ≤ q, or what a ray found of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pair {
+pub(super) struct PairArea {
     pub p: u32,
     pub q: u32,
     pub value: f32,
 }
 
-impl Pair {
-    pub fn new(a: u32, b: u32, value: f32) -> Pair {
-        Pair {
+impl PairArea {
+    pub fn new(a: u32, b: u32, value: f32) -> PairArea {
+        PairArea {
             p: a.min(b),
             q: a.max(b),
             value,
@@ -131,9 +131,9 @@ impl Pair {
 
 /// Moves the pairs for which `is_first` holds to the front, and divides there.
 pub(super) fn divided(
-    pairs: &mut [Pair],
-    is_first: impl Fn(&Pair) -> bool,
-) -> (&mut [Pair], &mut [Pair]) {
+    pairs: &mut [PairArea],
+    is_first: impl Fn(&PairArea) -> bool,
+) -> (&mut [PairArea], &mut [PairArea]) {
     let mut count = 0;
     for k in 0..pairs.len() {
         if is_first(&pairs[k]) {

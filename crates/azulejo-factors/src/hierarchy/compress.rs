@@ -1,7 +1,7 @@
 //! Compression of a matrix that is there, from the leaves of the block tree up.
 
-use super::blocks::{Content, Draft, sparse_bytes};
-use super::clusters::{Clusters, Division, Pair, both, divided};
+use super::blocks::{BlockDraft, BlockNumbers, sparse_bytes};
+use super::clusters::{Clusters, DividedSide, PairArea, both, divided};
 use super::low_rank::LowRank;
 use azulejo_trace::{Cancelled, Progress};
 
@@ -20,7 +20,7 @@ pub(super) struct Compression<'a> {
 
 /// The blocks between two clusters.
 pub(super) struct Compressed {
-    pub blocks: Vec<Draft>,
+    pub blocks: Vec<BlockDraft>,
     /// Square of the error's Frobenius norm, of these blocks alone, without their transposes.
     pub error: f64,
 }
@@ -34,13 +34,13 @@ enum Built {
 
 impl Compression<'_> {
     /// The blocks of a cluster with itself.
-    pub fn diagonal(&self, node: usize, pairs: &mut [Pair]) -> Result<Compressed, Cancelled> {
+    pub fn diagonal(&self, node: usize, pairs: &mut [PairArea]) -> Result<Compressed, Cancelled> {
         let range = self.clusters.node(node).range.clone();
         if self.clusters.node(node).is_leaf() {
             self.progress.advance(pairs.len() as u64)?;
-            let content = Content::Sparse(sparse(pairs, range.start, range.start));
+            let content = BlockNumbers::Sparse(sparse(pairs, range.start, range.start));
             return Ok(Compressed {
-                blocks: vec![Draft {
+                blocks: vec![BlockDraft {
                     rows: range.clone(),
                     columns: range,
                     content,
@@ -65,17 +65,17 @@ impl Compression<'_> {
     }
 
     /// The blocks between two clusters, the first before the second.
-    fn between(&self, a: usize, b: usize, pairs: &mut [Pair]) -> Result<Built, Cancelled> {
+    fn between(&self, a: usize, b: usize, pairs: &mut [PairArea]) -> Result<Built, Cancelled> {
         if pairs.is_empty() {
             return Ok(Built::One(LowRank::default(), 0.0));
         }
         let count = pairs.len();
         match self.clusters.to_divide(a, b) {
-            Division::Neither => {
+            DividedSide::Neither => {
                 self.progress.advance(count as u64)?;
                 Ok(self.leaf(a, b, pairs))
             }
-            Division::Rows => {
+            DividedSide::Rows => {
                 let [upper, lower] = self.clusters.children(a);
                 let middle = self.clusters.node(lower).range.start;
                 let (first, second) = divided(pairs, |e| e.p < middle);
@@ -86,7 +86,7 @@ impl Compression<'_> {
                 );
                 Ok(self.joined((a, b), [(upper, b), (lower, b)], [first?, second?]))
             }
-            Division::Columns => {
+            DividedSide::Columns => {
                 let [left, right] = self.clusters.children(b);
                 let middle = self.clusters.node(right).range.start;
                 let (first, second) = divided(pairs, |e| e.q < middle);
@@ -106,15 +106,15 @@ impl Compression<'_> {
         self.allowed * (area(a) * area(b)).sqrt() / self.clusters.whole()
     }
 
-    /// A block between two leaves: of low rank with half of the error that it may have, if that is
+    /// A block between two leaves: of low rank with three quarters of the error that it may have, if that is
     /// smaller than its entries.
-    fn leaf(&self, a: usize, b: usize, pairs: &[Pair]) -> Built {
+    fn leaf(&self, a: usize, b: usize, pairs: &[PairArea]) -> Built {
         let (rows, columns) = (&self.clusters.node(a).range, &self.clusters.node(b).range);
         let entries = sparse(pairs, rows.start, columns.start);
         let (m, n) = (rows.len(), columns.len());
         let bytes = sparse_bytes(&entries).min(4 * m * n);
         let most = bytes / (4 * (m + n));
-        let allowed = (0.5 * self.share(a, b)).powi(2);
+        let allowed = (0.75 * self.share(a, b)).powi(2);
         if allowed > 0.0
             && most > 0
             && let Some((block, error)) = LowRank::of(self.columns(a, b, &entries), allowed, most)
@@ -123,10 +123,10 @@ impl Compression<'_> {
         }
         let (entries, error) = self.without_smallest(a, b, entries, allowed);
         Built::Many(Compressed {
-            blocks: vec![Draft {
+            blocks: vec![BlockDraft {
                 rows: rows.clone(),
                 columns: columns.clone(),
-                content: Content::Sparse(entries),
+                content: BlockNumbers::Sparse(entries),
             }],
             error,
         })
@@ -243,10 +243,10 @@ impl Compression<'_> {
             );
         }
         let rank = block.rank() as u32;
-        let draft = Draft {
+        let draft = BlockDraft {
             rows: rows.clone(),
             columns: columns.clone(),
-            content: Content::LowRank { rank, factors },
+            content: BlockNumbers::LowRank { rank, factors },
         };
         Compressed {
             blocks: if rank > 0 { vec![draft] } else { Vec::new() },
@@ -264,7 +264,7 @@ impl Compressed {
 
 /// Pairs as entries of a block that starts at these positions; what several pairs say of one entry is
 /// added up.
-pub(super) fn sparse(pairs: &[Pair], row: u32, column: u32) -> Vec<(u16, u16, f32)> {
+pub(super) fn sparse(pairs: &[PairArea], row: u32, column: u32) -> Vec<(u16, u16, f32)> {
     let mut entries: Vec<(u16, u16, f32)> = pairs
         .iter()
         .map(|e| ((e.p - row) as u16, (e.q - column) as u16, e.value))

@@ -1,7 +1,7 @@
 //! Blocks filled by rays, while they are traced.
 
-use super::blocks::{Content, Draft, store};
-use super::clusters::{Clusters, Pair};
+use super::blocks::{BlockDraft, BlockNumbers, store};
+use super::clusters::{Clusters, PairArea};
 use super::partition::{BlockShape, Partition, pooled};
 use super::{CompressedFactors, CompressionError, CompressionOptions};
 use crate::form_factors::PreparedPlan;
@@ -107,7 +107,7 @@ fn pilot_pairs(
     pilot: &RowStream,
     clusters: &Clusters,
     progress: &Progress,
-) -> Result<(Vec<Pair>, f64), Cancelled> {
+) -> Result<(Vec<PairArea>, f64), Cancelled> {
     let (positions, areas) = (clusters.positions(), &clusters.areas);
     let (mut pairs, mut light) = (Vec::new(), 0.0);
     progress.begin("clusters", areas.len() as u64);
@@ -118,7 +118,7 @@ fn pilot_pairs(
                 let q = positions[column as usize];
                 let value = pooled(areas[p], areas[q as usize]) * f64::from(weight);
                 light += areas[p] * f64::from(weight);
-                pairs.push(Pair::new(p as u32, q, value as f32));
+                pairs.push(PairArea::new(p as u32, q, value as f32));
             }
         }
     }
@@ -140,12 +140,12 @@ struct Filling<'a> {
     /// For the leaf of each position its place in `views`.
     leaves: Vec<u32>,
     /// For each leaf the blocks that it is part of, by what they show: a division of all positions.
-    views: Vec<Vec<View>>,
+    views: Vec<Vec<LeafBlock>>,
 }
 
 /// One block as one of its leaves sees it.
 #[derive(Clone, Copy)]
-struct View {
+struct LeafBlock {
     /// The first position that is seen.
     start: u32,
     block: u32,
@@ -154,7 +154,7 @@ struct View {
 }
 
 /// What one row found, by block.
-struct Shares {
+struct RowShares {
     /// Index into `sums`, and exchange area.
     links: Vec<(usize, f32)>,
     /// Block, row, column and value of entries.
@@ -182,7 +182,7 @@ impl<'a> Filling<'a> {
             let mut show = |to: &std::ops::Range<u32>, start: u32, is_back: bool| {
                 let first = leaf_of[to.start as usize] as usize;
                 let last = leaf_of[to.end as usize - 1] as usize;
-                let view = View {
+                let view = LeafBlock {
                     start,
                     block: block as u32,
                     is_back,
@@ -212,7 +212,7 @@ impl<'a> Filling<'a> {
     /// Adds rows of positions from `first` on.
     fn add(&mut self, first: u32, rows: &[StreamedRow]) {
         let shares = |(k, row): (usize, &StreamedRow)| self.shares(first + k as u32, row);
-        let all: Vec<Shares> = rows.par_iter().enumerate().map(shares).collect();
+        let all: Vec<RowShares> = rows.par_iter().enumerate().map(shares).collect();
         for shares in all {
             for (at, value) in shares.links {
                 self.sums[at] += value;
@@ -228,12 +228,12 @@ impl<'a> Filling<'a> {
     }
 
     /// The row of position `p`, by block.
-    fn shares(&self, p: u32, row: &StreamedRow) -> Shares {
+    fn shares(&self, p: u32, row: &StreamedRow) -> RowShares {
         let areas = &self.clusters.areas;
         let own = areas[p as usize];
         let views = &self.views[self.leaves[p as usize] as usize];
         let mut links = vec![0.0; views.len()];
-        let mut found = Shares {
+        let mut found = RowShares {
             links: Vec::new(),
             entries: Vec::new(),
         };
@@ -270,7 +270,7 @@ impl<'a> Filling<'a> {
     }
 
     /// Where the sum of position `p` is stored.
-    fn place(&self, view: &View, p: u32) -> usize {
+    fn place(&self, view: &LeafBlock, p: u32) -> usize {
         let block = view.block as usize;
         let (rows, columns) = (
             &self.clusters.node(self.shapes[block].rows).range,
@@ -285,7 +285,7 @@ impl<'a> Filling<'a> {
     }
 
     /// The blocks as they are stored.
-    fn drafts(mut self) -> Vec<Draft> {
+    fn drafts(mut self) -> Vec<BlockDraft> {
         let entries = std::mem::take(&mut self.entries);
         let draft = |(k, mut entries): (usize, Vec<(u16, u16, f32)>)| {
             let shape = self.shapes[k];
@@ -297,13 +297,13 @@ impl<'a> Filling<'a> {
                 let sums = &self.sums[self.starts[k]..][..rows.len() + columns.len()];
                 let factors = self.link(sums, [&rows, &columns]);
                 let rank = u32::from(!factors.is_empty());
-                Content::LowRank { rank, factors }
+                BlockNumbers::LowRank { rank, factors }
             } else {
                 add_equal(&mut entries);
                 entries.shrink_to_fit();
-                Content::Sparse(entries)
+                BlockNumbers::Sparse(entries)
             };
-            Draft {
+            BlockDraft {
                 rows,
                 columns,
                 content,

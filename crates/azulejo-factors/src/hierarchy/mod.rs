@@ -30,7 +30,7 @@ use crate::form_factors::{FormFactors, RowRemainder};
 use crate::proxy::PointNormal;
 use azulejo_trace::{Cancelled, Progress};
 pub use blocks::{Block, BlockKind, BlockPart};
-use clusters::{Clusters, Pair};
+use clusters::{Clusters, PairArea};
 use compress::Compression;
 pub use operator::{FactorOperator, OperatorError, radiosities};
 use std::fmt;
@@ -147,7 +147,7 @@ impl CompressedFactors {
         let mut pairs = Vec::with_capacity(factors.exchange.pairs());
         for (i, &p) in positions.iter().enumerate() {
             let pair = |e: &crate::form_factors::Exchange| {
-                Pair::new(p, positions[e.column as usize], e.value as f32)
+                PairArea::new(p, positions[e.column as usize], e.value as f32)
             };
             pairs.extend(factors.exchange.upper(i).iter().map(pair));
         }
