@@ -131,9 +131,9 @@ fn describe(name: &str, operator: &dyn FactorOperator, seconds: Seconds) {
 }
 
 fn structure(found: &CompressedFactors) {
-    let [sparse, dense, low] = found.kinds();
+    let ([sparse, dense, low], [mean, most]) = (found.kinds(), found.deficit);
     println!(
-        "   {sparse} sparse, {dense} dense, {low} of low rank; bound {:.1e}; rows scaled by up to {:.1e}",
+        "   {sparse} sparse, {dense} dense, {low} of low rank; bound {:.1e}; rows scaled by up to {:.1e}, sums off by {mean:.1e} RMS, {most:.1e} at most",
         found.bound, found.scaled
     );
 }

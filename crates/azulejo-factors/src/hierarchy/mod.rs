@@ -118,6 +118,10 @@ pub struct CompressedFactors {
     pub bound: f64,
     /// Largest change of a row and column to keep sums, |d − 1|.
     pub scaled: f64,
+    /// Root mean square, over the rows, and largest of what Σ_j X_ij `ends`_j still is off after that:
+    /// where rows see nothing that sees them, as where fronts and backs are mixed up, no factors of at
+    /// most 4 reconcile them.
+    pub deficit: [f64; 2],
     /// Rays traced from patches.
     pub rays: u64,
 }
@@ -275,15 +279,20 @@ impl CompressedFactors {
         self.order.iter().map(|&row| x[row as usize]).collect()
     }
 
-    /// Scales rows until Σ_j X_ij `ends`_j is `targets`_i.
-    fn keep_sums(&mut self, targets: &[f64], progress: &Progress) -> Result<(), Cancelled> {
-        let areas = targets.iter().zip(&self.areas).map(|(t, a)| t * a);
+    /// Scales rows until Σ_j X_ij `ends`_j is `sums`_i.
+    fn keep_sums(&mut self, sums: &[f64], progress: &Progress) -> Result<(), Cancelled> {
+        let areas = sums.iter().zip(&self.areas).map(|(t, a)| t * a);
         let targets = self.by_position(&areas.collect::<Vec<f64>>());
         let weights = self.by_position(&self.ends);
         let factors = scaling::scale(&mut self.parts, &weights, &targets, progress)?;
         self.scaled = factors
             .iter()
             .fold(0.0, |most, d| most.max((d - 1.0).abs()));
+        let off = self.apply(&self.ends);
+        let off = || off.iter().zip(sums).map(|(found, sum)| found - sum);
+        let squares: f64 = off().map(|d| d * d).sum();
+        let most = off().fold(0.0f64, |most, d| most.max(d.abs()));
+        self.deficit = [(squares / self.len().max(1) as f64).sqrt(), most];
         Ok(())
     }
 }

@@ -152,13 +152,12 @@ impl Partition<'_> {
         let area =
             |bounds: &[u32; CELLS + 1], k: usize| self.clusters.area(&(bounds[k]..bounds[k + 1]));
         let (mut deviation, mut noise, mut squares) = (0.0, 0.0, 0.0);
-        for i in 0..CELLS {
-            for j in 0..CELLS {
+        for (i, cells) in cells.iter().enumerate() {
+            for (j, &(value, variance)) in cells.iter().enumerate() {
                 let areas = area(&rows, i) * area(&columns, j);
                 if areas <= 0.0 || whole <= 0.0 {
                     continue;
                 }
-                let (value, variance) = cells[i][j];
                 let (u, v) = (row(i) / whole, column(j) / whole);
                 deviation += (value - whole * u * v).powi(2) / areas;
                 let expected = variance * (1.0 - u) * (1.0 - v) / areas;
