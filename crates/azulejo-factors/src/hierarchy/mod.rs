@@ -13,6 +13,26 @@
 //! | [`CompressedFactors::new`] | a matrix that is there: singular value decompositions of its blocks | bounded by the tolerance |
 //! | [`CompressedFactors::from_rays`] | rays, one block of rows after the other: the matrix never exists | those of the rays, and of the tolerance where rays can tell |
 //!
+//! ```
+//! use azulejo_factors::form_factors::Plan;
+//! use azulejo_factors::hierarchy::radiosities;
+//! use azulejo_factors::{CompressedFactors, CompressionOptions, FormFactorOptions, PatchSize};
+//! use azulejo_scene::synthetic::cube_room;
+//! use azulejo_trace::{Progress, Tracer};
+//!
+//! let (scene, progress) = (cube_room(), Progress::new());
+//! let tracer = Tracer::new(&scene);
+//! let options = FormFactorOptions { size: PatchSize::Count(600), rays: 256, ..Default::default() };
+//! let plan = Plan::new(&scene, &tracer, &options)?;
+//! let compression = CompressionOptions::default();
+//! let factors = CompressedFactors::from_rays(&plan.prepare(), &compression, &progress)?;
+//! // In a closed room whose walls all emit and reflect the same, B = M / (1 − ρ).
+//! let (exitance, reflectance) = (vec![1.0; factors.len()], vec![0.5; factors.len()]);
+//! let (light, _) = radiosities(&factors, &exitance, &reflectance, (1e-6, 50), &progress)?;
+//! assert!(light.iter().all(|b| (b - 2.0).abs() < 0.02));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! [`FactorOperator`] is what the matrix and its compressed form have in common, [`radiosities`] solves
 //! for the light with either, and [`OperatorError`] compares the two.
 
@@ -119,7 +139,7 @@ pub struct CompressedFactors {
     /// Largest change of a row and column to keep sums, |d − 1|.
     pub scaled: f64,
     /// Root mean square, over the rows, and largest of what Σ_j X_ij `ends`_j still is off after that:
-    /// where rows see nothing that sees them, as where fronts and backs are mixed up, no factors of at
+    /// where rows see what does not see them, as where fronts and backs are mixed up, no factors of at
     /// most 4 reconcile them.
     pub deficit: [f64; 2],
     /// Rays traced from patches.

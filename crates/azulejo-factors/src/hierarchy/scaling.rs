@@ -9,8 +9,10 @@ const SWEEPS: u64 = 60;
 /// Relative error of the worst sum at which sweeps end.
 const TOLERANCE: f64 = 1e-9;
 
-/// Smallest and largest factor of a row: sums that take more are left as they are.
-const FACTORS: [f64; 2] = [0.25, 4.0];
+/// Largest factor of a row: sums that take more stay too small. None is too small: where others see a
+/// row that does not see them, as where fronts and backs are mixed up, it would get light that is not
+/// there.
+const MOST: f64 = 4.0;
 
 /// Multiplies row and column p by a factor d_p each, so that Σ_q d_p S_pq d_q `weights`_q becomes
 /// `targets`_p, all by position. Returns the factors.
@@ -35,7 +37,7 @@ pub(super) fn scale(
         for ((factor, sum), target) in factors.iter_mut().zip(sums).zip(targets) {
             let ratio = target / (*factor * sum);
             if ratio.is_finite() {
-                let next = (*factor * ratio.sqrt()).clamp(FACTORS[0], FACTORS[1]);
+                let next = (*factor * ratio.sqrt()).min(MOST);
                 worst = worst.max((next / *factor - 1.0).abs());
                 *factor = next;
             }
