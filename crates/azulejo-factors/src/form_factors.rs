@@ -29,6 +29,7 @@ mod options;
 mod outside;
 mod points;
 mod remainder;
+pub(crate) mod row_stream;
 mod rows;
 mod shaft;
 mod sides;

@@ -30,6 +30,7 @@
 //! | [`hemicube`] | rows by item buffers, on the processor or a graphics card |
 //! | [`analytic`] | closed forms of pairs of polygons, with exact shadows and mirror images |
 //! | [`form_factors`](mod@form_factors) | the matrix: merging, closure, grouping, truncation |
+//! | [`hierarchy`] | the same for 100,000 patches and more, as blocks between clusters |
 //! | [`sparse`], [`cholesky`] | compressed rows for solvers, and a solver of small systems |
 //! | [`truth`] | scenes with known answers, to judge every engine by |
 
@@ -37,11 +38,13 @@ pub mod analytic;
 mod analytic_engine;
 mod choice;
 pub mod cholesky;
+mod cluster_tree;
 pub mod engine;
 mod error;
 pub mod facing;
 pub mod form_factors;
 pub mod hemicube;
+pub mod hierarchy;
 pub mod patch;
 pub mod proxy;
 pub mod rays;
@@ -56,6 +59,7 @@ pub use error::FactorsError;
 pub use form_factors::{
     Closure, Factor, FactorsFrom, FormFactorOptions, FormFactors, form_factors, form_factors_from,
 };
+pub use hierarchy::{CompressedFactors, CompressionOptions, FactorOperator};
 pub use patch::{
     DisplayVertex, FaceId, GivenVertex, PatchPoint, PatchSize, Patches, Polygon, RefinedShape,
     reflectances,

@@ -1,6 +1,6 @@
 //! The analytic engine: exchange areas of all pairs of flat facets.
 //!
-//! Facets are clustered ([`cluster_tree`]), so that one test of two clusters and the shaft between
+//! Facets are clustered ([`cluster_tree`](crate::cluster_tree)), so that one test of two clusters and the shaft between
 //! them accepts or rejects thousands of pairs ([`traversal`], [`shaft`]). Facets that cast shadows
 //! are merged into large convex ones ([`convex_merge`], [`occluders`]). Unoccluded pairs take
 //! Gauss's rule ([`gauss_points`]) or, when close, a contour integral; partially occluded ones are
@@ -9,7 +9,6 @@
 //! upwards from the rest, and [`slabs`] does so where facets touch. [`exchanger`] distributes the rows
 //! over threads.
 
-mod cluster_tree;
 mod convex_merge;
 pub(crate) mod estimator;
 pub(crate) mod exchanger;
@@ -23,11 +22,14 @@ mod slabs;
 mod traversal;
 
 use crate::analytic::gauss;
+use crate::cluster_tree::{ClusterNode, ClusterTree};
 use azulejo_scene::math::{Aabb, area_vector};
 use azulejo_trace::lambert::clip;
-use cluster_tree::{ClusterNode, ClusterTree};
 use gauss_points::GaussPoints;
 use glam::DVec3;
+
+/// Most facets per leaf of a tree.
+const LEAF: usize = 4;
 
 /// Most corners of a facet: a quadrilateral clipped twice, by a mirror and by another facet.
 const MOST_CORNERS: usize = 6;
@@ -113,7 +115,7 @@ pub(crate) struct FacetTree {
 impl FacetTree {
     fn new(facets: &[Facet], size: f64) -> FacetTree {
         let centres_and_normals: Vec<_> = facets.iter().map(|f| (f.centre, f.normal)).collect();
-        let tree = ClusterTree::new(&centres_and_normals, size);
+        let tree = ClusterTree::new(&centres_and_normals, size, LEAF);
         let list = tree.order.iter().map(|&i| facets[i as usize].clone());
         let list = list.collect();
         FacetTree::with_tree(tree, list)

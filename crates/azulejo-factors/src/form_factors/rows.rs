@@ -134,7 +134,7 @@ impl RowTracing<'_> {
     }
 
     /// Sorts the estimates of row `i` by whether there is a formula for them.
-    fn ray_row(&self, i: usize, found: &Row) -> RayRow {
+    pub fn ray_row(&self, i: usize, found: &Row) -> RayRow {
         let materials = &self.gatherer.surfaces().scene.materials;
         let exact = &self.exact[i];
         let mut near = Vec::new();

@@ -5,6 +5,7 @@
 
 mod analytic_engine;
 mod analytic_pairs;
+mod compressed_factors;
 mod engines;
 mod form_factor_matrix;
 mod form_factor_points;

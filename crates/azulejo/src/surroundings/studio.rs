@@ -62,7 +62,7 @@ const DISTANCE: f64 = 2.2;
 
 /// Radiance of what is seen beyond the floor: darker than that in the light of the lamps, so that the model
 /// stands out, and not black.
-const BACKDROP: Rgb = Rgb::new(0.085, 0.095, 0.11);
+const BACKDROP: Rgb = Rgb::new(0.02, 0.022, 0.026);
 
 /// Half of the edge of the floor, relative to the size of the model.
 const FLOOR: f64 = 6.0;

@@ -1,10 +1,10 @@
 //! Clusters of facets that are close to each other and face the same way.
+//!
+//! The formulas walk pairs of clusters ([`analytic_engine`](crate::analytic_engine)), and compressed
+//! factors are blocks between them ([`hierarchy`](crate::hierarchy)).
 
 use glam::DVec3;
 use std::ops::Range;
-
-/// Most facets per leaf.
-const LEAF: usize = 4;
 
 /// Weight of normals against positions: opposite normals count as far apart as this share of the
 /// size of the scene.
@@ -12,7 +12,7 @@ const TURN: f64 = 0.5;
 
 /// A binary tree over facets. It reorders them; nodes refer to positions in that order.
 #[derive(Debug, Default)]
-pub(super) struct ClusterTree {
+pub(crate) struct ClusterTree {
     /// The facet at each position.
     pub order: Vec<u32>,
     /// Parents before children; the root comes first.
@@ -20,7 +20,7 @@ pub(super) struct ClusterTree {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct ClusterNode {
+pub(crate) struct ClusterNode {
     pub range: Range<u32>,
     /// The second child; the first child is the next node. 0 in a leaf.
     pub second: u32,
@@ -30,11 +30,17 @@ impl ClusterNode {
     pub fn is_leaf(&self) -> bool {
         self.second == 0
     }
+
+    /// Number of facets.
+    pub fn len(&self) -> usize {
+        self.range.len()
+    }
 }
 
 impl ClusterTree {
-    /// A tree over facets with these centres and unit normals.
-    pub fn new(keys_of: &[(DVec3, DVec3)], size: f64) -> ClusterTree {
+    /// A tree over facets with these centres and unit normals, in a scene of this size, with at most
+    /// `leaf` ≥ 1 facets per leaf.
+    pub fn new(keys_of: &[(DVec3, DVec3)], size: f64, leaf: usize) -> ClusterTree {
         let key = |&(centre, normal): &(DVec3, DVec3)| {
             let turn = 0.5 * TURN * size * normal;
             [centre.x, centre.y, centre.z, turn.x, turn.y, turn.z]
@@ -45,18 +51,18 @@ impl ClusterTree {
             nodes: Vec::new(),
         };
         if !keys_of.is_empty() {
-            tree.split(&keys, 0..keys_of.len());
+            tree.split(&keys, 0..keys_of.len(), leaf);
         }
         tree
     }
 
-    fn split(&mut self, keys: &[[f64; 6]], range: Range<usize>) {
+    fn split(&mut self, keys: &[[f64; 6]], range: Range<usize>, leaf: usize) {
         let node = self.nodes.len();
         self.nodes.push(ClusterNode {
             range: range.start as u32..range.end as u32,
             second: 0,
         });
-        if range.len() <= LEAF {
+        if range.len() <= leaf {
             return;
         }
         let items = &mut self.order[range.clone()];
@@ -87,9 +93,9 @@ impl ClusterTree {
             items.partition_point(|&i| keys[i as usize][axis] <= bound)
         };
         let middle = range.start + middle.clamp(1, range.len() - 1);
-        self.split(keys, range.start..middle);
+        self.split(keys, range.start..middle, leaf);
         self.nodes[node].second = self.nodes.len() as u32;
-        self.split(keys, middle..range.end);
+        self.split(keys, middle..range.end, leaf);
     }
 }
 
@@ -113,7 +119,7 @@ mod tests {
             )
         };
         let keys_of: Vec<_> = (0..1000).map(place).collect();
-        let tree = ClusterTree::new(&keys_of, 1.0);
+        let tree = ClusterTree::new(&keys_of, 1.0, 4);
         let mut order = tree.order.clone();
         order.sort_unstable();
         assert_eq!(order, (0..1000).collect::<Vec<u32>>());
@@ -128,6 +134,6 @@ mod tests {
             );
             assert!(first.end == second.start && !first.is_empty() && !second.is_empty());
         }
-        assert!(ClusterTree::new(&[], 1.0).nodes.is_empty());
+        assert!(ClusterTree::new(&[], 1.0, 4).nodes.is_empty());
     }
 }

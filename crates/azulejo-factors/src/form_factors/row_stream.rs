@@ -1,0 +1,127 @@
+//! Rows by rays, handed out as they are traced, for those who do not keep them.
+
+use super::PreparedPlan;
+use super::matrix::RowRemainder;
+use super::near::PairEstimates;
+use super::rows::{self, RowTracing};
+use super::spread::mean_and_variance;
+use crate::engine::{Engine, Estimator};
+use crate::proxy::PointNormal;
+use crate::row::{Columns, Row, Side};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// Rows of any sides of a plan, by rays.
+pub(crate) struct RowStream<'a> {
+    plan: &'a PreparedPlan<'a>,
+    estimator: Estimator<'a>,
+    /// No pair has a formula.
+    exact: Vec<PairEstimates>,
+    /// Share of the light on each column that ends there.
+    pub ends: Vec<f64>,
+}
+
+/// One row.
+pub(crate) struct StreamedRow {
+    /// Column and form factor, columns ascending.
+    pub entries: Vec<(u32, f32)>,
+    /// Shares that reach no column.
+    pub rest: RowRemainder,
+    /// Share that ends on columns, and its standard error by the four replicates.
+    pub ended: (f64, f64),
+}
+
+impl PreparedPlan<'_> {
+    /// The centre of each row's patch and the normal of its side.
+    pub fn places(&self) -> Vec<PointNormal> {
+        let patches = self.sides.patches;
+        let place = |row: usize| {
+            let patch = self.sides.patch(row);
+            let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
+            PointNormal {
+                position: patches.centre(patch),
+                normal: flip * patches.normal(patch),
+            }
+        };
+        (0..self.rows()).map(place).collect()
+    }
+
+    /// Area of each row, in square scene units.
+    pub fn areas(&self) -> Vec<f64> {
+        (0..self.rows()).map(|row| self.sides.area(row)).collect()
+    }
+
+    /// Rays per row that are asked for.
+    pub(crate) fn requested_rays(&self) -> u32 {
+        self.row_rays()
+    }
+
+    /// Rows by so many rays each; streams of different `stream` are independent.
+    pub(crate) fn row_stream(&self, rays: u32, stream: u32) -> RowStream<'_> {
+        let patches = self.sides.patches;
+        let seed = hash(&[self.seed, 2, stream]);
+        let end = |row: usize| {
+            let material = patches.material(self.sides.patch(row)) as usize;
+            rows::ending(&self.materials()[material]).mean()
+        };
+        RowStream {
+            plan: self,
+            estimator: Estimator::new(
+                &Engine::Rays,
+                &self.gatherer,
+                patches,
+                rays,
+                seed,
+                Columns::All,
+            ),
+            exact: vec![Vec::new(); self.rows()],
+            ends: (0..self.rows()).map(end).collect(),
+        }
+    }
+}
+
+impl RowStream<'_> {
+    /// Rays per row.
+    pub fn rays(&self) -> u32 {
+        self.estimator.rays()
+    }
+
+    /// Some rows, in order. Advances `progress` by one for each.
+    pub fn rows(&self, rows: &[u32], progress: &Progress) -> Result<Vec<StreamedRow>, Cancelled> {
+        let sides = &self.plan.sides;
+        let wanted: Vec<Side> = rows.iter().map(|&i| sides.side(i as usize)).collect();
+        let found = self.estimator.rows(&wanted, progress)?;
+        let tracing = RowTracing {
+            sides,
+            gatherer: &self.plan.gatherer,
+            exact: &self.exact,
+            estimator: &self.estimator,
+            separate: false,
+            is_known: &|_, _, _| false,
+        };
+        let streamed = |(&i, row): (&u32, &Row)| {
+            let sorted = tracing.ray_row(i as usize, row);
+            let entries = sorted.far.iter().flatten();
+            StreamedRow {
+                entries: entries.map(|e| (e.column, e.mean)).collect(),
+                rest: sorted.rest,
+                ended: self.ended(row),
+            }
+        };
+        Ok(rows.par_iter().zip(&found).map(streamed).collect())
+    }
+
+    /// The share of a row that ends on columns, and its standard error.
+    fn ended(&self, row: &Row) -> (f64, f64) {
+        let replicates = row.entries.each_ref().map(|entries| {
+            let column = |side: Side| self.plan.sides.column(side / 2, side.is_multiple_of(2));
+            let ended = entries
+                .iter()
+                .filter_map(|e| Some(self.ends[column(e.side)? as usize] * e.weight.mean()));
+            ended.sum()
+        });
+        let (mean, variance) = mean_and_variance(replicates);
+        (mean, variance.sqrt())
+    }
+}

@@ -1,0 +1,464 @@
+//! Form factors in blocks between clusters: against the whole matrix, and by themselves.
+
+use crate::scenes::{add_tiles, cube, surface};
+use azulejo_factors::form_factors::{Exchange, ExchangeAreas, Plan, RowRemainder};
+use azulejo_factors::hierarchy::{CompressionError, OperatorError, radiosities};
+use azulejo_factors::{
+    Closure, CompressedFactors, CompressionOptions, Engine, FactorOperator, FactorsError,
+    FormFactorOptions, FormFactors, PatchSize, PointNormal, form_factors,
+};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box, displaced_sphere};
+use azulejo_scene::{Material, Scene};
+use azulejo_trace::{Progress, Tracer};
+use glam::DVec3;
+use proptest::prelude::*;
+
+/// The whole matrix of a scene, with the places of its rows.
+fn whole(scene: &Scene, options: &FormFactorOptions) -> (FormFactors, Vec<PointNormal>) {
+    let tracer = Tracer::new(scene);
+    let plan = Plan::new(scene, &tracer, options).unwrap();
+    let places = plan.prepare().places();
+    let factors = form_factors(scene, &tracer, options, &Progress::new()).unwrap();
+    (factors, places)
+}
+
+fn by_rays(scene: &Scene, options: &FormFactorOptions, tolerance: f64) -> CompressedFactors {
+    let tracer = Tracer::new(scene);
+    let plan = Plan::new(scene, &tracer, options).unwrap();
+    let options = with(tolerance, true);
+    CompressedFactors::from_rays(&plan.prepare(), &options, &Progress::new()).unwrap()
+}
+
+fn with(tolerance: f64, keep_sums: bool) -> CompressionOptions {
+    CompressionOptions {
+        tolerance,
+        keep_sums,
+    }
+}
+
+fn compressed(
+    (factors, places): &(FormFactors, Vec<PointNormal>),
+    options: &CompressionOptions,
+) -> CompressedFactors {
+    CompressedFactors::new(factors, places, options, &Progress::new()).unwrap()
+}
+
+fn rays(count: usize, rays: u32) -> FormFactorOptions {
+    FormFactorOptions {
+        engine: Engine::Rays,
+        size: PatchSize::Count(count),
+        rays,
+        ..FormFactorOptions::default()
+    }
+}
+
+fn exact(count: usize) -> FormFactorOptions {
+    FormFactorOptions {
+        engine: Engine::Analytic,
+        ..rays(count, 64)
+    }
+}
+
+/// Two plates of 16 × 16 fields, one above the other.
+fn plates() -> Scene {
+    let mut scene = Scene::default();
+    let grey = || surface(0.5, 0.0, 0.0);
+    add_tiles(&mut scene, DVec3::ZERO, DVec3::X, DVec3::Y, 16, grey());
+    add_tiles(&mut scene, DVec3::Z, DVec3::Y, DVec3::X, 16, grey());
+    scene
+}
+
+/// A ball with hills in a cube that is twice its size.
+fn ball_in_cube() -> Scene {
+    let mut scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let mut ball = displaced_sphere(400);
+    let material = scene.add_material(Material::default());
+    for mut object in ball.objects.drain(..) {
+        if let azulejo_scene::Shape::Mesh(mesh) = &mut object.shape {
+            let half = |p: &mut DVec3| *p = 0.25 * *p + DVec3::splat(0.5);
+            mesh.positions.iter_mut().for_each(half);
+            mesh.face_materials.fill(material);
+        }
+        scene.objects.push(object);
+    }
+    scene
+}
+
+/// S, column by column.
+fn dense(operator: &dyn FactorOperator) -> Vec<Vec<f64>> {
+    let n = operator.row_areas().len();
+    let column = |j: usize| {
+        let mut unit = vec![0.0; n];
+        unit[j] = 1.0;
+        operator.exchanged(&unit)
+    };
+    (0..n).map(column).collect()
+}
+
+/// Frobenius norm of A^−½ (S − S') A^−½ over the mean row sum, which tolerances refer to.
+fn error(found: &dyn FactorOperator, exact: &dyn FactorOperator) -> f64 {
+    let areas = exact.row_areas();
+    let (a, b) = (dense(found), dense(exact));
+    let mut squares = 0.0;
+    for i in 0..areas.len() {
+        for j in 0..areas.len() {
+            squares += (a[i][j] - b[i][j]).powi(2) / (areas[i] * areas[j]);
+        }
+    }
+    let light: f64 = exact.exchanged(&vec![1.0; areas.len()]).iter().sum();
+    squares.sqrt() / (light / areas.iter().sum::<f64>())
+}
+
+fn check_compression(name: &str, matrix: &(FormFactors, Vec<PointNormal>)) {
+    let mut bytes = usize::MAX;
+    for tolerance in [0.0, 1e-4, 1e-3, 1e-2, 1e-1] {
+        let found = compressed(matrix, &with(tolerance, false));
+        let off = error(&found, &matrix.0);
+        eprintln!(
+            "{name} {tolerance:e}: {off:.1e}, stated {:.1e}",
+            found.bound
+        );
+        // Numbers are stored with 24 bits.
+        assert!(
+            off <= found.bound + 1e-6,
+            "{name} {tolerance}: {off} {}",
+            found.bound
+        );
+        assert!(
+            found.bound <= tolerance,
+            "{name} {tolerance}: {}",
+            found.bound
+        );
+        assert!(
+            found.bytes() <= bytes,
+            "{name} {tolerance}: {bytes}, then {}",
+            found.bytes()
+        );
+        bytes = found.bytes();
+        let columns = dense(&found);
+        for (i, column) in columns.iter().enumerate() {
+            for (j, value) in column.iter().enumerate() {
+                assert_eq!(value.to_bits(), columns[j][i].to_bits(), "{name}: {i} {j}");
+            }
+        }
+    }
+    assert!(
+        2 * bytes < matrix.0.bytes(),
+        "{name}: {bytes} of {}",
+        matrix.0.bytes()
+    );
+}
+
+#[test]
+fn two_plates_are_a_few_products() {
+    let matrix = whole(
+        &plates(),
+        &FormFactorOptions {
+            size: PatchSize::Edge(0.0),
+            ..exact(0)
+        },
+    );
+    check_compression("plates", &matrix);
+    let found = compressed(&matrix, &with(1e-3, true));
+    assert!(found.kinds()[2] > 0, "{:?}", found.kinds());
+    // A few entries, by themselves.
+    for (i, j) in [(0, 300), (300, 0), (17, 511), (3, 5)] {
+        let truth = matrix.0.exchange.get(i, j).value;
+        let value = found.exchange_area(i, j);
+        assert!(
+            (value - truth).abs() < 1e-3 * matrix.0.areas[i],
+            "{i} {j}: {value} {truth}"
+        );
+        assert_eq!(value.to_bits(), found.exchange_area(j, i).to_bits());
+    }
+}
+
+#[test]
+fn a_ball_in_a_cube_keeps_its_error() {
+    check_compression("ball in cube", &whole(&ball_in_cube(), &rays(700, 2_048)));
+}
+
+#[test]
+fn mirrors_are_compressed_too() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let matrix = whole(&scene, &rays(600, 2_048));
+    check_compression("mirror", &matrix);
+    let found = compressed(&matrix, &with(1e-2, true));
+    let ended = |operator: &dyn FactorOperator| operator.apply(&matrix.0.ends);
+    for (a, b) in ended(&found).iter().zip(ended(&matrix.0)) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
+    }
+}
+
+#[test]
+fn sums_of_an_enclosure_are_kept() {
+    let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let matrix = whole(&scene, &exact(600));
+    let loose = OperatorError::of(&compressed(&matrix, &with(1e-2, false)), &matrix.0, 3, 1);
+    let kept = OperatorError::of(&compressed(&matrix, &with(1e-2, true)), &matrix.0, 3, 1);
+    eprintln!("{loose:?}\n{kept:?}");
+    assert!(kept.most_of_sum < 1e-6 && loose.most_of_sum > 1e-5);
+    assert!(kept.product <= loose.product && kept.worst < 1e-2);
+    // An operator is not off itself.
+    assert_eq!(
+        OperatorError::of(&matrix.0, &matrix.0, 2, 1),
+        OperatorError::default()
+    );
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let run = |threads: usize| {
+        let pool = rayon_pool(threads);
+        pool.install(|| {
+            let options = rays(500, 256);
+            let from_matrix = compressed(&whole(&scene, &options), &with(1e-2, true));
+            let from_rays = by_rays(&scene, &options, 1e-2);
+            let x: Vec<f64> = (0..from_rays.len()).map(|i| (i % 7) as f64).collect();
+            (
+                from_matrix.apply(&x),
+                from_rays.apply_transposed(&x),
+                from_matrix,
+                bits(&from_rays),
+            )
+        })
+    };
+    assert!(run(1) == run(3));
+}
+
+/// What can be compared: a bound that is not known is not equal to itself.
+fn bits(found: &CompressedFactors) -> CompressedFactors {
+    assert!(found.bound.is_nan());
+    CompressedFactors {
+        bound: 0.0,
+        ..found.clone()
+    }
+}
+
+fn rayon_pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+}
+
+#[test]
+fn one_patch_none_and_all_in_one_point() {
+    let place = PointNormal {
+        position: DVec3::ZERO,
+        normal: DVec3::Z,
+    };
+    let none = (FormFactors::default(), Vec::new());
+    let found = compressed(&none, &CompressionOptions::default());
+    assert!(found.is_empty() && found.apply(&[]).is_empty() && found.bound == 0.0);
+    for n in [1usize, 300] {
+        let row = |i: usize| {
+            let entry = |j: usize| Exchange {
+                column: j as u32,
+                value: 1.0 / n as f64,
+                error: 0.0,
+            };
+            (i..n).map(entry).collect::<Vec<_>>()
+        };
+        let factors = FormFactors {
+            exchange: (0..n).map(row).collect(),
+            areas: vec![1.0; n],
+            ends: vec![1.0; n],
+            rest: vec![RowRemainder::default(); n],
+            ..FormFactors::default()
+        };
+        let matrix = (factors, vec![place; n]);
+        for tolerance in [0.0, 1e-3] {
+            let found = compressed(&matrix, &with(tolerance, true));
+            assert!(found.sums().iter().all(|s| (s - 1.0).abs() < 1e-6), "{n}");
+        }
+    }
+    // Nothing sees anything.
+    let dark = FormFactors {
+        exchange: (0..200).map(|_| Vec::new()).collect(),
+        areas: vec![1.0; 200],
+        ends: vec![1.0; 200],
+        rest: vec![RowRemainder::default(); 200],
+        ..FormFactors::default()
+    };
+    let found = compressed(&(dark, vec![place; 200]), &CompressionOptions::default());
+    assert!(found.sums().iter().all(|&s| s == 0.0) && found.kinds() == [0; 3]);
+}
+
+#[test]
+fn a_tolerance_must_be_one() {
+    for wrong in [-1e-3, 1.0, f64::NAN, f64::INFINITY] {
+        let none = FormFactors::default();
+        let new = CompressedFactors::new(&none, &[], &with(wrong, true), &Progress::new());
+        let error = new.unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.contains(&wrong.to_string()) && text.contains("less than 1"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn compression_can_be_cancelled() {
+    let scene = plates();
+    let matrix = whole(&scene, &exact(200));
+    let progress = Progress::new();
+    progress.cancel();
+    let options = CompressionOptions::default();
+    let cancelled = Err(CompressionError::Factors(FactorsError::Cancelled));
+    let new = CompressedFactors::new(&matrix.0, &matrix.1, &options, &progress);
+    assert_eq!(new.map(|_| ()), cancelled);
+    let (tracer, given) = (Tracer::new(&scene), rays(200, 64));
+    let plan = Plan::new(&scene, &tracer, &given).unwrap();
+    let new = CompressedFactors::from_rays(&plan.prepare(), &options, &progress);
+    assert_eq!(new.map(|_| ()), cancelled);
+}
+
+#[test]
+fn rays_build_what_formulas_say() {
+    let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let (truth, _) = whole(&scene, &exact(2_400));
+    for tolerance in [0.0, 1e-2] {
+        let found = by_rays(&scene, &rays(2_400, 4_096), tolerance);
+        let links = found.kinds()[2];
+        assert_eq!(links > 0, tolerance > 0.0, "{links} links");
+        let off = OperatorError::of(&found, &truth, 3, 1);
+        eprintln!(
+            "{tolerance:e}: {off:?}, {} bytes of {}",
+            found.bytes(),
+            truth.bytes()
+        );
+        assert!(off.product < 8e-3 && off.worst < 4e-2, "{off:?}");
+        // Rays of a closed room arrive, all but one or two of some rows along its edges.
+        assert!(off.most_of_sum < 1e-3 && off.mean_of_sum < 1e-4, "{off:?}");
+        check_stated(&found, &truth);
+        let values = found.parts.iter().flat_map(|p| &p.values);
+        assert!(values.clone().all(|&v| v >= 0.0 && v.is_finite()));
+    }
+}
+
+/// Nine in ten products lie within two stated errors of the truth, and errors are not stated to be
+/// many times too large.
+fn check_stated(found: &CompressedFactors, truth: &FormFactors) {
+    let n = found.len();
+    let x: Vec<f64> = (0..n).map(|i| ((i / 50) % 7) as f64).collect();
+    let ((y, errors), truth) = (found.apply_with_errors(&x), truth.apply(&x));
+    let off = |i: usize| (y[i] - truth[i]).abs();
+    let within = (0..n).filter(|&i| off(i) <= 2.0 * errors[i]).count();
+    let stated: f64 = errors.iter().map(|e| e * e).sum();
+    let actual: f64 = (0..n).map(|i| off(i).powi(2)).sum();
+    let ratio = (stated / actual).sqrt();
+    eprintln!("{within} of {n} within two errors, {ratio:.2} times the actual");
+    assert!(
+        within * 10 >= 9 * n && ratio < 4.0,
+        "{within} of {n}, {ratio}"
+    );
+}
+
+#[test]
+fn rays_by_mirrors_end_somewhere() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let options = FormFactorOptions {
+        closure: Closure::Never,
+        ..rays(1_200, 8_192)
+    };
+    let (truth, _) = whole(&scene, &options);
+    let found = by_rays(&scene, &rays(1_200, 2_048), 1e-2);
+    let ended = found.apply(&found.ends);
+    for (i, ended) in ended.iter().enumerate() {
+        let sum = ended + found.rest[i].sum();
+        assert!((sum - 1.0).abs() < 1e-4 || *ended == 0.0, "row {i}: {sum}");
+    }
+    let off = OperatorError::of(&found, &truth, 3, 1);
+    eprintln!("{off:?}, {:?}", found.kinds());
+    assert!(off.product < 2e-2, "{off:?}");
+    check_stated(&found, &truth);
+}
+
+#[test]
+fn light_in_a_furnace_is_the_same_everywhere() {
+    let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let matrix = whole(&scene, &exact(600));
+    let found = compressed(&matrix, &with(1e-2, true));
+    let n = found.len();
+    for operator in [&matrix.0 as &dyn FactorOperator, &found] {
+        let solve = |exitance: &[f64]| {
+            let ends = (1e-12, 100);
+            radiosities(operator, exitance, &vec![0.75; n], ends, &Progress::new()).unwrap()
+        };
+        // B = M / (1 − ρ).
+        let (b, iterations) = solve(&vec![2.0; n]);
+        assert!(
+            iterations < 20 && b.iter().all(|b| (b - 8.0).abs() < 1e-5),
+            "{iterations}"
+        );
+        // Any solution satisfies B = M + ρ X B.
+        let exitance: Vec<f64> = (0..n).map(|i| (i % 3) as f64).collect();
+        let (b, _) = solve(&exitance);
+        for (i, arriving) in operator.apply(&b).iter().enumerate() {
+            assert!(
+                (b[i] - exitance[i] - 0.75 * arriving).abs() < 1e-9,
+                "row {i}"
+            );
+        }
+        assert_eq!(solve(&vec![0.0; n]).0, vec![0.0; n]);
+    }
+}
+
+#[test]
+fn products_go_both_ways() {
+    let matrix = whole(&plates(), &exact(400));
+    let found = compressed(&matrix, &with(1e-3, false));
+    let n = found.len();
+    let (x, y): (Vec<f64>, Vec<f64>) = (0..n).map(|i| ((i % 5) as f64, (i % 3) as f64)).unzip();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (there, back) = (
+        dot(&y, &found.apply(&x)),
+        dot(&found.apply_transposed(&y), &x),
+    );
+    assert!((there - back).abs() < 1e-12 * there.abs(), "{there} {back}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn any_matrix_stays_within_its_tolerance(
+        n in 1usize..280,
+        seed in 0u32..1000,
+        exponent in 0.5f64..5.0,
+        share in 0.05f64..1.0,
+    ) {
+        let number = |k: u32, i: usize| f64::from(azulejo_trace::sampling::uniform(&[seed, k, i as u32]));
+        let place = |i: usize| PointNormal {
+            position: DVec3::new(number(0, i), number(1, i), number(2, i)),
+            normal: if number(3, i) < 0.5 { DVec3::X } else { DVec3::Y },
+        };
+        let places: Vec<PointNormal> = (0..n).map(place).collect();
+        let areas: Vec<f64> = (0..n).map(|i| 0.1 + number(4, i)).collect();
+        let row = |i: usize| {
+            let entry = |j: usize| Exchange {
+                column: j as u32,
+                value: areas[i] * areas[j] / (0.3 + places[i].position.distance(places[j].position)).powi(2),
+                error: 0.0,
+            };
+            let is_there = |&j: &usize| number(5 + i as u32, j) < share;
+            (i..n).filter(is_there).map(entry).collect::<Vec<_>>()
+        };
+        let exchange: ExchangeAreas = (0..n).map(row).collect();
+        let factors = FormFactors {
+            exchange,
+            ends: vec![1.0; n],
+            rest: vec![RowRemainder::default(); n],
+            areas,
+            ..FormFactors::default()
+        };
+        let tolerance = 10f64.powf(-exponent);
+        let found = compressed(&(factors.clone(), places), &with(tolerance, false));
+        let off = error(&found, &factors);
+        prop_assert!(found.bound <= tolerance, "{} {tolerance}", found.bound);
+        prop_assert!(off <= found.bound + 1e-6 || off.is_nan(), "{off} {}", found.bound);
+    }
+}
