@@ -159,7 +159,9 @@ mod tests {
     use crate::deadline::GatherPace;
     use crate::gather::{GatherLight, GatherTargets};
     use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-    use azulejo_trace::{DiffuseHit, GatherPoint, Gatherer, NoJournal, OutgoingRadiosity, Progress};
+    use azulejo_trace::{
+        DiffuseHit, GatherPoint, Gatherer, NoJournal, OutgoingRadiosity, Progress,
+    };
     use azulejo_trace::{Surfaces, Tracer};
     use glam::dvec3;
 

@@ -509,9 +509,10 @@ pub const ACTIONS: &[Action] = &[
         enabled_if(rests, Command::Resume)
     }),
     action(Menu::Light, "Stop", key(Key::F7), |a| {
-        match a.is_busy(JobKind::Solve) {
-            true => done(Command::StopSolving),
-            false => enabled_if(a.is_busy(JobKind::Render), Command::StopRender),
+        if a.is_busy(JobKind::Solve) {
+            done(Command::StopSolving)
+        } else {
+            enabled_if(a.is_busy(JobKind::Render), Command::StopRender)
         }
     }),
     action(Menu::Light, "Pin a probe", key(Key::P), |a| {

@@ -1,6 +1,6 @@
 //! Keyboard focus: where it is seen, where it returns to, and what scrolls with it.
 
-use egui::{Context, EventFilter, Id, Key, Popup, Response, StrokeKind, Ui, Vec2};
+use egui::{Context, Event, EventFilter, Id, Key, Popup, Response, StrokeKind, Ui, Vec2};
 
 /// Reserves the arrow keys for the focused widget: they do not move the focus.
 pub fn keep_arrows(response: &Response) {
@@ -96,7 +96,15 @@ impl FocusTrail {
                 Key::ArrowRight,
                 Key::F10,
             ];
-            let moves = keys.iter().any(|&key| i.key_pressed(key)) || i.modifiers.alt;
+            let with_alt = |event: &Event| match event {
+                Event::Key {
+                    pressed: true,
+                    modifiers,
+                    ..
+                } => modifiers.alt,
+                _ => false,
+            };
+            let moves = keys.iter().any(|&key| i.key_pressed(key)) || i.events.iter().any(with_alt);
             (moves, i.pointer.any_pressed())
         });
         self.by_keys = (self.by_keys || moves) && !clicks;

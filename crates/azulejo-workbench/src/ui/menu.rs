@@ -7,7 +7,7 @@ use crate::app::App;
 use crate::command::Command;
 use crate::jobs::JobKind;
 use crate::ui::focus;
-use egui::{Button, ComboBox, Key, Modifiers, Role, Ui, WidgetInfo};
+use egui::{Button, ComboBox, Event, Key, Role, Ui, WidgetInfo};
 
 /// Draws the menus; returns the chosen actions.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
@@ -45,6 +45,20 @@ fn focused_menu() -> egui::Id {
     egui::Id::unique("focused menu")
 }
 
+/// Whether a key was pressed in this frame while Alt was held: it may have been released since.
+fn pressed_with_alt(ui: &Ui, letter: Key) -> bool {
+    let is_it = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => *key == letter && modifiers.alt && !modifiers.command,
+        _ => false,
+    };
+    ui.input(|i| i.events.iter().any(is_it))
+}
+
 /// The menu whose title gets the focus: the first one by F10, and by Alt with a letter the next one that
 /// begins with it.
 fn menu_by_key(ui: &Ui, cx: &PanelContext) -> Option<Menu> {
@@ -52,14 +66,13 @@ fn menu_by_key(ui: &Ui, cx: &PanelContext) -> Option<Menu> {
         return None;
     }
     let shown = || Menu::ALL.into_iter().filter(|&m| m != Menu::Shading);
-    if ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::F10)) {
+    if ui.input(|i| i.key_pressed(Key::F10) && i.modifiers.is_none()) {
         return shown().next();
     }
     let letters = shown().filter_map(|menu| {
         let initial = menu.label(cx.language).chars().next()?;
         let letter = Key::from_name(&initial.to_uppercase().to_string())?;
-        ui.input(|i| i.modifiers.alt && i.key_pressed(letter))
-            .then_some(menu)
+        pressed_with_alt(ui, letter).then_some(menu)
     });
     let found: Vec<Menu> = letters.collect();
     let last: Option<Menu> = ui.data(|d| d.get_temp(focused_menu()));

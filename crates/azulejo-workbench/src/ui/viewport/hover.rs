@@ -72,10 +72,10 @@ fn light(
 
 /// The channels of a coloured light in parentheses; nothing if they agree.
 fn channels(c: Rgb) -> String {
-    match is_grey(c) {
-        true => String::new(),
-        false => format!(" (R {}, G {}, B {})", number(c.r), number(c.g), number(c.b)),
+    if is_grey(c) {
+        return String::new();
     }
+    format!(" (R {}, G {}, B {})", number(c.r), number(c.g), number(c.b))
 }
 
 fn is_grey(c: Rgb) -> bool {

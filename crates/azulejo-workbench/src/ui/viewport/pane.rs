@@ -287,9 +287,10 @@ fn background<'a>(
     let shows_light = matches!(view.shading, Shading::Irradiance | Shading::Patches);
     let exposure = if shows_light { app.exposure(view) } else { 1.0 };
     let shown = |radiance: Rgb| {
-        let shown = match shows_light {
-            true => Tone::default().map(exposure * radiance),
-            false => radiance,
+        let shown = if shows_light {
+            Tone::default().map(exposure * radiance)
+        } else {
+            radiance
         };
         let [r, g, b, _] = colors::color(shown).to_array();
         [r, g, b]
