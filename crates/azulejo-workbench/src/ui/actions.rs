@@ -9,7 +9,7 @@ use crate::preferences::Preferences;
 use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
 use crate::words::Language;
 use azulejo::scene::MaterialId;
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Event, Key, KeyboardShortcut, Modifiers};
 
 /// A menu entry with an optional shortcut.
 pub struct Action {
@@ -584,7 +584,7 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
         if writes && (is_plain || action.menu == Menu::Edit) {
             continue;
         }
-        if !context.input(|input| input.key_pressed(key.logical_key)) {
+        if !context.input(|input| is_pressed(input, &key)) {
             continue;
         }
         // An open menu or list takes Escape for itself.
@@ -598,6 +598,20 @@ pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
         }
     }
     commands
+}
+
+/// Whether the key of a shortcut was pressed with or without Alt, as the shortcut has it: Alt and L is
+/// not L.
+fn is_pressed(input: &egui::InputState, shortcut: &KeyboardShortcut) -> bool {
+    input.events.iter().any(|event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => *key == shortcut.logical_key && modifiers.alt == shortcut.modifiers.alt,
+        _ => false,
+    })
 }
 
 fn is_function(key: Key) -> bool {

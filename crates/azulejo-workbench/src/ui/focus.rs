@@ -79,6 +79,9 @@ pub struct FocusTrail {
     /// Where the focus was when a dialog, a menu or a list opened.
     before: Option<Id>,
     was_open: bool,
+    /// Where the focus returns to, and for how many frames more that is tried: what has closed may
+    /// take it away once more.
+    returns: Option<(Id, u8)>,
     /// Whether the focus was moved by the keyboard, and not by a click.
     by_keys: bool,
 }
@@ -112,12 +115,17 @@ impl FocusTrail {
         if is_open && !self.was_open {
             self.before = self.last;
         }
-        let mut focused = context.memory(|m| m.focused());
-        if self.was_open && !is_open && self.by_keys && focused.is_none() {
-            focused = self.before.take();
-            if let Some(id) = focused {
+        let focused = context.memory(|m| m.focused());
+        if self.was_open && !is_open && self.by_keys {
+            self.returns = self.before.take().map(|id| (id, 4));
+        }
+        self.returns = self.returns.filter(|_| !is_open && !clicks);
+        if let Some((id, tries)) = self.returns {
+            if focused.is_none() {
                 context.memory_mut(|m| m.request_focus(id));
             }
+            self.returns = (tries > 1).then_some((id, tries - 1));
+            context.request_repaint();
         }
         (self.was_open, self.last) = (is_open, focused);
         if self.by_keys {

@@ -47,7 +47,7 @@ impl HelpTerm {
                 "Piece of a surface for which the solver computes one radiosity on each side. Smaller patches resolve finer shadows and take longer.",
             ),
             HelpTerm::EnergyBalance => language.tr(
-                "All emitted light is absorbed, leaves the scene or is cut off. A difference is an error of the solution, mostly noise.",
+                "All emitted light is absorbed, leaves the scene or is cut off; of lights without area, what misses all surfaces does not count. A difference is an error of the solution: noise, or the light of bounces beyond a limit.",
             ),
         }
     }

@@ -190,7 +190,9 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
 /// Width of each of three number fields that share a row.
 fn field_width(ui: &Ui) -> f32 {
     let gaps = 2.0 * ui.spacing().item_spacing.x;
-    ((ui.available_width() - gaps) / 3.0).clamp(36.0, 96.0)
+    // A grid gives its last column what the widest row of the last frame took: more than shows.
+    let shown = ui.clip_rect().right() - ui.cursor().left() - ui.spacing().item_spacing.x;
+    ((ui.available_width().min(shown) - gaps) / 3.0).clamp(36.0, 96.0)
 }
 
 /// Change of a coordinate per pixel of dragging.

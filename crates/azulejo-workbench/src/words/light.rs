@@ -302,8 +302,13 @@ pub const TABLE: &[Translation] = &[
         "Pedaço de superfície para o qual se calcula uma só radiosidade de cada lado. Patches mais pequenos dão sombras mais finas e demoram mais.",
     ],
     [
-        "All emitted light is absorbed, leaves the scene or is cut off. A difference is an error of the solution, mostly noise.",
-        "Toda la luz emitida se absorbe, sale de la escena o se trunca. Una diferencia es un error de la solución, sobre todo ruido.",
-        "Toda a luz emitida é absorvida, sai da cena ou é truncada. Uma diferença é um erro da solução, sobretudo ruído.",
+        "All emitted light is absorbed, leaves the scene or is cut off; of lights without area, what misses all surfaces does not count. A difference is an error of the solution: noise, or the light of bounces beyond a limit.",
+        "Toda la luz emitida se absorbe, sale de la escena o se trunca; de las luces sin área no cuenta la que no alcanza ninguna superficie. Una diferencia es un error de la solución: ruido, o la luz de los rebotes que exceden un límite.",
+        "Toda a luz emitida é absorvida, sai da cena ou é truncada; das luzes sem área não conta a que não atinge nenhuma superfície. Uma diferença é um erro da solução: ruído, ou a luz dos ressaltos além de um limite.",
+    ],
+    [
+        "The energy balance does not close: the bounces are limited.",
+        "El balance de energía no cuadra: los rebotes están limitados.",
+        "O balanço de energia não fecha: os ressaltos estão limitados.",
     ],
 ];

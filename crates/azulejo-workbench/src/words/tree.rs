@@ -14,6 +14,11 @@ pub const TABLE: &[Translation] = &[
     ["Materials", "Materiales", "Materiais"],
     ["Search", "Buscar", "Procurar"],
     [
+        "Nothing has this in its name.",
+        "Nada lleva esto en su nombre.",
+        "Nada tem isto no nome.",
+    ],
+    [
         "Drop files here, or open them (Ctrl+O).",
         "Arrastre archivos aquí o ábralos (Ctrl+O).",
         "Arraste ficheiros para aqui ou abra-os (Ctrl+O).",

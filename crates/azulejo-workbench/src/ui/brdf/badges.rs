@@ -91,11 +91,14 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
         language.tr("energy not conserved, albedo up to")
     };
     let at = language.tr("at");
-    let mut about = language.tr("Albedo by angle of incidence:").to_owned();
+    let mut about = format!(
+        "{words} {most:.2} {at} {angle}°\n{}",
+        language.tr("Albedo by angle of incidence:")
+    );
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
     }
-    badge(ui, holds, &format!("{words} {most:.2} {at} {angle}°")).on_hover_text(about);
+    badge(ui, holds, &format!("{words} {most:.2}")).on_hover_text(about);
 }
 
 /// A symbol and a text, so that the colour carries no information of its own.

@@ -68,8 +68,12 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
         );
     });
     if balance.is_off() {
-        let words =
-            cx.tr("The energy balance does not close: aim at a smaller error, or allow more time.");
+        let words = match cx.app.lighting.settings.bounces {
+            Some(_) => cx.tr("The energy balance does not close: the bounces are limited."),
+            None => cx.tr(
+                "The energy balance does not close: aim at a smaller error, or allow more time.",
+            ),
+        };
         ui.label(RichText::new(format!("⚠ {words}")).color(ui.visuals().warn_fg_color));
     }
 }

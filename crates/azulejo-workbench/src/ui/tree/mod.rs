@@ -60,7 +60,11 @@ impl SceneTree {
         let target = self.reveal.take().and_then(|id| self.list.reveal(id));
         let visible = self.list.visible();
         if visible.is_empty() {
-            let text = cx.tr("Drop files here, or open them (Ctrl+O).");
+            let text = if cx.app.document.is_empty() {
+                cx.tr("Drop files here, or open them (Ctrl+O).")
+            } else {
+                cx.tr("Nothing has this in its name.")
+            };
             ui.weak(text);
             return;
         }
