@@ -112,6 +112,18 @@ fn started(folder: &Folder, line: &str, part: &str, bytes: u64) -> Child {
     child
 }
 
+/// Waits until a part has not grown for a while: its last block is written, and the next in work.
+fn settled(folder: &Folder, part: &str) {
+    let length = || fs::metadata(folder.path(part)).map_or(0, |m| m.len());
+    let (mut last, mut quiet) = (length(), 0);
+    while quiet < 20 {
+        sleep(Duration::from_millis(5));
+        let now = length();
+        quiet = if now == last { quiet + 1 } else { 0 };
+        last = now;
+    }
+}
+
 fn signal(child: &Child, signal: Signal) {
     kill(Pid::from_raw(child.id().try_into().unwrap()), signal).unwrap();
 }
@@ -561,6 +573,7 @@ fn interrupted_points_go_on_to_the_same_bytes() {
     folder.ok(&format!("{line} -o whole.npy"));
     let shard = format!("{line} --shard 1/1 -o part");
     let mut child = started(&folder, &shard, "part", 30_000);
+    settled(&folder, "part");
     signal(&child, Signal::SIGKILL);
     child.wait().unwrap();
     let run = folder.ok(&shard);
