@@ -119,14 +119,17 @@ mod tests {
         check(Some(""), &[]);
         check(Some("data"), &[Need::Data]);
         check(Some(" gpu, data,"), &[Need::Data, Need::Gpu]);
-        check(Some("browser,python,fonts,embree,gpu,data"), &Need::ALL);
+        check(
+            Some("browser,python,fonts,embree,display,gpu,data"),
+            &Need::ALL,
+        );
     }
 
     #[test]
     fn an_unknown_word_names_those_that_exist() {
         assert_eq!(
             required(Some("data,gpus")).unwrap_err(),
-            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, embree, fonts, python, browser"
+            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, display, embree, fonts, python, browser"
         );
     }
 }
