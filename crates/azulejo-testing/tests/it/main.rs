@@ -73,7 +73,10 @@ fn a_requirement_that_is_not_met_fails() {
     );
     check(
         &[("AZULEJO_REQUIRE", "date")],
-        &["`date`", "none of data, gpu, display, embree, fonts, python"],
+        &[
+            "`date`",
+            "none of data, gpu, display, embree, fonts, python",
+        ],
     );
     let missing = [("AZULEJO_REQUIRE", "data"), ("AZULEJO_DATA", "/nowhere")];
     check(&missing, &["AZULEJO_DATA is /nowhere, which is no folder"]);
