@@ -53,7 +53,7 @@ pub struct Preferences {
     /// Paths per pixel of a finished render.
     pub picture_samples: u32,
     /// Final gather rays at each path's first diffuse surface, which sharpen shadows and hide
-    /// patches; 0 for none, if light has been solved.
+    /// patches; 0 for the usual number, 8.
     pub picture_gather: u32,
     /// Whether the tree of the scene is shown.
     pub shows_tree: bool,

@@ -154,9 +154,9 @@ pub const TABLE: &[Translation] = &[
         "Raios de final gather",
     ],
     [
-        "Sharpens shadows and hides patches, slowly; 0 for none.",
-        "Define mejor las sombras y disimula los parches, pero es lento; 0 para desactivarlo.",
-        "Torna as sombras mais nítidas e disfarça os patches, mas é lento; 0 para desativar.",
+        "More rays have less noise and take longer; 0 for the usual 8.",
+        "Más rayos dan menos ruido y tardan más; 0 para los 8 habituales.",
+        "Mais raios dão menos ruído e demoram mais; 0 para os 8 habituais.",
     ],
     ["grey", "gris", "cinzento"],
     // Keys and mouse.

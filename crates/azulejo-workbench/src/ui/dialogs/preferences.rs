@@ -101,7 +101,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     ui.end_row();
     let label = ui.label(tr("Final gather rays"));
     let drag = DragValue::new(&mut new.picture_gather).range(0..=MAX_GATHER);
-    let about = tr("Sharpens shadows and hides patches, slowly; 0 for none.");
+    let about = tr("More rays have less noise and take longer; 0 for the usual 8.");
     ui.add(drag).labelled_by(label.id).on_hover_text(about);
     ui.end_row();
 }
