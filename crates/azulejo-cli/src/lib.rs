@@ -18,6 +18,7 @@ mod engine;
 mod exchange;
 mod experiment;
 mod failure;
+mod file_journal;
 mod form_factors;
 mod generate;
 mod grf;
@@ -39,6 +40,14 @@ mod placement;
 mod points;
 mod probe;
 mod progress_bar;
+#[cfg_attr(
+    not(feature = "mpi"),
+    allow(
+        dead_code,
+        reason = "without MPI nobody starts ranks; tests and lints see their messages all the same"
+    )
+)]
+mod ranks;
 mod record_file;
 mod render;
 mod report;
@@ -55,6 +64,7 @@ mod workbench;
 use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
+use ranks::Ranks;
 use session::Session;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -72,6 +82,10 @@ pub mod parsers {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        // All ranks would say the same.
+        Err(e) if ranks::is_helper() => {
+            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
+        }
         Err(e) => {
             // Help and version are also printed here; a closed pipe is not an error, a full disk is.
             let printed = e.print().and_then(|()| io::stdout().flush());
@@ -83,17 +97,19 @@ pub fn main() -> ExitCode {
         }
     };
     let common = cli.common;
-    match run(cli) {
+    match ranks::launch(cli, run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            print_failure(&failure, common.json);
+            if !ranks::is_helper() {
+                print_failure(&failure, common.json);
+            }
             failure.exit_code()
         }
     }
 }
 
-fn run(cli: Cli) -> Result<(), Failure> {
-    let mut session = Session::start(cli.common)?;
+fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
+    let mut session = Session::start(cli.common, ranks)?;
     let report = match &cli.command {
         Command::Brdf { command } => return brdf::run(command, session),
         Command::Grf { command } => return grf::run(command, session),

@@ -13,7 +13,7 @@ use azulejo_radiosity::{
     StoredSides,
 };
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
-use azulejo_trace::{Measure, Measured, Progress, Tracer};
+use azulejo_trace::{Journal, Measure, Measured, NoJournal, Progress, Tracer};
 use std::time::Instant;
 
 /// The patch size for the library; `None` if the command line does not specify one.
@@ -23,14 +23,14 @@ pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
 }
 
 /// The library's options.
-pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine) -> FirstPass {
+pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine, session: &Session) -> FirstPass {
     FirstPass {
         size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
         error: args.error,
         rays: args.rays,
         bounces: args.bounces,
         seed: args.seed,
-        memory: args.memory.unwrap_or_else(machine::memory_budget),
+        memory: args.memory.unwrap_or(machine::budget_of(session.memory())),
         interpolate: !args.no_interpolation,
         keep_mesh: args.keep_mesh,
         sides: sides(args.sides),
@@ -56,12 +56,34 @@ pub fn solve(
     prepared: &PreparedEngine,
     session: &Session,
 ) -> Result<LightSolution, Failure> {
+    let options = options(args, prepared, session);
+    solve_in_blocks(scene, tracer, args, (&options, &NoJournal), session)
+}
+
+/// The same, with blocks that the journal holds or others compute.
+pub fn solve_in_blocks(
+    scene: &Scene,
+    tracer: &Tracer,
+    args: &FirstPassArgs,
+    (options, journal): (&FirstPass, &dyn Journal),
+    session: &Session,
+) -> Result<LightSolution, Failure> {
     session.limit_time(args.limit());
-    let options = options(args, prepared);
     with_forecast(args, session, |progress| {
-        azulejo_radiosity::solve(scene, tracer, &options, progress)
+        azulejo_radiosity::solve_in_blocks(scene, tracer, options, journal, progress)
     })
     .map_err(failure)
+}
+
+/// Refuses to share work between processes that depends on the time.
+pub fn refuse_time(args: &FirstPassArgs) -> Result<(), Failure> {
+    match args.limit() {
+        None => Ok(()),
+        Some(_) => Err(Failure::misuse(
+            "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
+             or --rays, and the time to the queue; what is done by then is kept",
+        )),
+    }
 }
 
 /// Refuses to divide work that depends on the time, or on the results of all points.

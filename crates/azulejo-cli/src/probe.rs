@@ -4,12 +4,13 @@ use super::args::ProbeArgs;
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
+use super::ranks::{RankJournal, Ranks, Sharing};
 use super::report::{Report, count, number, seconds, short};
 use super::session::Session;
 use super::shards::{MergedParts, PartPlan, Shard};
 use super::{input, pass, points};
 use azulejo::output::Output;
-use azulejo_radiosity::{PointNormal, SolveError};
+use azulejo_radiosity::{FirstPass, PointNormal, Probed, SolveError};
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
@@ -48,9 +49,10 @@ impl ProbeResults {
 
 /// Runs `probe`.
 pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
-    match args.shard {
-        Some(shard) => part(args, shard, session),
-        None => whole(args, None, session),
+    match (args.shard, session.ranks().cloned()) {
+        (Some(shard), _) => part(args, shard, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, _) => whole(args, None, session),
     }
 }
 
@@ -77,7 +79,7 @@ fn part(args: &ProbeArgs, shard: Shard, session: &mut Session) -> Result<Report,
     let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
     let points = points::read_points(points, args.normals.as_deref())?;
     let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&args.first_pass, &prepared);
+    let options = pass::options(&args.first_pass, &prepared, session);
     let part = planned.open(&pass::work_key(&scene, &tracer, &options, &points), session)?;
     let mut report = Report::default();
     part.fill(session, &mut report, |part, session| {
@@ -90,6 +92,49 @@ fn part(args: &ProbeArgs, shard: Shard, session: &mut Session) -> Result<Report,
         }
     })?;
     Ok(report)
+}
+
+/// Takes part in the work of rank 0.
+fn help(args: &ProbeArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+    let points = shared_points(args)?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    let points = points::read_points(points, args.normals.as_deref())?;
+    let tracer = prepared.tracer(&scene)?;
+    let options = pass::options(&args.first_pass, &prepared, session);
+    let key = pass::work_key(&scene, &tracer, &options, &points);
+    let journal = ranks.journal(Sharing::All, &key, None)?;
+    journal.run(session, |journal, session| {
+        probed(&scene, &tracer, &points, args, (&options, journal), session)
+    })?;
+    Ok(Report::default())
+}
+
+/// The points of a work that several processes share.
+fn shared_points(args: &ProbeArgs) -> Result<&Path, Failure> {
+    pass::refuse_time(&args.first_pass)?;
+    args.probes.points.as_deref().ok_or_else(|| {
+        Failure::misuse(
+            "MPI processes share the work of --points; --radiance and --hits take a file of rays, which can be divided \
+             itself",
+        )
+    })
+}
+
+/// Measures irradiance at points, with blocks that the journal holds or others compute.
+fn probed(
+    scene: &Scene,
+    tracer: &Tracer,
+    points: &[PointNormal],
+    args: &ProbeArgs,
+    (options, journal): (&FirstPass, &dyn Journal),
+    session: &Session,
+) -> Result<Probed, Failure> {
+    session.limit_time(args.first_pass.limit());
+    pass::with_forecast(&args.first_pass, session, |progress| {
+        azulejo_radiosity::probe_in_blocks(scene, tracer, points, options, (journal, progress))
+    })
+    .map_err(pass::failure)
 }
 
 /// Measures at all points or rays, or makes that of parts, and writes it.
@@ -110,7 +155,12 @@ fn whole(
     } else {
         input::read_lit(&args.input, instant, session)?
     };
+    session.share_files()?;
+    if session.ranks().is_some() {
+        shared_points(args)?;
+    }
     let mut report = Report::default();
+    let mut shared = None;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
         (Some(path), _, _) => {
             let points = points::read_points(path, args.normals.as_deref())?;
@@ -118,6 +168,7 @@ fn whole(
                 &scene,
                 (&points, parts),
                 args,
+                (output.as_ref(), &mut shared),
                 &prepared,
                 session,
                 &mut report,
@@ -131,6 +182,7 @@ fn whole(
         points::write_rows(&output, rows.columns, &rows.values, session.progress())?;
         report.value("output", output.path().display().to_string());
     }
+    shared.iter().for_each(RankJournal::remove);
     Ok(report)
 }
 
@@ -155,23 +207,31 @@ fn irradiance(
     scene: &Scene,
     (points, parts): (&[PointNormal], Option<&MergedParts>),
     args: &ProbeArgs,
+    (output, shared): (Option<&Output>, &mut Option<RankJournal>),
     prepared: &PreparedEngine,
-    session: &Session,
+    session: &mut Session,
     report: &mut Report,
 ) -> Result<ProbeResults, Failure> {
     let tracer = build(scene, prepared, report)?;
-    let options = pass::options(&args.first_pass, prepared);
-    if let Some(parts) = parts {
-        parts.check(&pass::work_key(scene, &tracer, &options, points))?;
-    }
-    let journal: &dyn Journal = parts.map_or(&NoJournal, |parts| parts);
-    session.limit_time(args.first_pass.limit());
+    let options = pass::options(&args.first_pass, prepared, session);
     let clock = Clock::start();
-    let probed = pass::with_forecast(&args.first_pass, session, |progress| {
-        azulejo_radiosity::probe_in_blocks(scene, &tracer, points, &options, (journal, progress))
-    })
-    .map_err(pass::failure);
-    let probed = parts.map_or(Ok(()), |p| p.used(Ok(()))).and(probed)?;
+    let measure = |journal: &dyn Journal, session: &Session| {
+        probed(scene, &tracer, points, args, (&options, journal), session)
+    };
+    let key = || pass::work_key(scene, &tracer, &options, points);
+    let probed = match (parts, session.ranks().cloned()) {
+        (Some(parts), _) => {
+            parts.check(&key())?;
+            parts.used(measure(parts, session))?
+        }
+        (None, Some(ranks)) => {
+            let journal = ranks.journal(Sharing::All, &key(), output.and_then(Output::file))?;
+            let found = journal.run(session, |journal, session| measure(journal, session))?;
+            *shared = Some(journal);
+            found
+        }
+        (None, None) => measure(&NoJournal, session)?,
+    };
     spent("tracing", "trace", clock, report);
     pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();

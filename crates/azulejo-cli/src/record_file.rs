@@ -16,13 +16,16 @@ pub const HEAD: usize = 4 + 8 + 8 + 4 + 4;
 /// The stage of the record behind which nothing follows.
 const END: u32 = u32::MAX;
 
-/// The stages by their numbers in files.
+/// The stages by their numbers in files; [`JournalStage::Step`] is behind [`STEPS`].
 const STAGES: [JournalStage; 4] = [
     JournalStage::Rows,
     JournalStage::Pairs,
     JournalStage::Points,
     JournalStage::Formulas,
 ];
+
+/// The number of the first step.
+const STEPS: u32 = 1 << 8;
 
 /// A stage and the number of a block.
 pub type BlockId = (JournalStage, usize);
@@ -250,13 +253,25 @@ fn parse_head(head: &[u8; HEAD], start: u64) -> Option<Recorded> {
         length: u64::from_le_bytes(*length),
         checksum: u32::from_le_bytes(*checksum.first_chunk()?),
     };
-    let stage = *STAGES.get(stage as usize)?;
+    let stage = stage_of(stage)?;
     Some(Recorded::Block(
         (stage, u64::from_le_bytes(*block) as usize),
         place,
     ))
 }
 
-fn number_of(stage: JournalStage) -> u32 {
-    STAGES.iter().position(|&s| s == stage).unwrap_or_default() as u32
+/// The number of a stage, as files and messages have it.
+pub fn number_of(stage: JournalStage) -> u32 {
+    match stage {
+        JournalStage::Step(step) => STEPS.saturating_add(step).min(END - 1),
+        stage => STAGES.iter().position(|&s| s == stage).unwrap_or_default() as u32,
+    }
+}
+
+/// The stage of a number.
+pub fn stage_of(number: u32) -> Option<JournalStage> {
+    match number.checked_sub(STEPS) {
+        Some(step) => Some(JournalStage::Step(step)),
+        None => STAGES.get(number as usize).copied(),
+    }
 }

@@ -5,7 +5,9 @@ use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::interrupt::{self, BlockEnd};
 use super::progress_bar;
+use super::ranks::{Control, Ranks};
 use super::report::{self, Report};
+use super::shards;
 use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
@@ -22,6 +24,8 @@ use std::time::{Duration, Instant};
 pub struct Session {
     json: bool,
     quiet: bool,
+    /// The processes that share the work, if there are several.
+    ranks: Option<Ranks>,
     progress: Arc<Progress>,
     block_end: Arc<BlockEnd>,
     clock: Clock,
@@ -36,18 +40,25 @@ pub struct Session {
 
 impl Session {
     /// Starts the clock, sets up the threads and installs the handler of Ctrl-C.
-    pub fn start(common: CommonArgs) -> Result<Session, Failure> {
-        let progress = Arc::new(Progress::new());
-        let block_end = Arc::new(BlockEnd::default());
-        let is_quiet = common.quiet || common.json;
+    pub fn start(common: CommonArgs, ranks: Option<Ranks>) -> Result<Session, Failure> {
+        let control = ranks.as_ref().map(|ranks| ranks.control.clone());
+        let Control {
+            block_end,
+            progress,
+        } = control.unwrap_or_default();
+        let is_helper = ranks.as_ref().is_some_and(|ranks| !ranks.is_root());
+        let is_quiet = common.quiet || common.json || is_helper;
         interrupt::install(Arc::clone(&progress), Arc::clone(&block_end), is_quiet)?;
+        let threads = common.threads.map(usize::from);
+        let threads = threads.or(ranks.as_ref().map(|ranks| ranks.threads));
         rayon::ThreadPoolBuilder::new()
-            .num_threads(common.threads.map_or(0, usize::from))
+            .num_threads(threads.unwrap_or(0))
             .build_global()
             .map_err(|e| Failure::failed(format_args!("cannot start the threads: {e}")))?;
         Ok(Session {
-            json: common.json,
-            quiet: common.quiet,
+            json: common.json && !is_helper,
+            quiet: common.quiet || is_helper,
+            ranks,
             progress,
             block_end,
             clock: Clock::start(),
@@ -153,6 +164,32 @@ impl Session {
         self.makes_image
     }
 
+    /// The processes that share the work, if there are several.
+    pub fn ranks(&self) -> Option<&Ranks> {
+        self.ranks.as_ref()
+    }
+
+    /// Gives the files that were read to the other ranks, if there are any.
+    ///
+    /// # Errors
+    /// See [`Ranks::share_files`].
+    pub fn share_files(&self) -> Result<(), Failure> {
+        match &self.ranks {
+            Some(ranks) if ranks.is_root() => {
+                ranks.share_files(&shards::files_of_command()?, &self.files)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Memory of the machine, bytes; of that of rank 0, if several share the work.
+    pub fn memory(&self) -> Option<u64> {
+        match &self.ranks {
+            Some(ranks) => ranks.memory,
+            None => azulejo::machine::memory(),
+        }
+    }
+
     /// How the work ends behind a block that is kept.
     pub fn block_end(&self) -> Arc<BlockEnd> {
         Arc::clone(&self.block_end)
@@ -235,6 +272,17 @@ impl Session {
 
     /// Adds time and memory of the run.
     fn costs(&self, report: &mut Report) {
+        if let Some(ranks) = &self.ranks {
+            let nodes = match ranks.nodes {
+                1 => "one machine".to_owned(),
+                nodes => format!("{nodes} machines"),
+            };
+            let words = format!(
+                "{} on {nodes}; time and memory are those of rank 0",
+                ranks.size
+            );
+            report.fact("ranks", ranks.size, "ranks", words);
+        }
         let (wall, cpu) = (self.clock.wall(), self.clock.cpu());
         let threads = rayon::current_num_threads();
         let mut words = format!(

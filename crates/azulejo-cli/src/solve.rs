@@ -1,9 +1,11 @@
 //! `solve`: the first pass, from scene to irradiance on its vertices.
 
 use super::args::{FirstPassArgs, SidesArg, SolveArgs};
+use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::in_place::InPlace;
 use super::kept_gltf::KeptGltf;
+use super::ranks::{RankJournal, Ranks, Sharing};
 use super::report::Report;
 use super::session::Session;
 use super::shards::{MergedParts, PartPlan, Shard};
@@ -40,6 +42,14 @@ impl SolvedOutput {
         }
     }
 
+    /// The file that is written; nothing for standard output.
+    fn file(&self) -> Option<&Path> {
+        match self {
+            SolvedOutput::Model(output) => output.file(),
+            SolvedOutput::InPlace(text) => Some(text.target()).filter(|_| !text.is_stdout()),
+        }
+    }
+
     fn is_stdout(&self) -> bool {
         match self {
             SolvedOutput::Model(output) => output.is_stdout(),
@@ -50,9 +60,10 @@ impl SolvedOutput {
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    match args.shard {
-        Some(shard) => part(args, shard, session),
-        None => whole(args, None, session),
+    match (args.shard, session.ranks().cloned()) {
+        (Some(shard), _) => part(args, shard, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, _) => whole(args, None, session),
     }
 }
 
@@ -84,7 +95,7 @@ fn part(args: &SolveArgs, shard: Shard, session: &mut Session) -> Result<Report,
     let prepared = args.first_pass.engine.prepare()?;
     let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&pass_args(args), &prepared);
+    let options = pass::options(&pass_args(args), &prepared, session);
     let part = planned.open(&pass::work_key(&scene, &tracer, &options, &[]), session)?;
     let mut report = Report::default();
     part.fill(session, &mut report, |part, session| {
@@ -97,6 +108,23 @@ fn part(args: &SolveArgs, shard: Shard, session: &mut Session) -> Result<Report,
         }
     })?;
     Ok(report)
+}
+
+/// Takes part in the work of rank 0.
+fn help(args: &SolveArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+    let first_pass = pass_args(args);
+    pass::refuse_time(&first_pass)?;
+    let prepared = first_pass.engine.prepare()?;
+    let scene = input::read_relit(&args.input, first_pass.instant(), session)?;
+    let tracer = prepared.tracer(&scene)?;
+    let options = pass::options(&first_pass, &prepared, session);
+    let key = pass::work_key(&scene, &tracer, &options, &[]);
+    let journal = ranks.journal(Sharing::All, &key, None)?;
+    journal.run(session, |journal, session| {
+        let how = (&options, journal);
+        pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
+    })?;
+    Ok(Report::default())
 }
 
 /// The light at all vertices, with those of parts.
@@ -122,19 +150,44 @@ fn whole(
     let output = SolvedOutput::check(args)?;
     session.claim_stdout(output.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    session.share_files()?;
     let kept = KeptGltf::of(args, &scene, session)?;
     let first_pass = pass_args(args);
     let tracer = prepared.tracer(&scene)?;
-    let light = match parts {
-        None => pass::solve(&scene, &tracer, &first_pass, &prepared, session)?,
-        Some(parts) => {
-            let options = pass::options(&first_pass, &prepared);
-            merged(&scene, &tracer, &options, parts, session)?
+    let options = pass::options(&first_pass, &prepared, session);
+    let mut shared = None;
+    let light = match (parts, session.ranks().cloned()) {
+        (Some(parts), _) => merged(&scene, &tracer, &options, parts, session)?,
+        (None, Some(ranks)) => {
+            pass::refuse_time(&first_pass)?;
+            let key = pass::work_key(&scene, &tracer, &options, &[]);
+            let journal = ranks.journal(Sharing::All, &key, output.file())?;
+            let light = journal.run(session, |journal, session| {
+                let how = (&options, journal);
+                pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
+            })?;
+            shared = Some(journal);
+            light
         }
+        (None, None) => pass::solve(&scene, &tracer, &first_pass, &prepared, session)?,
     };
+    let report = write(args, (scene, light), (&output, kept), &prepared, session)?;
+    shared.iter().for_each(RankJournal::remove);
+    Ok(report)
+}
+
+/// Writes the scene with its light.
+fn write(
+    args: &SolveArgs,
+    (mut scene, light): (Scene, LightSolution),
+    (output, kept): (&SolvedOutput, Option<KeptGltf>),
+    prepared: &PreparedEngine,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    let first_pass = pass_args(args);
     let mut report = Report::default();
-    pass::describe(&light.report, &first_pass, &prepared, &scene, &mut report)?;
+    pass::describe(&light.report, &first_pass, prepared, &scene, &mut report)?;
     let fits = KeptGltf::fits(&light.irradiance);
     if kept.is_some() && !fits {
         session.note(
@@ -147,7 +200,7 @@ fn whole(
         kept.write(&scene, session, &mut report)?;
         return Ok(report);
     }
-    let path: &Path = match &output {
+    let path: &Path = match output {
         SolvedOutput::Model(output) => {
             if first_pass.sides == Some(SidesArg::Split) {
                 scene = scene.split_sides().into_owned();

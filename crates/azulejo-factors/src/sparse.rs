@@ -2,6 +2,7 @@
 
 use crate::row::Entry;
 use azulejo_scene::Rgb;
+use azulejo_trace::journal::{Record, RecordReader};
 use rayon::prelude::*;
 
 /// A matrix in compressed rows with one or three `f32` weights per entry.
@@ -14,6 +15,42 @@ pub struct SparseMatrix {
     starts: Vec<u64>,
     columns: Vec<u32>,
     weights: Vec<f32>,
+}
+
+/// One row of a [`SparseMatrix`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SparseRow {
+    /// Sides, ascending.
+    pub columns: Vec<u32>,
+    /// One weight for each, or three of them.
+    pub weights: Vec<f32>,
+}
+
+impl SparseRow {
+    /// Of so many channels, from `entries` sorted by side. Orders to the same side are added up.
+    pub fn new(channels: usize, entries: &[Entry]) -> SparseRow {
+        let mut row = SparseRow::default();
+        for ways in entries.chunk_by(|a, b| a.side == b.side) {
+            row.columns.push(ways[0].side);
+            let sum: Rgb = ways.iter().map(|e| e.weight).sum();
+            row.weights.extend(&sum.to_f32()[..channels]);
+        }
+        row
+    }
+}
+
+impl Record for SparseRow {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.columns.write(bytes);
+        self.weights.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<SparseRow> {
+        Some(SparseRow {
+            columns: Vec::read(bytes)?,
+            weights: Vec::read(bytes)?,
+        })
+    }
 }
 
 impl SparseMatrix {
@@ -31,13 +68,11 @@ impl SparseMatrix {
         }
     }
 
-    /// Appends a row; `entries` sorted by side. Orders to the same side are added up.
-    pub fn push_row(&mut self, entries: &[Entry]) {
-        for ways in entries.chunk_by(|a, b| a.side == b.side) {
-            self.columns.push(ways[0].side);
-            let sum: Rgb = ways.iter().map(|e| e.weight).sum();
-            self.weights.extend(&sum.to_f32()[..self.channels]);
-        }
+    /// Appends a row of [`SparseRow::new`] with as many channels.
+    pub fn push(&mut self, row: &SparseRow) {
+        debug_assert_eq!(row.weights.len(), self.channels * row.columns.len());
+        self.columns.extend(&row.columns);
+        self.weights.extend(&row.weights);
         self.starts.push(self.columns.len() as u64);
     }
 

@@ -12,7 +12,7 @@ use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
 use azulejo_scene::Rgb;
 use azulejo_scene::synthetic::cube_room;
-use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, NoJournal, Progress, Surfaces, Tracer};
 use std::f64::consts::PI;
 
 fn main() {
@@ -44,9 +44,17 @@ fn worst_error(diffuse: f64, mirror: f64, rays: u32) -> f64 {
         1,
         Columns::Diffuse,
     );
-    let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
-        .expect("nobody cancels")
-        .expect("there is no deadline");
+    let system = System::trace(
+        &gatherer,
+        &patches,
+        &reflectance,
+        &estimator,
+        1,
+        &NoJournal,
+        &progress,
+    )
+    .expect("nobody cancels")
+    .expect("there is no deadline");
     let found = system.solve_all(None, &progress).expect("nobody cancels");
     let expected = 1.0 + diffuse / (1.0 - diffuse - mirror);
     let reflected = found.mean();

@@ -11,7 +11,7 @@ use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
 use azulejo_scene::synthetic::furnished_room;
-use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, NoJournal, Progress, Surfaces, Tracer};
 use std::time::Instant;
 use usage::{cpu_seconds, peak_mebibytes};
 
@@ -40,9 +40,17 @@ fn main() {
         1,
         Columns::Diffuse,
     );
-    let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
-        .expect("nobody cancels")
-        .expect("there is no deadline");
+    let system = System::trace(
+        &gatherer,
+        &patches,
+        &reflectance,
+        &estimator,
+        1,
+        &NoJournal,
+        &progress,
+    )
+    .expect("nobody cancels")
+    .expect("there is no deadline");
     let traced = wall.elapsed().as_secs_f64();
     let found = system.solve_all(None, &progress).expect("nobody cancels");
     let solved = wall.elapsed().as_secs_f64();

@@ -12,11 +12,11 @@ use crate::sparse::{self, GatheredValues, PointKind};
 use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
+use azulejo_trace::journal::{Division, Record, RecordReader, resumed, shared, write_list};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Journal, JournalStage, Measure, Progress, SplitIrradiance, Termination,
+    Journal, JournalStage, Measure, Progress, REPLICATES, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -131,7 +131,7 @@ pub struct GatherTargets<'a> {
     pub points: &'a [GatherPoint],
     /// The area for which each stands, square scene units; empty if all count alike.
     pub areas: &'a [f64],
-    /// Where blocks of points with their first rays are kept.
+    /// Where blocks of points are kept, and who gathers which.
     pub journal: &'a dyn Journal,
 }
 
@@ -565,7 +565,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Gathers with so many rays at all points, which have none yet, in blocks that the journal holds or
     /// others compute. What there is time for before a deadline is not kept.
     fn begin(&self, all: &mut Gathering, rays: u32) -> Result<(), GatherError> {
-        if self.progress.has_deadline() || !self.journal.is_kept() {
+        let is_divided = self.journal.is_kept() && !self.journal.has_steps();
+        if self.progress.has_deadline() || !is_divided {
             return Ok(self.raise(all, &vec![rays; self.points.len()])?);
         }
         let termination = all.strata.termination(0);
@@ -578,14 +579,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let of = |&chunk: &usize| (chunk * CHUNK) as u32..count.min((chunk + 1) * CHUNK) as u32;
             let chosen: Vec<u32> = chunks.iter().flat_map(of).collect();
             let found = self.gather_at(&chosen, 0..rays, termination)?;
-            let found: Vec<SplitIrradiance> = found.into_iter().flatten().collect();
             Ok(found
                 .chunks(CHUNK)
                 .map(|c| PointChunk(c.to_vec()))
                 .collect())
         })?;
         let found = found.ok_or(GatherError::Elsewhere)?;
-        for (i, new) in found.iter().flat_map(|chunk| &chunk.0).enumerate() {
+        let found = found.iter().flat_map(|chunk| &chunk.0);
+        for (i, new) in found.flatten().enumerate() {
             all.values.add(i, new, 1.0);
             all.spent[i] = rays;
         }
@@ -666,7 +667,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let (light, ending) = self.light.ending(termination);
         let options = self.options(&rays, ending);
         let directions = DirectionTables::new(&options);
-        self.in_chunks(chosen, is_over, |points| {
+        let weight = options.rays;
+        self.in_chunks(chosen, weight, is_over, |points| {
             let start = Instant::now();
             let found = self
                 .gatherer
@@ -689,14 +691,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             indirect: Gathered::default(),
         };
         let first = rays.start;
-        self.in_chunks(
-            chosen,
-            || self.is_over(first),
-            |points| {
-                let direct = self.gatherer.gather_direct(points, &options);
-                direct.into_iter().map(split).collect()
-            },
-        )
+        let is_over = || self.is_over(first);
+        self.in_chunks(chosen, options.rays, is_over, |points| {
+            let direct = self.gatherer.gather_direct(points, &options);
+            direct.into_iter().map(split).collect()
+        })
     }
 
     fn options(&self, rays: &Range<u32>, termination: Termination) -> GatherOptions {
@@ -708,58 +707,73 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
     }
 
+    /// `rays` are those of each point, for the size of blocks that processes share.
     fn in_chunks(
         &self,
         chosen: &[u32],
+        rays: u32,
         is_over: impl Fn() -> bool + Sync,
         gather: impl Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync,
     ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
-        let chunks: Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> = chosen
-            .par_chunks(CHUNK)
-            .map(|chunk| {
-                self.progress.advance(chunk.len() as u64)?;
-                if is_over() {
-                    return Ok(vec![None; chunk.len()]);
-                }
-                let points: Vec<GatherPoint> =
-                    chunk.iter().map(|&i| self.points[i as usize]).collect();
-                Ok(gather(&points).into_iter().map(Some).collect())
-            })
-            .collect();
-        Ok(chunks?.into_iter().flatten().collect())
+        let chunks: Vec<&[u32]> = chosen.chunks(CHUNK).collect();
+        let of_chunk = |&chunk: &usize| {
+            let chunk = chunks[chunk];
+            self.progress.advance(chunk.len() as u64)?;
+            if is_over() {
+                return Ok(PointChunk(vec![None; chunk.len()]));
+            }
+            let points: Vec<GatherPoint> = chunk.iter().map(|&i| self.points[i as usize]).collect();
+            Ok(PointChunk(gather(&points).into_iter().map(Some).collect()))
+        };
+        let size = (chunks.len(), step_chunks(rays));
+        let found = shared(self.journal, size, self.progress, |wanted| {
+            wanted.par_iter().map(of_chunk).collect()
+        })?;
+        Ok(found.into_iter().flat_map(|chunk| chunk.0).collect())
     }
 }
 
-/// Rays of a journal block, about, and fewest and most of its chunks.
-const BLOCK_RAYS: usize = 1 << 23;
+/// Rays of a block that a journal stores, about, and fewest and most of its chunks.
+const BLOCK_RAYS: usize = 1 << 20;
 const BLOCK: [usize; 2] = [32, 4096];
 
-/// Chunks of a journal block.
+/// Chunks of a block that a journal stores.
 fn block_chunks(rays: u32) -> usize {
     (BLOCK_RAYS / (CHUNK * rays.max(1) as usize)).clamp(BLOCK[0], BLOCK[1])
 }
 
-/// Points that were gathered together.
-struct PointChunk(Vec<SplitIrradiance>);
+/// Rays of a block that processes share, about: some milliseconds; and fewest and most of its chunks.
+const STEP_RAYS: usize = 1 << 16;
+const STEP: [usize; 2] = [8, 512];
+
+/// Chunks of a block that processes share.
+fn step_chunks(rays: u32) -> usize {
+    (STEP_RAYS / (CHUNK * rays.max(1) as usize)).clamp(STEP[0], STEP[1])
+}
+
+/// Points that were gathered together; `None` where time ran out.
+struct PointChunk(Vec<Option<SplitIrradiance>>);
 
 impl Record for PointChunk {
     fn write(&self, bytes: &mut Vec<u8>) {
         write_list(&self.0, bytes, |point, bytes| {
-            let all = [point.direct, point.indirect].map(|g| g.replicates);
-            let numbers = all.into_iter().flatten().flat_map(Rgb::to_array);
-            bytes.extend(numbers.flat_map(f64::to_le_bytes));
+            let both = point.map(|p| [p.direct.replicates, p.indirect.replicates]);
+            both.write(bytes);
         });
     }
 
     fn read(bytes: &mut RecordReader) -> Option<PointChunk> {
-        let points = bytes.list(|b| {
-            let [mut direct, mut indirect] = [Gathered::default(); 2];
-            for colour in direct.replicates.iter_mut().chain(&mut indirect.replicates) {
-                *colour = Rgb::new(b.f64()?, b.f64()?, b.f64()?);
-            }
-            Some(SplitIrradiance { direct, indirect })
-        });
-        points.map(PointChunk)
+        let points = bytes.list(Option::<[[Rgb; REPLICATES]; 2]>::read)?;
+        let split = |[direct, indirect]: [[Rgb; REPLICATES]; 2]| {
+            let [direct, indirect] = [direct, indirect].map(|replicates| Gathered { replicates });
+            SplitIrradiance { direct, indirect }
+        };
+        let points = points.into_iter().map(|point| point.map(split));
+        Some(PointChunk(points.collect()))
+    }
+
+    fn is_complete(&self) -> bool {
+        self.0.iter().all(Option::is_some)
     }
 }
 

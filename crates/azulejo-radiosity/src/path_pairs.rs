@@ -3,7 +3,7 @@
 use crate::deadline::GatherPace;
 use crate::gather::{GatherLight, GatherPass};
 use azulejo_trace::{
-    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, NoJournal, Progress, Termination,
+    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Journal, Progress, Termination,
 };
 use std::ops::Range;
 
@@ -38,13 +38,13 @@ pub(crate) fn gather_pairs(
     points: &[GatherPoint],
     rays: &PairRange,
     seed: u32,
-    progress: &Progress,
+    (journal, progress): (&dyn Journal, &Progress),
 ) -> Result<Vec<PathPair>, Cancelled> {
     let pass = GatherPass {
         gatherer,
         light,
         points,
-        journal: &NoJournal,
+        journal,
         pace: &GatherPace::default(),
         seed,
         progress,

@@ -15,14 +15,17 @@
 //! count^−rate, that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
 
 use crate::direct::{DIRECT_POSITIONS, direct_at};
-use crate::system::{RadiositySolution, System};
+use crate::system::{RadiositySolution, System, Unknown};
 use azulejo_factors::Patches;
 use azulejo_factors::rays::{BATCH, HitPatches, RowSampler};
 use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
+use azulejo_trace::journal::shared;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gathered, Gatherer, Measure, NextEvent, Progress, REPLICATES};
+use azulejo_trace::{
+    Cancelled, Gathered, Gatherer, Journal, Measure, NextEvent, Progress, REPLICATES,
+};
 use rayon::prelude::*;
 
 /// Decline of the variance, about count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
@@ -37,6 +40,9 @@ const MOST_ROUNDS: u32 = 24;
 
 /// Neighbours in the numbering, to either side, with which a patch shares its variance.
 const NEIGHBOURS: usize = 4;
+
+/// Tasks of a block that processes share, at least.
+const TASK_BLOCK: usize = 32;
 
 /// Most positions of direct light per patch and replicate.
 const MOST_POSITIONS: u32 = 1024;
@@ -89,10 +95,12 @@ pub fn refine(
         hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
+        journal: system.journal(),
         progress,
     };
     let reference: Vec<Rgb> = refiner.reference.iter().map(rgb).collect();
-    let mut rows = refiner.begin(system, &reference, rays);
+    let known = arriving(system, &reference)?;
+    let mut rows = refiner.begin(system, &known, rays);
     let costs = [1.0, gatherer.direct_cost()];
     let most = [most as u32, MOST_POSITIONS];
     let mut spent = RefinementWork::default();
@@ -112,14 +120,19 @@ pub fn refine(
     }
     spent.rows = rows.iter().filter(|r| r.is_refined).count();
     for (i, row) in rows.iter().enumerate() {
-        let known = |r: usize| system.matrices[r].row_times(i, &reference);
         let beyond: [Rgb; REPLICATES] =
-            std::array::from_fn(|r| row.parts[RAYS].values[r] - known(r));
+            std::array::from_fn(|r| row.parts[RAYS].values[r] - known[r][i]);
         let unknown = &mut system.unknowns[i];
         (unknown.direct, unknown.stray) = (row.parts[LAMPS].values, beyond);
     }
     system.rays += spent.rays;
     Ok(spent)
+}
+
+/// X R₀ of every unknown, for each replicate.
+fn arriving(system: &System, reference: &[Rgb]) -> Result<Vec<Vec<Rgb>>, Cancelled> {
+    let of = |r: usize| system.arriving(r, reference);
+    (0..REPLICATES).map(of).collect()
 }
 
 fn rgb(v: &[f32; 3]) -> Rgb {
@@ -174,15 +187,15 @@ struct Refiner<'a> {
     seed: u32,
     /// R₀ per side.
     reference: Vec<[f32; 3]>,
+    journal: &'a dyn Journal,
     progress: &'a Progress,
 }
 
 impl Refiner<'_> {
     /// The estimates of the coarse rows.
-    fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<RefinedRow> {
-        let row = |i: usize| {
-            let u = &system.unknowns[i];
-            let met = |r: usize| u.stray[r] + system.matrices[r].row_times(i, reference);
+    fn begin(&self, system: &System, known: &[Vec<Rgb>], rays: u32) -> Vec<RefinedRow> {
+        let row = |(i, u): (usize, &Unknown)| {
+            let met = |r: usize| u.stray[r] + known[r][i];
             let parts = [
                 RowPart {
                     values: std::array::from_fn(met),
@@ -199,10 +212,7 @@ impl Refiner<'_> {
                 is_refined: false,
             }
         };
-        (0..system.matrices[0].rows())
-            .into_par_iter()
-            .map(row)
-            .collect()
+        system.unknowns.iter().enumerate().map(row).collect()
     }
 
     /// Carries out tasks while there is time; returns the number of rays.
@@ -210,19 +220,23 @@ impl Refiner<'_> {
         let steps = |t: &RefinementTask| u64::from(t.to - t.from);
         self.progress
             .begin("refining", tasks.iter().map(steps).sum());
-        let found: Vec<Option<[Rgb; REPLICATES]>> = tasks
-            .par_iter()
-            .map_init(RayScratch::default, |work, task| {
-                self.progress.advance(steps(task))?;
-                if self.progress.phase_is_over() {
-                    return Ok(None);
-                }
-                Ok(Some(match task.part {
-                    RAYS => self.rays(task, work),
-                    _ => self.lamps(task),
-                }))
-            })
-            .collect::<Result<_, Cancelled>>()?;
+        let carry_out = |work: &mut RayScratch, &task: &usize| {
+            let task = &tasks[task];
+            self.progress.advance(steps(task))?;
+            if self.progress.phase_is_over() {
+                return Ok(None);
+            }
+            Ok(Some(match task.part {
+                RAYS => self.rays(task, work),
+                _ => self.lamps(task),
+            }))
+        };
+        let size = (tasks.len(), TASK_BLOCK);
+        let found: Vec<Option<[Rgb; REPLICATES]>> =
+            shared(self.journal, size, self.progress, |wanted| {
+                let wanted = wanted.par_iter();
+                wanted.map_init(RayScratch::default, carry_out).collect()
+            })?;
         let mut rays = 0;
         for (task, values) in tasks.iter().zip(&found) {
             let Some(values) = values else { continue };

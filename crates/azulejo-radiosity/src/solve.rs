@@ -328,8 +328,8 @@ pub fn solve(
     solve_for(None, scene, tracer, pass, (&NoJournal, progress))
 }
 
-/// As [`solve`], with blocks of vertices that the journal holds or others compute. The light between
-/// patches is computed by each process.
+/// As [`solve`], with blocks that the journal holds or others compute: vertices, and the light between
+/// patches too where processes talk to each other.
 ///
 /// # Errors
 /// As [`solve`], and [`SolveError::Elsewhere`].
@@ -391,7 +391,8 @@ fn solve_for(
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
     let purpose = PatchPurpose::Vertices;
-    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |patches, found| {
+    let work = (journal, progress);
+    let solved = SolvedPatches::new(&proxy, pass, purpose, work, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);

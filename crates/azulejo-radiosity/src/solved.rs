@@ -15,8 +15,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, NoJournal, Progress,
-    SplitIrradiance, Surfaces, Termination, Tracer, journal,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Journal, Measure, NoJournal,
+    Progress, SplitIrradiance, Surfaces, Termination, Tracer, journal,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -67,7 +67,8 @@ pub fn radiosity(
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let purpose = PatchPurpose::Result;
-    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
+    let work = (&NoJournal as &dyn Journal, progress);
+    let solved = SolvedPatches::new(&proxy, pass, purpose, work, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
         areas: &[],
@@ -108,7 +109,7 @@ impl<'a> SolvedPatches<'a> {
         proxy: &'a ProxyScene,
         pass: &FirstPass,
         purpose: PatchPurpose,
-        progress: &Progress,
+        (journal, progress): (&dyn Journal, &Progress),
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
         let (scene, tracer) = (proxy.scene.as_ref(), proxy.tracer.as_ref());
@@ -143,7 +144,7 @@ impl<'a> SolvedPatches<'a> {
             let found = if pass.engine == Engine::Particles {
                 Some(parts.particles(pass, progress)?)
             } else if expected <= pass.memory {
-                parts.matrix(pass, progress, watch)?
+                parts.matrix(pass, (journal, progress), watch)?
             } else {
                 parts.shoot(pass, expected, progress)?
             };
@@ -469,7 +470,7 @@ impl SolverInputs<'_> {
     fn matrix(
         &self,
         pass: &FirstPass,
-        progress: &Progress,
+        (journal, progress): (&dyn Journal, &Progress),
         watch: CoarseCallback,
     ) -> Result<Option<PatchSolution>, SolveError> {
         let &SolverInputs {
@@ -500,7 +501,15 @@ impl SolverInputs<'_> {
         };
         let columns = Columns::Diffuse;
         let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);
-        let system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
+        let system = System::trace(
+            gatherer,
+            patches,
+            reflectance,
+            &estimator,
+            seed,
+            journal,
+            progress,
+        )?;
         let Some(mut system) = system else {
             return Ok(None);
         };

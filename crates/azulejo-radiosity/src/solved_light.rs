@@ -22,6 +22,7 @@ pub struct SolvedLight<'a> {
     proxy: &'a ProxyScene<'a>,
     solved: SolvedPatches<'a>,
     pass: FirstPass,
+    journal: &'a dyn Journal,
 }
 
 impl<'a> SolvedLight<'a> {
@@ -34,11 +35,26 @@ impl<'a> SolvedLight<'a> {
         pass: &FirstPass,
         progress: &Progress,
     ) -> Result<SolvedLight<'a>, SolveError> {
-        let purpose = PatchPurpose::Points;
+        SolvedLight::in_blocks(proxy, pass, &NoJournal, progress)
+    }
+
+    /// As [`new`](SolvedLight::new), with blocks that `journal` holds or others compute, in all that is
+    /// gathered from it, too.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()).
+    pub fn in_blocks(
+        proxy: &'a ProxyScene<'a>,
+        pass: &FirstPass,
+        journal: &'a dyn Journal,
+        progress: &Progress,
+    ) -> Result<SolvedLight<'a>, SolveError> {
+        let (purpose, work) = (PatchPurpose::Points, (journal, progress));
         Ok(SolvedLight {
             proxy,
-            solved: SolvedPatches::new(proxy, pass, purpose, progress, &mut |_, _| ())?,
+            solved: SolvedPatches::new(proxy, pass, purpose, work, &mut |_, _| ())?,
             pass: pass.clone(),
+            journal,
         })
     }
 
@@ -77,19 +93,7 @@ impl<'a> SolvedLight<'a> {
     /// # Errors
     /// As [`solve`](crate::solve()).
     pub fn probe(&self, points: &[PointNormal], progress: &Progress) -> Result<Probed, SolveError> {
-        self.probe_in_blocks(points, &NoJournal, progress)
-    }
-
-    /// As [`probe`](SolvedLight::probe), with blocks of points that `journal` holds or others compute.
-    ///
-    /// # Errors
-    /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
-    pub fn probe_in_blocks(
-        &self,
-        points: &[PointNormal],
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<Probed, SolveError> {
+        let journal = self.journal;
         journal.rely_on(JournalStage::Points, self.solved.digest())?;
         let points = self.proxy.on_polygons(points);
         let place = |(i, p): (usize, &PointNormal)| GatherPoint {
@@ -153,7 +157,7 @@ impl<'a> SolvedLight<'a> {
             points,
             rays,
             hash(&[self.pass.key(), 2, seed]),
-            progress,
+            (self.journal, progress),
         )?)
     }
 
@@ -185,7 +189,7 @@ impl<'a> SolvedLight<'a> {
             GatherTargets {
                 points,
                 areas,
-                journal: &NoJournal,
+                journal: self.journal,
             },
             effort,
             hash(&[self.pass.key(), 2, seed]),
@@ -220,8 +224,8 @@ pub fn probe(
     probe_in_blocks(scene, tracer, points, pass, (&NoJournal, progress))
 }
 
-/// As [`probe`], with blocks of points that the journal holds or others compute. The light between patches is
-/// computed by each process.
+/// As [`probe`], with blocks that the journal holds or others compute: points, and the light between patches
+/// too where processes talk to each other.
 ///
 /// # Errors
 /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
@@ -233,5 +237,5 @@ pub fn probe_in_blocks(
     (journal, progress): (&dyn Journal, &Progress),
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    SolvedLight::new(&proxy, pass, progress)?.probe_in_blocks(points, journal, progress)
+    SolvedLight::in_blocks(&proxy, pass, journal, progress)?.probe(points, progress)
 }

@@ -10,14 +10,19 @@ use crate::direct::direct;
 use azulejo_factors::Patches;
 use azulejo_factors::engine::Estimator;
 use azulejo_factors::row::{Entry, Row, Side, side};
-use azulejo_factors::sparse::SparseMatrix;
+use azulejo_factors::sparse::{SparseMatrix, SparseRow};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Measure, Progress, REPLICATES};
+use azulejo_trace::journal::{Record, RecordReader, distributed, shared};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Journal, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Rows computed between two checks of the progress.
+/// Rows computed between two checks of the progress by each thread, and at least in a block of the
+/// journal.
 const BLOCK: usize = 64;
+
+/// Sides whose direct light is computed in a block of the journal, at least.
+const DIRECT_BLOCK: usize = 256;
 
 /// One unknown: a side of a patch that reflects diffusely and that light can reach.
 #[derive(Clone, Debug)]
@@ -41,12 +46,17 @@ pub struct Unknown {
     pub outcomes: [Rgb; 3],
 }
 
-/// The rows of all unknowns.
-pub struct System {
-    /// The unknowns, in the order of the matrices' rows.
+/// The rows of all unknowns: all in this process, or those that it computed, where several share the
+/// work. These exchange vectors, never rows.
+pub struct System<'j> {
+    /// All unknowns.
     pub unknowns: Vec<Unknown>,
+    /// The unknowns whose rows this process has, in the order of the matrices' rows.
+    rows: Vec<u32>,
     /// One matrix per replicate; columns are sides.
-    pub matrices: Vec<SparseMatrix>,
+    matrices: Vec<SparseMatrix>,
+    /// What other processes have.
+    journal: &'j dyn Journal,
     /// Number of sides: twice the patches.
     pub sides: usize,
     /// Rays traced from patches.
@@ -75,10 +85,74 @@ impl Convergence {
     }
 }
 
-impl System {
+/// What a row contributes to its unknown, and to the matrices.
+struct TracedRow {
+    /// One per replicate.
+    rows: [SparseRow; REPLICATES],
+    stray: [Rgb; REPLICATES],
+    external: Rgb,
+    outcomes: [Rgb; 3],
+    rays: u32,
+}
+
+impl Record for TracedRow {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.rows.iter().for_each(|row| row.write(bytes));
+        self.stray.write(bytes);
+        self.external.write(bytes);
+        self.outcomes.write(bytes);
+        self.rays.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<TracedRow> {
+        let mut rows: [SparseRow; REPLICATES] = Default::default();
+        for row in &mut rows {
+            *row = SparseRow::read(bytes)?;
+        }
+        Some(TracedRow {
+            rows,
+            stray: Record::read(bytes)?,
+            external: Record::read(bytes)?,
+            outcomes: Record::read(bytes)?,
+            rays: Record::read(bytes)?,
+        })
+    }
+}
+
+/// What all processes need to know of a row.
+struct RowSummary {
+    stray: [Rgb; REPLICATES],
+    external: Rgb,
+    outcomes: [Rgb; 3],
+    rays: u32,
+    /// Sides that it reaches, of which this process has not yet told.
+    reached: Vec<Side>,
+}
+
+impl Record for RowSummary {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.stray.write(bytes);
+        self.external.write(bytes);
+        self.outcomes.write(bytes);
+        self.rays.write(bytes);
+        self.reached.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<RowSummary> {
+        Some(RowSummary {
+            stray: Record::read(bytes)?,
+            external: Record::read(bytes)?,
+            outcomes: Record::read(bytes)?,
+            rays: Record::read(bytes)?,
+            reached: Record::read(bytes)?,
+        })
+    }
+}
+
+impl<'j> System<'j> {
     /// Traces the rows of every side that light can reach: all fronts, then the backs that rays
     /// from reached sides hit, and so on. If no light starts in front of any surface, as in a room
-    /// that is inside out, backs come first too.
+    /// that is inside out, backs come first too. Rows stay with the process that computed them.
     ///
     /// `None` if the phase of the progress is over before: some rows alone would leave the rest of
     /// the scene dark.
@@ -91,8 +165,9 @@ impl System {
         reflectance: &[Rgb],
         estimator: &Estimator,
         seed: u32,
+        journal: &'j dyn Journal,
         progress: &Progress,
-    ) -> Result<Option<System>, Cancelled> {
+    ) -> Result<Option<System<'j>>, Cancelled> {
         let materials = &gatherer.surfaces().scene.materials;
         let reflects = |p: usize| {
             let m = &materials[patches.material(p) as usize];
@@ -101,7 +176,9 @@ impl System {
         let channels = if materials.iter().all(is_grey) { 1 } else { 3 };
         let mut system = System {
             unknowns: Vec::new(),
+            rows: Vec::new(),
             matrices: vec![SparseMatrix::new(channels); REPLICATES],
+            journal,
             sides: 2 * patches.len(),
             rays: 0,
         };
@@ -125,68 +202,101 @@ impl System {
             );
         }
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
+        let lost = |j: usize| materials[patches.material(j) as usize].diffuse - reflectance[j];
         while !wave.is_empty() {
             progress.begin("direct light", wave.len() as u64);
-            let unknown = |&s: &Side| {
+            let light = |&i: &usize| {
                 progress.advance(1)?;
                 if progress.phase_is_over() {
                     return Ok(None);
                 }
-                let material = &materials[patches.material((s / 2) as usize) as usize];
-                let light = direct(gatherer, patches, seed, s);
-                Ok(Some(Unknown::new(
-                    s,
-                    patches,
-                    reflectance,
-                    material,
-                    &light,
-                )))
+                let found = direct(gatherer, patches, seed, wave[i]);
+                Ok(Some((found.whole().replicates, found.external())))
             };
-            let unknowns: Result<Option<Vec<Unknown>>, Cancelled> = wave
-                .par_iter()
-                .map(unknown)
-                .collect::<Result<Vec<_>, _>>()
-                .map(|all| all.into_iter().collect());
-            let Some(mut unknowns) = unknowns? else {
+            let size = (wave.len(), DIRECT_BLOCK);
+            let lights = shared(journal, size, progress, |wanted| {
+                wanted.par_iter().map(light).collect()
+            })?;
+            let lights: Option<Vec<([Rgb; REPLICATES], Rgb)>> = lights.into_iter().collect();
+            let Some(lights) = lights else {
                 return Ok(None);
             };
+            let first = system.unknowns.len();
+            for (&s, (direct, external)) in wave.iter().zip(lights) {
+                let patch = (s / 2) as usize;
+                let material = &materials[patches.material(patch) as usize];
+                let emitted = patches.emission(patch, material, s.is_multiple_of(2));
+                system.unknowns.push(Unknown {
+                    side: s,
+                    area: patches.area(patch),
+                    reflectance: reflectance[patch],
+                    exitance: emitted * PI,
+                    direct,
+                    stray: [Rgb::BLACK; REPLICATES],
+                    external,
+                    outcomes: [Rgb::BLACK; 3],
+                });
+            }
             progress.begin("form factors", wave.len() as u64);
             let (watch, all) = (PhaseWatch::new(progress), wave.len() as f64);
-            let mut done = 0;
-            wave.clear();
-            for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
-                if progress.phase_is_over() || watch.is_hopeless(f64::from(done) / all) {
-                    return Ok(None);
+            let (mut done, mut is_hopeless) = (0, false);
+            let compute = |wanted: &[usize]| {
+                is_hopeless = progress.phase_is_over() || watch.is_hopeless(f64::from(done) / all);
+                if is_hopeless {
+                    return Err(Cancelled);
                 }
-                done += block.len() as u32;
-                let sides: Vec<Side> = block.iter().map(|u| u.side).collect();
+                done += wanted.len() as u32;
+                let sides: Vec<Side> = wanted.iter().map(|&i| wave[i]).collect();
                 let rows = estimator.rows(&sides, progress)?;
-                for (u, row) in block.iter_mut().zip(&rows) {
-                    u.add_row(row, |j| {
-                        materials[patches.material(j) as usize].diffuse - reflectance[j]
-                    });
-                    system.push(row);
-                    for entry in row.entries.iter().flatten() {
-                        if !std::mem::replace(&mut is_planned[entry.side as usize], true) {
-                            wave.push(entry.side);
-                        }
-                    }
+                let traced = rows
+                    .par_iter()
+                    .map(|row| TracedRow::new(row, channels, lost));
+                Ok(traced.collect())
+            };
+            let mut is_told = is_planned.clone();
+            let keep = |i: usize, row: TracedRow| {
+                let reached = row.rows.iter().flat_map(|row| &row.columns);
+                let is_new = |&&s: &&Side| !std::mem::replace(&mut is_told[s as usize], true);
+                let reached = reached.filter(is_new).copied().collect();
+                system.rows.push((first + i) as u32);
+                for (matrix, row) in system.matrices.iter_mut().zip(&row.rows) {
+                    matrix.push(row);
                 }
+                RowSummary {
+                    stray: row.stray,
+                    external: row.external,
+                    outcomes: row.outcomes,
+                    rays: row.rays,
+                    reached,
+                }
+            };
+            let size = (wave.len(), BLOCK);
+            let found = distributed(journal, size, progress, compute, keep);
+            if is_hopeless {
+                return Ok(None);
             }
-            system.unknowns.append(&mut unknowns);
-            wave.sort_unstable();
+            let mut reached = Vec::new();
+            for (unknown, row) in system.unknowns[first..].iter_mut().zip(found?) {
+                unknown.stray = row.stray;
+                unknown.external += row.external;
+                unknown.outcomes = row.outcomes;
+                system.rays += u64::from(row.rays);
+                reached.extend(row.reached);
+            }
+            reached.sort_unstable();
+            reached.dedup();
+            reached.iter().for_each(|&s| is_planned[s as usize] = true);
+            wave = reached;
         }
         Ok(Some(system))
     }
 
-    fn push(&mut self, row: &Row) {
-        for (matrix, entries) in self.matrices.iter_mut().zip(&row.entries) {
-            matrix.push_row(entries);
-        }
-        self.rays += u64::from(row.rays);
+    /// The journal of all work on it.
+    pub(crate) fn journal(&self) -> &'j dyn Journal {
+        self.journal
     }
 
-    /// Bytes of all rows.
+    /// Bytes of the rows that this process has, and of all unknowns.
     pub fn bytes(&self) -> usize {
         self.matrices.iter().map(SparseMatrix::bytes).sum::<usize>()
             + self.unknowns.len() * size_of::<Unknown>()
@@ -215,7 +325,7 @@ impl System {
         };
         while state.iterations < most {
             progress.advance(0)?;
-            let arriving = self.arriving(replicate, &reflected);
+            let arriving = self.arriving(replicate, &reflected)?;
             let next = self
                 .unknowns
                 .iter()
@@ -239,10 +349,35 @@ impl System {
         Ok((reflected, state))
     }
 
-    /// Irradiance of every unknown by diffusely reflected light.
-    fn arriving(&self, replicate: usize, reflected: &[Rgb]) -> Vec<Rgb> {
+    /// Irradiance of every unknown by light `reflected` from each side: 28 bytes of each row go to all
+    /// processes.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub(crate) fn arriving(
+        &self,
+        replicate: usize,
+        reflected: &[Rgb],
+    ) -> Result<Vec<Rgb>, Cancelled> {
         let matrix = &self.matrices[replicate];
-        matrix.map_rows(|i| matrix.row_times(i, reflected))
+        let found = matrix.map_rows(|i| matrix.row_times(i, reflected));
+        let mut all = vec![Rgb::BLACK; self.unknowns.len()];
+        if self.journal.processes() == 1 {
+            for (&i, h) in self.rows.iter().zip(found) {
+                all[i as usize] = h;
+            }
+            return Ok(all);
+        }
+        let own: Vec<(u32, Rgb)> = self.rows.iter().copied().zip(found).collect();
+        let mut bytes = Vec::new();
+        own.write(&mut bytes);
+        for bytes in self.journal.all_gather(bytes)? {
+            let found = Vec::<(u32, Rgb)>::read(&mut RecordReader::new(&bytes));
+            for (i, h) in found.ok_or(Cancelled)? {
+                all[i as usize] = h;
+            }
+        }
+        Ok(all)
     }
 
     /// Energy balance, W, for the reflected light `reflected` (mean of the replicates, per side).
@@ -262,7 +397,7 @@ impl System {
     }
 }
 
-impl System {
+impl System<'_> {
     /// Standard error of [`EnergyBalance::error`], from the balances of the replicates.
     fn balance_error(&self, solutions: &[Vec<Rgb>]) -> f64 {
         let shares: Vec<f64> = solutions
@@ -282,45 +417,29 @@ pub(crate) fn standard_error(values: &[f64]) -> f64 {
 }
 
 impl Unknown {
-    fn new(
-        s: Side,
-        patches: &Patches,
-        reflectance: &[Rgb],
-        material: &Material,
-        light: &DirectLight,
-    ) -> Unknown {
-        let emitted = patches.emission((s / 2) as usize, material, s.is_multiple_of(2));
-        let exitance = emitted * PI;
-        Unknown {
-            side: s,
-            area: patches.area((s / 2) as usize),
-            reflectance: reflectance[(s / 2) as usize],
-            exitance,
-            direct: light.whole().replicates,
-            stray: [Rgb::BLACK; REPLICATES],
-            external: light.external(),
-            outcomes: [Rgb::BLACK; 3],
-        }
-    }
-
     /// H₀ of one replicate.
     fn unbounced(&self, replicate: usize) -> Rgb {
         self.direct[replicate] + self.stray[replicate]
     }
+}
 
-    /// Adds a row; `lost` is what vertex colours and textures of a patch absorb beyond its
-    /// material.
-    fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
-        self.stray = row.stray;
-        self.external += row.external;
+impl TracedRow {
+    /// `lost` is what vertex colours and textures of a patch absorb beyond its material.
+    fn new(row: &Row, channels: usize, lost: impl Fn(usize) -> Rgb) -> TracedRow {
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
-        self.outcomes = [row.absorbed + patterns, row.all_escaped(), row.cut];
+        TracedRow {
+            rows: std::array::from_fn(|r| SparseRow::new(channels, &row.entries[r])),
+            stray: row.stray,
+            external: row.external,
+            outcomes: [row.absorbed + patterns, row.all_escaped(), row.cut],
+            rays: row.rays,
+        }
     }
 }
 
-impl System {
+impl System<'_> {
     /// Solves all replicates.
     ///
     /// # Errors
@@ -335,7 +454,7 @@ impl System {
         for r in 0..REPLICATES {
             let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
             let mut incident = vec![Rgb::BLACK; self.sides];
-            for (u, h) in self.unknowns.iter().zip(self.arriving(r, &solution)) {
+            for (u, h) in self.unknowns.iter().zip(self.arriving(r, &solution)?) {
                 incident[u.side as usize] = u.unbounced(r) + h;
             }
             found.add_replicate(solution, &incident, state);

@@ -1,7 +1,7 @@
 //! What tests need from the machine they run on, and a count of the tests that did without.
 //!
-//! A test that needs reference data, a graphics driver, a display, Embree, an installed font or
-//! Python asks this crate for it. Where it is missing, the test returns early, and the crate records a skip:
+//! A test that needs reference data, a graphics driver, a display, Embree, an installed font,
+//! Python or MPI asks this crate for it. Where it is missing, the test returns early, and the crate records a skip:
 //!
 //! ```
 //! # fn test() {
@@ -16,7 +16,7 @@
 //!
 //! | variable | meaning |
 //! |---|---|
-//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `display`, `embree`, `fonts`, `python` and `browser`; a test that lacks one of these fails instead of being skipped |
+//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `display`, `embree`, `fonts`, `python`, `browser` and `mpi`; a test that lacks one of these fails instead of being skipped |
 //! | `AZULEJO_SKIPPED` | a file to which each test binary appends what it skipped, one line per test: the need, the reason, the binary and the test, separated by tabs |
 //! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
 //! | `AZULEJO_CHROMIUM` | a Chromium or Chrome, instead of the first in the path |
@@ -101,6 +101,28 @@ pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
         Ok(output) => Ok(output),
     };
     require(Need::Browser, found)
+}
+
+/// A command that starts so many processes of a program by MPI, on however few processors, or `None` after
+/// recording a skip. The program and its arguments are to follow.
+///
+/// # Panics
+/// If there is no `mpiexec` and `AZULEJO_REQUIRE` has `mpi`.
+#[must_use]
+pub fn mpiexec(processes: usize) -> Option<Command> {
+    let version = Command::new("mpiexec").arg("--version").output();
+    let found = version.map_err(|error| format!("mpiexec: {error}"));
+    require(Need::Mpi, found)?;
+    let mut command = Command::new("mpiexec");
+    // Open MPI asks for these words before it starts more processes than processors, or as root. Other
+    // launchers ignore them.
+    command
+        .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
+        .env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .args(["-n", &processes.to_string()]);
+    Some(command)
 }
 
 /// The value of `found`, or `None` after recording its error as the reason for a skip.

@@ -20,11 +20,13 @@ pub enum Need {
     Python,
     /// Node.js and Chromium, and the packages of web viewers that are compared with.
     Browser,
+    /// MPI's launcher, `mpiexec`.
+    Mpi,
 }
 
 impl Need {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Need; 7] = [
+    pub const ALL: [Need; 8] = [
         Need::Data,
         Need::Gpu,
         Need::Display,
@@ -32,6 +34,7 @@ impl Need {
         Need::Fonts,
         Need::Python,
         Need::Browser,
+        Need::Mpi,
     ];
 
     /// The word for it in `AZULEJO_REQUIRE`.
@@ -45,6 +48,7 @@ impl Need {
             Need::Fonts => "fonts",
             Need::Python => "python",
             Need::Browser => "browser",
+            Need::Mpi => "mpi",
         }
     }
 
@@ -76,6 +80,10 @@ impl Need {
                 "Install Node.js and Chromium (Debian and Ubuntu: apt install nodejs chromium), or \
                  set AZULEJO_CHROMIUM to a Chromium or Chrome; run `npm install three babylonjs \
                  babylonjs-loaders` in a folder of its own and set AZULEJO_VIEWERS to it."
+            }
+            Need::Mpi => {
+                "Install an MPI (Debian and Ubuntu: apt install libopenmpi-dev openmpi-bin, or \
+                 libmpich-dev mpich)."
             }
         }
     }
@@ -120,7 +128,7 @@ mod tests {
         check(Some("data"), &[Need::Data]);
         check(Some(" gpu, data,"), &[Need::Data, Need::Gpu]);
         check(
-            Some("browser,python,fonts,embree,display,gpu,data"),
+            Some("mpi,browser,python,fonts,embree,display,gpu,data"),
             &Need::ALL,
         );
     }
@@ -129,7 +137,7 @@ mod tests {
     fn an_unknown_word_names_those_that_exist() {
         assert_eq!(
             required(Some("data,gpus")).unwrap_err(),
-            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, display, embree, fonts, python, browser"
+            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, display, embree, fonts, python, browser, mpi"
         );
     }
 }

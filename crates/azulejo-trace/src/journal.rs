@@ -6,8 +6,13 @@
 //! numbers given in advance (shards) or handed out one by one (ranks of MPI). [`resumed`] is the
 //! one loop that all work in blocks uses.
 
+mod record;
+mod together;
+
 use crate::progress::{Cancelled, Progress};
+pub use record::{Record, RecordReader, write_list};
 use std::ops::Range;
+pub use together::together;
 
 /// The computation that a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,7 +25,13 @@ pub enum JournalStage {
     Formulas,
     /// Irradiance at points: the first rays of each.
     Points,
+    /// One of the loops whose results all processes need to go on, by its place in the order of the
+    /// program: see [`Journal::step`].
+    Step(u32),
 }
+
+/// Finished blocks by their numbers.
+pub type Blocks = Vec<(usize, Vec<u8>)>;
 
 /// Storage of finished blocks, and who computes which.
 ///
@@ -28,10 +39,15 @@ pub enum JournalStage {
 /// assembled from stored blocks is the same to the bit, whoever computed them. The implementer has to
 /// make sure that blocks are returned undamaged, and only for the same scene and options.
 ///
-/// The methods with a default serve a single process. A process that shares the work with others
-/// overrides [`parts`](Journal::parts), [`next`](Journal::next) and either
-/// [`assembles`](Journal::assembles) (it computes its blocks, and the result is made elsewhere) or
-/// [`await_others`](Journal::await_others) (it goes on with the blocks of all).
+/// The methods with a default serve a single process. There are two ways to share the work:
+///
+/// | | overrides |
+/// |---|---|
+/// | parts that never meet: each process computes its blocks and ends, one assembles them afterwards | [`parts`](Journal::parts), [`next`](Journal::next), [`assembles`](Journal::assembles) |
+/// | processes that talk to each other, and all go on with the blocks of all | [`processes`](Journal::processes), [`has_steps`](Journal::has_steps), [`step`](Journal::step), [`next`](Journal::next), [`of_others`](Journal::of_others), [`all_gather`](Journal::all_gather) |
+///
+/// The latter run the same program on the same data, each of them as if it were alone, and come to
+/// the same loops in the same order.
 pub trait Journal: Sync {
     /// The bytes stored for a block, if any.
     fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>>;
@@ -49,13 +65,34 @@ pub trait Journal: Sync {
         1
     }
 
-    /// The next block for this process, in the range of those that it was not given yet; `None` when no
-    /// more are left for it. Numbers ascend.
+    /// Number of processes that talk to each other, at least 1.
+    fn processes(&self) -> usize {
+        1
+    }
+
+    /// Whether loops are divided whose results all processes need to go on: by [`shared`] and
+    /// [`distributed`]. Otherwise each process does them by itself.
+    fn has_steps(&self) -> bool {
+        false
+    }
+
+    /// The stage of the next of these loops.
+    fn step(&self) -> JournalStage {
+        JournalStage::Step(0)
+    }
+
+    /// The next block for this process, in the range `left` of those that it was not given yet; `None`
+    /// when no more are left for it. Numbers ascend.
     ///
     /// # Errors
     /// [`Cancelled`] if the work is to end after the last block.
-    fn next(&self, _stage: JournalStage, blocks: Range<usize>) -> Result<Option<usize>, Cancelled> {
-        Ok((!blocks.is_empty()).then_some(blocks.start))
+    fn next(
+        &self,
+        _stage: JournalStage,
+        _division: Division,
+        left: Range<usize>,
+    ) -> Result<Option<usize>, Cancelled> {
+        Ok((!left.is_empty()).then_some(left.start))
     }
 
     /// Whether this process makes the result from the blocks of all. One that does not computes its
@@ -75,12 +112,22 @@ pub trait Journal: Sync {
         Ok(())
     }
 
-    /// Waits until [`load`](Journal::load) has all blocks of a stage that others compute.
+    /// Waits for the blocks of a stage that others compute, and returns them, except those that
+    /// [`load`](Journal::load) has. `own` are the blocks of this process, of which nothing is given if
+    /// [`processes`](Journal::processes) is 1.
     ///
     /// # Errors
     /// [`Cancelled`].
-    fn await_others(&self, _stage: JournalStage, _blocks: usize) -> Result<(), Cancelled> {
-        Ok(())
+    fn of_others(&self, _stage: JournalStage, _own: Blocks) -> Result<Blocks, Cancelled> {
+        Ok(Blocks::new())
+    }
+
+    /// The bytes that each process gives, in their order.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
+        Ok(vec![own])
     }
 }
 
@@ -105,20 +152,6 @@ impl Journal for NoJournal {
 
     fn is_kept(&self) -> bool {
         false
-    }
-}
-
-/// An item that a journal can store.
-pub trait Record: Sized {
-    /// Appends the item's bytes.
-    fn write(&self, bytes: &mut Vec<u8>);
-
-    /// The inverse of `write`; `None` if the bytes are invalid.
-    fn read(bytes: &mut RecordReader) -> Option<Self>;
-
-    /// Whether it is complete; blocks with incomplete items are not stored.
-    fn is_complete(&self) -> bool {
-        true
     }
 }
 
@@ -184,24 +217,18 @@ pub fn resumed<R: Record>(
 ) -> Result<Option<Vec<R>>, Cancelled> {
     let division = Division::new(items, size, journal);
     let mut all = AllItems::new(if journal.assembles() { items } else { 0 });
+    let mut own = Blocks::new();
     let mut left = 0..division.blocks();
-    while let Some(block) = journal.next(stage, left.clone())? {
+    while let Some(block) = journal.next(stage, division, left.clone())? {
         left.start = block + 1;
         let wanted: Vec<usize> = division.of(block).collect();
         if wanted.is_empty() {
             continue;
         }
-        let found = match stored(journal, stage, block, wanted.len()) {
-            Some(known) => {
-                progress.advance(wanted.len() as u64)?;
-                known
-            }
-            None => {
-                let found = compute(&wanted)?;
-                save(journal, stage, block, &found);
-                found
-            }
-        };
+        let found = known_or_computed(journal, (stage, block), &wanted, progress, &mut compute)?;
+        if journal.assembles() && journal.processes() > 1 {
+            own.push((block, bytes_of(&found)));
+        }
         if journal.assembles() {
             all.put(&wanted, found);
         }
@@ -209,7 +236,12 @@ pub fn resumed<R: Record>(
     if !journal.assembles() {
         return Ok(None);
     }
-    journal.await_others(stage, division.blocks())?;
+    for (block, bytes) in journal.of_others(stage, own)? {
+        let wanted: Vec<usize> = division.of(block).collect();
+        if let Some(found) = decoded(&bytes, wanted.len()) {
+            all.put(&wanted, found);
+        }
+    }
     for block in 0..division.blocks() {
         let wanted: Vec<usize> = division.of(block).collect();
         if all.has(&wanted) {
@@ -221,6 +253,133 @@ pub fn resumed<R: Record>(
         all.put(&wanted, found);
     }
     Ok(Some(all.0.into_iter().flatten().collect()))
+}
+
+/// Most blocks of a loop that all processes share: enough for 1,000 of them to be busy to the end.
+const MOST_BLOCKS: usize = 1 << 13;
+
+/// The items of a loop whose results all processes need to go on: as [`resumed`] in the order of the
+/// program, in blocks of `least` items or more; at once where the journal does not divide such loops.
+/// `compute` gets the numbers of items, ascending.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn shared<R: Record>(
+    journal: &dyn Journal,
+    (items, least): (usize, usize),
+    progress: &Progress,
+    mut compute: impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
+) -> Result<Vec<R>, Cancelled> {
+    let all = || (0..items).collect::<Vec<usize>>();
+    if !journal.has_steps() {
+        return compute(&all());
+    }
+    let size = least.max(items.div_ceil(MOST_BLOCKS));
+    match resumed(
+        journal,
+        journal.step(),
+        (items, size),
+        progress,
+        &mut compute,
+    )? {
+        Some(found) => Ok(found),
+        None => compute(&all()),
+    }
+}
+
+/// Items that stay with the process that computed them, while all processes get a summary of each: for
+/// data too large for one memory. `keep` gets the items of this process with their numbers, ascending,
+/// and returns their summaries. In blocks of `least` items or more; the journal stores the items.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn distributed<R: Record, S: Record>(
+    journal: &dyn Journal,
+    (items, least): (usize, usize),
+    progress: &Progress,
+    mut compute: impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
+    mut keep: impl FnMut(usize, R) -> S,
+) -> Result<Vec<S>, Cancelled> {
+    let mut all = AllItems::<S>::new(items);
+    if !journal.has_steps() {
+        let numbers: Vec<usize> = (0..items).collect();
+        for wanted in numbers.chunks(least * rayon::current_num_threads().max(1)) {
+            let found = compute(wanted)?;
+            let kept = wanted.iter().zip(found).map(|(&item, row)| keep(item, row));
+            all.put(wanted, kept.collect());
+        }
+        return all.complete();
+    }
+    let stage = journal.step();
+    let division = Division::new(items, least.max(items.div_ceil(MOST_BLOCKS)), journal);
+    let mut own = Vec::new();
+    let mut left = 0..division.blocks();
+    while let Some(block) = journal.next(stage, division, left.clone())? {
+        left.start = block + 1;
+        let wanted: Vec<usize> = division.of(block).collect();
+        let found = known_or_computed(journal, (stage, block), &wanted, progress, &mut compute)?;
+        let kept = wanted.iter().zip(found).map(|(&item, row)| keep(item, row));
+        let summaries: Vec<S> = kept.collect();
+        own.extend((block as u64).to_le_bytes());
+        own.extend(bytes_of(&summaries));
+        all.put(&wanted, summaries);
+    }
+    for bytes in journal.all_gather(own)? {
+        let mut reader = RecordReader { bytes: &bytes };
+        while let Some(block) = reader.u64() {
+            let wanted: Vec<usize> = division.of(block as usize).collect();
+            let read = wanted.iter().map(|_| S::read(&mut reader));
+            let Some(found) = read.collect() else { break };
+            all.put(&wanted, found);
+        }
+    }
+    all.complete()
+}
+
+/// A block that the journal holds, or computed and stored in it.
+fn known_or_computed<R: Record>(
+    journal: &dyn Journal,
+    (stage, block): (JournalStage, usize),
+    wanted: &[usize],
+    progress: &Progress,
+    compute: &mut impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
+) -> Result<Vec<R>, Cancelled> {
+    if let Some(known) = stored(journal, stage, block, wanted.len()) {
+        progress.advance(wanted.len() as u64)?;
+        return Ok(known);
+    }
+    let found = compute(wanted)?;
+    save(journal, stage, block, &found);
+    Ok(found)
+}
+
+/// The blocks of all processes, through [`Journal::all_gather`].
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn exchanged(journal: &dyn Journal, own: Blocks) -> Result<Blocks, Cancelled> {
+    let mut bytes = Vec::new();
+    for (block, content) in own {
+        bytes.extend((block as u64).to_le_bytes());
+        bytes.extend((content.len() as u64).to_le_bytes());
+        bytes.extend(content);
+    }
+    let mut all = Blocks::new();
+    for bytes in journal.all_gather(bytes)? {
+        let mut rest = &bytes[..];
+        while let Some((head, behind)) = rest.split_first_chunk::<16>() {
+            let number = |at: usize| {
+                let word = head[at..].first_chunk().copied().unwrap_or_default();
+                u64::from_le_bytes(word) as usize
+            };
+            let Some((content, next)) = behind.split_at_checked(number(8)) else {
+                break;
+            };
+            all.push((number(0), content.to_vec()));
+            rest = next;
+        }
+    }
+    Ok(all)
 }
 
 /// Items that are there so far.
@@ -240,6 +399,12 @@ impl<R> AllItems<R> {
     fn has(&self, places: &[usize]) -> bool {
         places.iter().all(|&place| self.0[place].is_some())
     }
+
+    /// All of them. A process that does not deliver its own has ended, and so do all.
+    fn complete(self) -> Result<Vec<R>, Cancelled> {
+        let all: Option<Vec<R>> = self.0.into_iter().collect();
+        all.ok_or(Cancelled)
+    }
 }
 
 /// The items of a block that the journal holds.
@@ -254,10 +419,14 @@ fn stored<R: Record>(
 
 fn save<R: Record>(journal: &dyn Journal, stage: JournalStage, block: usize, found: &[R]) {
     if journal.is_kept() && found.iter().all(R::is_complete) {
-        let mut bytes = Vec::new();
-        found.iter().for_each(|item| item.write(&mut bytes));
-        journal.save(stage, block, &bytes);
+        journal.save(stage, block, &bytes_of(found));
     }
+}
+
+fn bytes_of<R: Record>(items: &[R]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    items.iter().for_each(|item| item.write(&mut bytes));
+    bytes
 }
 
 fn decoded<R: Record>(bytes: &[u8], rows: usize) -> Option<Vec<R>> {
@@ -266,60 +435,12 @@ fn decoded<R: Record>(bytes: &[u8], rows: usize) -> Option<Vec<R>> {
     if reader.bytes.is_empty() { found } else { None }
 }
 
-/// Reads numbers from the front of a byte slice.
-pub struct RecordReader<'a> {
-    bytes: &'a [u8],
-}
-
-impl RecordReader<'_> {
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.bytes.split_first_chunk()?;
-        self.bytes = rest;
-        Some(*first)
-    }
-
-    /// Four bytes, little-endian.
-    pub fn u32(&mut self) -> Option<u32> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    /// Eight bytes, little-endian.
-    pub fn u64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    /// A number of single precision.
-    pub fn f32(&mut self) -> Option<f32> {
-        self.array().map(f32::from_le_bytes)
-    }
-
-    /// A number of double precision.
-    pub fn f64(&mut self) -> Option<f64> {
-        self.array().map(f64::from_le_bytes)
-    }
-
-    /// A list written by [`write_list`]; `None`, before anything is allocated, for a count that the
-    /// bytes cannot hold.
-    pub fn list<T>(&mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        let count = self.u32()? as usize;
-        if count > self.bytes.len() {
-            return None;
-        }
-        (0..count).map(|_| read(self)).collect()
-    }
-}
-
-/// Appends a count and then each item by `write`.
-pub fn write_list<T>(items: &[T], bytes: &mut Vec<u8>, write: impl Fn(&T, &mut Vec<u8>)) {
-    bytes.extend((items.len() as u32).to_le_bytes());
-    items.iter().for_each(|item| write(item, bytes));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::HashMap;
     use std::sync::Mutex;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     const STAGE: JournalStage = JournalStage::Pairs;
 
@@ -358,6 +479,7 @@ mod tests {
         fn next(
             &self,
             _: JournalStage,
+            _: Division,
             mut blocks: Range<usize>,
         ) -> Result<Option<usize>, Cancelled> {
             let is_mine = |b: &usize| self.part == 0 || b % self.parts == self.part - 1;
@@ -440,60 +562,64 @@ mod tests {
         }
     }
 
-    /// One of two processes that both go on with the blocks of both.
-    struct Rank<'a> {
-        own: Memory,
-        other: &'a Memory,
-    }
-
-    impl Journal for Rank<'_> {
-        fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
-            self.own.load(stage, block)
-        }
-
-        fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
-            self.own.save(stage, block, bytes);
-        }
-
-        fn parts(&self) -> usize {
-            self.own.parts()
-        }
-
-        fn next(
-            &self,
-            stage: JournalStage,
-            blocks: Range<usize>,
-        ) -> Result<Option<usize>, Cancelled> {
-            self.own.next(stage, blocks)
-        }
-
-        fn await_others(&self, _: JournalStage, blocks: usize) -> Result<(), Cancelled> {
-            assert_eq!(blocks, 6);
-            let others = self.other.blocks.lock().unwrap().clone();
-            self.own.blocks.lock().unwrap().extend(others);
-            Ok(())
+    #[test]
+    fn processes_go_on_with_the_blocks_of_all() {
+        for processes in [1, 2, 3, 5, 30] {
+            let computed = AtomicUsize::new(0);
+            let found = together(processes, |journal| {
+                let compute = |wanted: &[usize]| {
+                    computed.fetch_add(wanted.len(), Ordering::Relaxed);
+                    Ok(wanted.iter().map(|&i| item(i)).collect())
+                };
+                // Twice, so that steps are told apart.
+                let progress = Progress::new();
+                let first = shared(journal, (17, 3), &progress, compute).unwrap();
+                let lengths = |wanted: &[usize]| Ok(wanted.iter().map(|&i| i as u32).collect());
+                let second = shared(journal, (9, 1), &progress, lengths).unwrap();
+                let points = resumed(journal, JournalStage::Points, (17, 3), &progress, compute);
+                (first, second, points.unwrap())
+            });
+            for (first, second, points) in found {
+                assert_eq!((Some(first), points), (whole(), whole()));
+                assert_eq!(second, (0..9).collect::<Vec<u32>>());
+            }
+            assert_eq!(computed.into_inner(), 34);
         }
     }
 
     #[test]
-    fn ranks_go_on_with_the_blocks_of_all() {
-        let other = Memory {
-            part: 1,
-            ..Memory::whole(2)
-        };
-        assert_eq!(run(&other), (None, 9));
-        let own = Memory {
-            part: 2,
-            ..Memory::whole(2)
-        };
-        let rank = Rank { own, other: &other };
-        let mut computed = 0;
-        let compute = |wanted: &[usize]| {
-            computed += wanted.len();
-            Ok(wanted.iter().map(|&i| item(i)).collect())
-        };
-        let items = resumed(&rank, STAGE, (17, 3), &Progress::new(), compute).unwrap();
-        assert_eq!((items, computed), (whole(), 8));
+    fn items_stay_where_they_were_computed() {
+        for processes in [1, 2, 3, 5] {
+            let found = together(processes, |journal| {
+                let mut kept = Vec::new();
+                let compute = |wanted: &[usize]| Ok(wanted.iter().map(|&i| item(i)).collect());
+                let keep = |i: usize, row: Item| {
+                    kept.push(i);
+                    row.0.len() as u64
+                };
+                let progress = Progress::new();
+                let lengths = distributed(journal, (17, 2), &progress, compute, keep).unwrap();
+                assert_eq!(lengths, (0..17).rev().map(|n| n + 1).collect::<Vec<u64>>());
+                kept
+            });
+            let mut all: Vec<usize> = found.into_iter().flatten().collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..17).collect::<Vec<usize>>());
+        }
+    }
+
+    #[test]
+    fn one_that_is_cancelled_ends_all() {
+        let ends = together(3, |journal| {
+            let compute = |wanted: &[usize]| {
+                if wanted[0] == 5 {
+                    return Err(Cancelled);
+                }
+                Ok(wanted.iter().map(|&i| item(i)).collect::<Vec<Item>>())
+            };
+            shared(journal, (17, 1), &Progress::new(), compute)
+        });
+        assert_eq!(ends, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
     }
 
     #[test]

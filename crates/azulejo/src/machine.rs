@@ -21,7 +21,12 @@ pub fn memory() -> Option<u64> {
 /// Default of [`FirstPass::memory`](crate::radiosity::FirstPass): half of the memory of the machine,
 /// or 2 GiB if that is unknown, in bytes.
 pub fn memory_budget() -> u64 {
-    memory().map_or(UNKNOWN, |bytes| bytes / 2)
+    budget_of(memory())
+}
+
+/// The same for a machine of so many bytes.
+pub fn budget_of(memory: Option<u64>) -> u64 {
+    memory.map_or(UNKNOWN, |bytes| bytes / 2)
 }
 
 /// `MemTotal` of Linux's `/proc/meminfo`, in bytes.

@@ -64,7 +64,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
         coordinates: chosen.coordinates,
         densities: densities(&args.texels, &source, session),
         follows_light: args.texels.follows_light(),
-        pass: pass::options(&args.first_pass, &prepared),
+        pass: pass::options(&args.first_pass, &prepared, session),
         light: args.texels.light.baked().unwrap_or_default(),
         sides: sides(args, &source),
     };

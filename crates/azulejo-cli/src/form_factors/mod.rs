@@ -4,7 +4,6 @@ pub mod args;
 mod destination;
 mod facing;
 mod grouping;
-mod journal;
 mod outside;
 pub mod stored;
 pub mod summary;
@@ -14,6 +13,8 @@ use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
+use super::file_journal::FileJournal;
+use super::ranks::{RankJournal, Ranks, Sharing};
 use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
@@ -29,7 +30,6 @@ use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use destination::Destination;
-use journal::FileJournal;
 use std::path::{Path, PathBuf};
 use view3d::View3dInput;
 
@@ -38,14 +38,15 @@ struct Computed {
     enclosure: Enclosure,
     /// The View3D file whose rows these are.
     room: Option<View3dInput>,
-    journal: Option<FileJournal>,
+    journal: Option<FactorBlocks>,
 }
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
-    match args.shard {
-        Some(shard) => part(args, shard, session),
-        None => whole(args, None, session),
+    match (args.shard, session.ranks().cloned()) {
+        (Some(shard), _) => part(args, shard, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, _) => whole(args, None, session),
     }
 }
 
@@ -60,17 +61,36 @@ pub fn run_merged(
 
 /// Computes a part of the rows.
 fn part(args: &FormFactorArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
-    if args
-        .input
-        .scenes
-        .iter()
-        .any(|path| stored::is_archive(path))
-    {
-        return Err(Failure::misuse(
-            "--shard: the factors of an .npz are computed, there is nothing to divide",
-        ));
-    }
+    refuse_computed(args, "--shard")?;
     let planned = PartPlan::check(shard, &args.output)?;
+    let mut report = Report::default();
+    planned_rows(args, session, |prepared, key, session| {
+        let part = planned.open(key, session)?;
+        part.fill(session, &mut report, |part, session| {
+            rows_for_others(prepared, part, session)
+        })
+    })?;
+    Ok(report)
+}
+
+/// Computes rows for rank 0.
+fn help(args: &FormFactorArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+    refuse_computed(args, "mpiexec")?;
+    planned_rows(args, session, |prepared, key, session| {
+        let journal = ranks.journal(Sharing::Root, key, None)?;
+        journal.run(session, |journal, session| {
+            rows_for_others(prepared, journal, session)
+        })
+    })?;
+    Ok(Report::default())
+}
+
+/// Plans the rows of an own process for others, and computes some of them by `work`.
+fn planned_rows(
+    args: &FormFactorArgs,
+    session: &mut Session,
+    work: impl FnOnce(&PreparedPlan, &WorkKey, &mut Session) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let (room, scene) = read_scene(args, session)?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
     let how = FactorRequest {
@@ -79,18 +99,33 @@ fn part(args: &FormFactorArgs, shard: Shard, session: &mut Session) -> Result<Re
         room: room.as_ref(),
         journal: FactorJournal::None,
     };
-    let setup = FactorSetup::new(scene, how)?;
+    let setup = FactorSetup::new(scene, how, session)?;
     let plan = setup.plan(scene, how, session)?;
     let prepared = plan.prepare();
-    let part = planned.open(&setup.work_key(scene, &prepared), session)?;
-    let mut report = Report::default();
-    part.fill(session, &mut report, |part, session| {
-        match session.with_progress(|p| prepared.compute(part, p)) {
-            Ok(_) | Err(FactorsError::Elsewhere) => Ok(()),
-            Err(e) => Err(pass::failure(e)),
-        }
-    })?;
-    Ok(report)
+    work(&prepared, &setup.work_key(scene, &prepared), session)
+}
+
+/// Computes rows of which others make the result.
+fn rows_for_others(
+    prepared: &PreparedPlan,
+    journal: &dyn Journal,
+    session: &Session,
+) -> Result<(), Failure> {
+    match session.with_progress(|p| prepared.compute(journal, p)) {
+        Ok(_) | Err(FactorsError::Elsewhere) => Ok(()),
+        Err(e) => Err(pass::failure(e)),
+    }
+}
+
+/// Refuses to share the work of what is computed already.
+fn refuse_computed(args: &FormFactorArgs, by: &str) -> Result<(), Failure> {
+    let mut scenes = args.input.scenes.iter();
+    if scenes.any(|path| stored::is_archive(path)) {
+        return Err(Failure::misuse(format_args!(
+            "{by}: the factors of an .npz are computed, there is nothing to divide"
+        )));
+    }
+    Ok(())
 }
 
 /// Computes the matrix, or makes it from parts, and writes it.
@@ -99,6 +134,9 @@ fn whole(
     parts: Option<&MergedParts>,
     session: &mut Session,
 ) -> Result<Report, Failure> {
+    if session.ranks().is_some() {
+        refuse_computed(args, "mpiexec")?;
+    }
     let destination = Destination::new(args)?;
     session.claim_stdout(destination.output.is_stdout())?;
     let mut report = Report::default();
@@ -115,9 +153,7 @@ fn whole(
         session.with_progress(|p| enclosure.factors.truncate(share, p))?;
     }
     let written = destination.write(&enclosure, computed.room.as_ref(), session)?;
-    if let Some(journal) = computed.journal {
-        journal.remove();
-    }
+    computed.journal.iter().for_each(FactorBlocks::remove);
     summary::describe(&enclosure, &mut report);
     outside::describe(&enclosure, &mut report);
     let path = args.output.display().to_string();
@@ -134,6 +170,7 @@ fn computed(
     report: &mut Report,
 ) -> Result<Computed, Failure> {
     let (room, scene) = read_scene(args, session)?;
+    session.share_files()?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
     let beside = output.file().filter(|_| !args.no_journal);
     let how = FactorRequest {
@@ -180,6 +217,24 @@ pub enum FactorJournal<'a> {
     Parts(&'a MergedParts),
 }
 
+/// Blocks that are of no more use once the matrix is written.
+pub enum FactorBlocks {
+    /// In a journal next to the output.
+    File(FileJournal),
+    /// Of several processes.
+    Ranks(RankJournal),
+}
+
+impl FactorBlocks {
+    /// The matrix is written.
+    pub fn remove(&self) {
+        match self {
+            FactorBlocks::File(journal) => journal.remove(),
+            FactorBlocks::Ranks(journal) => journal.remove(),
+        }
+    }
+}
+
 /// How a matrix is computed.
 #[derive(Clone, Copy)]
 pub struct FactorRequest<'a> {
@@ -201,11 +256,11 @@ struct FactorSetup {
 }
 
 impl FactorSetup {
-    fn new(scene: &Scene, how: FactorRequest) -> Result<FactorSetup, Failure> {
+    fn new(scene: &Scene, how: FactorRequest, session: &Session) -> Result<FactorSetup, Failure> {
         refuse_contradiction(how.computation)?;
         let engine = how.computation.engine.prepare()?;
         let tracer = repeated(engine.tracer(scene)?, how.computation)?;
-        let mut options = options(how, &engine);
+        let mut options = options(how, &engine, session);
         if let Some(room) = how.room {
             options = room.options(options, how.computation);
         }
@@ -247,8 +302,8 @@ pub fn enclosure(
     how: FactorRequest,
     session: &mut Session,
     report: &mut Report,
-) -> Result<(Enclosure, Option<FileJournal>), Failure> {
-    let setup = FactorSetup::new(scene, how)?;
+) -> Result<(Enclosure, Option<FactorBlocks>), Failure> {
+    let setup = FactorSetup::new(scene, how, session)?;
     let FactorSetup {
         engine,
         tracer,
@@ -260,23 +315,32 @@ pub fn enclosure(
         parts.check(&setup.work_key(scene, &prepared))?;
     }
     forecast(&prepared, session, report)?;
-    let journal = match how.journal {
+    let file = match how.journal {
         FactorJournal::Beside(output) => Some(open_journal(output, scene, tracer, options)?),
         FactorJournal::None | FactorJournal::Parts(_) => None,
     };
-    let factors = match how.journal {
-        FactorJournal::Parts(parts) => parts.used(
-            session
-                .with_progress(|p| prepared.compute(parts, p))
-                .map_err(pass::failure),
-        ),
-        _ => compute(&prepared, journal.as_ref(), session),
+    let (factors, journal) = match (how.journal, session.ranks().cloned()) {
+        (FactorJournal::Parts(parts), _) => {
+            let found = session.with_progress(|p| prepared.compute(parts, p));
+            (parts.used(found.map_err(pass::failure))?, None)
+        }
+        (_, Some(ranks)) => {
+            ranks.agree(&setup.work_key(scene, &prepared))?;
+            let journal = ranks.journal_in(Sharing::Root, file)?;
+            let found = journal.run(session, |journal, session| {
+                let found = session.with_progress(|p| prepared.compute(journal, p));
+                found.map_err(pass::failure)
+            });
+            (found?, Some(FactorBlocks::Ranks(journal)))
+        }
+        (_, None) => {
+            let found = compute(&prepared, file.as_ref(), session);
+            let messages = file.iter().flat_map(FileJournal::take_messages);
+            messages.for_each(|message| session.note(&message));
+            (found?, file.map(FactorBlocks::File))
+        }
     };
-    journal
-        .iter()
-        .flat_map(FileJournal::take_messages)
-        .for_each(|message| session.note(&message));
-    let mut enclosure = Enclosure::new(&prepared, scene, factors?);
+    let mut enclosure = Enclosure::new(&prepared, scene, factors);
     if !options.two_sided && how.room.is_none() {
         facing::advise(scene, tracer, &enclosure.factors, session)?;
     }
@@ -352,10 +416,10 @@ fn painted(args: &FormFactorArgs, mut scene: Scene) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-fn options(how: FactorRequest, prepared: &PreparedEngine) -> FormFactorOptions {
+fn options(how: FactorRequest, prepared: &PreparedEngine, session: &Session) -> FormFactorOptions {
     let args = how.computation;
     let default = FormFactorOptions::default();
-    let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
+    let machine = || session.memory().unwrap_or(u64::MAX);
     let has_formulas = args.formulas == FormulasName::Auto;
     let engine = match (&prepared.engine, args.rays) {
         (Engine::Auto, Some(_)) => Engine::Rays,

@@ -82,7 +82,7 @@ pub fn typed() -> Result<Vec<String>, Failure> {
     let word = |word: std::ffi::OsString| {
         word.into_string().map_err(|word| {
             Failure::misuse(format_args!(
-                "--shard records the command, and {} is not UTF-8: rename the file",
+                "the command is recorded for other processes, and {} is not UTF-8: rename the file",
                 word.display()
             ))
         })
@@ -118,6 +118,16 @@ pub fn described() -> Result<(Vec<PathBuf>, String), Failure> {
     }
     let key = blake3::hash(format!("{command:?}").as_bytes());
     Ok((files, shown(key.as_bytes())))
+}
+
+/// The files that the command of this process names, as ranks share them.
+///
+/// # Errors
+/// The command cannot be recorded.
+pub fn files_of_command() -> Result<Vec<PathBuf>, Failure> {
+    let mut command = parsed(&typed()?)?.command;
+    let files = crate::ranks::files_of(&mut command);
+    Ok(files.into_iter().map(|file| file.clone()).collect())
 }
 
 /// The folder in which this process runs; empty if that is no text, and then of no use elsewhere.
@@ -167,6 +177,13 @@ pub fn named_files(
         }
     }
     Ok(named)
+}
+
+impl NamedFile {
+    /// Whether it is where its name says, with the same content.
+    pub fn is_here(&self) -> bool {
+        content(Path::new(&self.name())).is_ok_and(|found| found == self.content)
+    }
 }
 
 /// Where the files of a recorded command are now, by the paths that it names them by.

@@ -1,7 +1,7 @@
 //! What a part says of the work that it is a part of.
 
 use super::Shard;
-use crate::content_key::{ContentKey, shown};
+use crate::content_key::{ContentHasher, ContentKey, shown};
 use crate::failure::Failure;
 use crate::record_file::read_up_to;
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,18 @@ pub struct WorkKey {
     pub settings: ContentKey,
     /// The engine, where it was to be chosen the chosen one.
     pub engine: String,
+}
+
+impl WorkKey {
+    /// A key of all of it.
+    pub fn whole(&self) -> ContentKey {
+        let mut hasher = ContentHasher::new();
+        hasher
+            .add(&self.scene)
+            .add(&self.settings)
+            .add(&self.engine);
+        hasher.key()
+    }
 }
 
 /// A file that the work was computed from.

@@ -12,7 +12,8 @@ mod merged;
 mod part;
 
 use crate::failure::Failure;
-pub use header::WorkKey;
+pub use command::{ShardedArgs, files_of_command, named_files, sharded};
+pub use header::{NamedFile, WorkKey};
 pub use merged::MergedParts;
 pub use part::PartPlan;
 use serde::{Deserialize, Serialize};

@@ -9,6 +9,7 @@ use crate::interrupt::BlockEnd;
 use crate::record_file::{self, RecordFile};
 use crate::report::{Report, count};
 use crate::session::Session;
+use azulejo_trace::journal::Division;
 use azulejo_trace::{Cancelled, Journal, JournalStage};
 use std::fs::{File, OpenOptions};
 use std::io::ErrorKind;
@@ -249,6 +250,7 @@ impl Journal for ShardPart {
     fn next(
         &self,
         _stage: JournalStage,
+        _division: Division,
         mut blocks: Range<usize>,
     ) -> Result<Option<usize>, Cancelled> {
         if self.block_end.is_asked() || self.state().failure.is_some() {

@@ -36,4 +36,6 @@ mod layers;
 mod lightmap;
 mod matrix_files;
 #[cfg(unix)]
+mod ranks;
+#[cfg(unix)]
 mod shards;

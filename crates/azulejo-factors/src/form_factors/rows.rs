@@ -65,7 +65,7 @@ impl TracedRows {
 const BLOCK: [usize; 2] = [64, 256];
 
 /// Rays per block, within these limits.
-const BLOCK_RAYS: usize = 1 << 23;
+const BLOCK_RAYS: usize = 1 << 20;
 
 /// Rows per block.
 pub(super) fn block_rows(rays: u32) -> usize {

@@ -157,6 +157,11 @@ impl ModelOutput {
         self.model.is_stdout()
     }
 
+    /// The path of the regular file, existing or not; nothing for standard output.
+    pub fn file(&self) -> Option<&Path> {
+        self.model.file()
+    }
+
     /// Writes the scene atomically, with the files that belong to it; returns what the format cannot
     /// represent, as text.
     ///

@@ -1,5 +1,5 @@
-//! The journal next to the output: finished blocks of rows, with which the same command resumes
-//! after an interruption.
+//! The journal next to the output: finished blocks, with which the same command resumes after an
+//! interruption.
 //!
 //! A header identifies the work by a hash of scene, options and version; records follow
 //! ([`RecordFile`]).
@@ -7,16 +7,16 @@
 use crate::content_key::ContentKey;
 use crate::failure::Failure;
 use crate::record_file::{self, BlockId, RecordFile, read_up_to};
-use azulejo_factors::form_factors::{Journal, JournalStage};
+use azulejo_trace::{Journal, JournalStage};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-const MAGIC: [u8; 24] = *b"azulejo form factors 2\r\n";
+const MAGIC: [u8; 24] = *b"azulejo journal 3     \r\n";
 
-/// What the magic of every version begins with.
-const MARK: &[u8] = b"azulejo form factors ";
+/// What the magics of all versions begin with.
+const MARKS: [&[u8]; 2] = [b"azulejo journal ", b"azulejo form factors "];
 
 /// Magic, key and checksum.
 const HEADER: u64 = 24 + 32 + 4;
@@ -66,6 +66,13 @@ impl FileJournal {
         self.state().records.as_ref().map_or(0, RecordFile::len)
     }
 
+    /// Whether it holds a block.
+    pub fn has(&self, stage: JournalStage, block: usize) -> bool {
+        let state = self.state();
+        let records = state.records.as_ref();
+        records.is_some_and(|records| records.has((stage, block)))
+    }
+
     /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
@@ -77,10 +84,8 @@ impl FileJournal {
     }
 
     /// Removes the file: the work is done.
-    pub fn remove(self) {
-        let state = self.state.into_inner();
-        let state = state.unwrap_or_else(PoisonError::into_inner);
-        if state.records.is_some() {
+    pub fn remove(&self) {
+        if self.state().records.take().is_some() {
             // A file that cannot be removed is restarted or used by the next run.
             let _ = std::fs::remove_file(&self.path);
         }
@@ -115,7 +120,9 @@ impl Journal for FileJournal {
         if let Err(e) = state.append(&self.path, self.key, (stage, block), bytes) {
             state.is_broken = true;
             let failure = Failure::file("write", &self.path, &e);
-            let words = format!("{failure}: rows from here on would be lost by an interruption");
+            let words = format!(
+                "{failure}: what is computed from here on would be lost by an interruption"
+            );
             state.messages.push(words);
         }
     }
@@ -127,7 +134,9 @@ impl JournalState {
         let failed = |e| Failure::file("read", path, &e);
         let mut header = [0; HEADER as usize];
         let read = read_up_to(&mut file, &mut header).map_err(failed)?;
-        let is_ours = header.starts_with(&MARK[..MARK.len().min(read)]);
+        let is_ours = MARKS
+            .iter()
+            .any(|mark| header.starts_with(&mark[..mark.len().min(read)]));
         if !is_ours || (read == 0 && file.metadata().map_err(failed)?.len() > 0) {
             return Err(Failure::failed(format_args!(
                 "{} exists and is not a journal: move it away, or use --no-journal",

@@ -1,0 +1,186 @@
+//! The connection of the thread that works with the thread that talks to other ranks.
+
+use super::messages::ToRoot;
+use crate::file_journal::FileJournal;
+use azulejo_trace::journal::{Blocks, Division};
+use azulejo_trace::{Cancelled, JournalStage};
+use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What the work asks for.
+pub enum Request {
+    /// A block that no rank has yet.
+    Next {
+        stage: JournalStage,
+        division: Division,
+        left: Range<usize>,
+    },
+    /// A finished block for rank 0, from another.
+    Deliver {
+        stage: JournalStage,
+        block: usize,
+        bytes: Vec<u8>,
+    },
+    /// At rank 0, the blocks that others computed, as soon as they have all.
+    Collect(JournalStage),
+    /// The bytes of all ranks.
+    AllGather(Vec<u8>),
+    /// The bytes of rank 0.
+    Broadcast(Vec<u8>),
+    /// At rank 0, from now on blocks are kept in a file.
+    Keep(Arc<FileJournal>),
+    /// The work has ended; why it failed, if it did.
+    Ended(Option<String>),
+}
+
+/// What it gets.
+pub enum Reply {
+    /// A block, with its bytes if they are known; or no more.
+    Block(Option<(usize, Option<Vec<u8>>)>),
+    /// Blocks of others.
+    Collected(Blocks),
+    /// One for each rank.
+    Gathered(Vec<Vec<u8>>),
+    /// What rank 0 sent.
+    Broadcast(Vec<u8>),
+    /// The work is to end.
+    Stop,
+}
+
+/// The end of the thread that works. Clones share one connection, on which one request at a time is made.
+#[derive(Clone, Debug)]
+pub struct Link(Arc<Mutex<LinkEnds>>);
+
+#[derive(Debug)]
+struct LinkEnds {
+    requests: Sender<Request>,
+    replies: Receiver<Reply>,
+}
+
+/// The end of the thread that talks to other ranks.
+pub struct WorkEnd {
+    pub requests: Receiver<Request>,
+    pub replies: Sender<Reply>,
+}
+
+/// Both ends.
+pub fn connected() -> (Link, WorkEnd) {
+    let ((requests, asked), (replies, found)) = (channel(), channel());
+    let link = Link(Arc::new(Mutex::new(LinkEnds {
+        requests,
+        replies: found,
+    })));
+    let end = WorkEnd {
+        requests: asked,
+        replies,
+    };
+    (link, end)
+}
+
+impl Link {
+    /// The next block for this rank, with its bytes if they are known already.
+    pub fn next(
+        &self,
+        stage: JournalStage,
+        division: Division,
+        left: Range<usize>,
+    ) -> Result<Option<(usize, Option<Vec<u8>>)>, Cancelled> {
+        match self.ask(Request::Next {
+            stage,
+            division,
+            left,
+        })? {
+            Reply::Block(block) => Ok(block),
+            _ => Err(Cancelled),
+        }
+    }
+
+    /// Gives a block to rank 0, which is another.
+    pub fn deliver(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+        let bytes = bytes.to_vec();
+        self.say(Request::Deliver {
+            stage,
+            block,
+            bytes,
+        });
+    }
+
+    /// The blocks of a stage that other ranks computed, at rank 0.
+    pub fn collect(&self, stage: JournalStage) -> Result<Blocks, Cancelled> {
+        match self.ask(Request::Collect(stage))? {
+            Reply::Collected(blocks) => Ok(blocks),
+            _ => Err(Cancelled),
+        }
+    }
+
+    /// The bytes that each rank gives.
+    pub fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
+        match self.ask(Request::AllGather(own))? {
+            Reply::Gathered(all) => Ok(all),
+            _ => Err(Cancelled),
+        }
+    }
+
+    /// The bytes that rank 0 gives.
+    pub fn broadcast(&self, own: Vec<u8>) -> Result<Vec<u8>, Cancelled> {
+        match self.ask(Request::Broadcast(own))? {
+            Reply::Broadcast(bytes) => Ok(bytes),
+            _ => Err(Cancelled),
+        }
+    }
+
+    /// Keeps blocks in a file, at rank 0.
+    pub fn keep(&self, journal: Arc<FileJournal>) {
+        self.say(Request::Keep(journal));
+    }
+
+    /// Says that the work has ended.
+    pub fn end(&self, failure: Option<String>) {
+        self.say(Request::Ended(failure));
+    }
+
+    /// Asks and waits. If there is nobody to ask, the work ends.
+    fn ask(&self, request: Request) -> Result<Reply, Cancelled> {
+        let ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        ends.requests.send(request).map_err(|_| Cancelled)?;
+        match ends.replies.recv() {
+            Ok(Reply::Stop) | Err(_) => Err(Cancelled),
+            Ok(reply) => Ok(reply),
+        }
+    }
+
+    fn say(&self, request: Request) {
+        let ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // If there is nobody to tell, the work ends at its next question.
+        let _ = ends.requests.send(request);
+    }
+}
+
+impl Request {
+    /// As a message to rank 0; `None` for what ranks do together or by themselves.
+    pub fn message(&self) -> Option<ToRoot> {
+        match self {
+            Request::Next {
+                stage,
+                division,
+                left,
+            } => Some(ToRoot::Next {
+                stage: *stage,
+                items: division.items,
+                size: division.size,
+                from: left.start,
+            }),
+            Request::Deliver {
+                stage,
+                block,
+                bytes,
+            } => Some(ToRoot::Block {
+                stage: *stage,
+                block: *block,
+                bytes: bytes.clone(),
+            }),
+            _ => None,
+        }
+    }
+}

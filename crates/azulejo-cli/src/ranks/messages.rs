@@ -1,0 +1,148 @@
+//! Messages between rank 0 and the others, as bytes.
+
+use crate::record_file::{number_of, stage_of};
+use azulejo_trace::JournalStage;
+use azulejo_trace::journal::{Record, RecordReader};
+
+/// From another rank to rank 0.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToRoot {
+    /// Asks for a block of a stage, of `items` in blocks of `size`, not before block `from`.
+    Next {
+        stage: JournalStage,
+        items: usize,
+        size: usize,
+        from: usize,
+    },
+    /// A finished block.
+    Block {
+        stage: JournalStage,
+        block: usize,
+        bytes: Vec<u8>,
+    },
+    /// Is ready for an exchange between all.
+    Ready,
+    /// Has to end behind its block.
+    Stopping,
+    /// Its work is done; why it failed, if it did.
+    Ended(Option<String>),
+}
+
+/// From rank 0 to another.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FromRoot {
+    /// A block to be computed, or known already; or no more.
+    Block(Option<(usize, Option<Vec<u8>>)>),
+    /// All are ready.
+    Go,
+    /// The work ends.
+    Stop,
+    /// All have ended.
+    Finish,
+}
+
+impl ToRoot {
+    /// Its bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        match self {
+            ToRoot::Next {
+                stage,
+                items,
+                size,
+                from,
+            } => {
+                0u8.write(&mut bytes);
+                number_of(*stage).write(&mut bytes);
+                [*items as u64, *size as u64, *from as u64].write(&mut bytes);
+            }
+            ToRoot::Block {
+                stage,
+                block,
+                bytes: content,
+            } => {
+                1u8.write(&mut bytes);
+                number_of(*stage).write(&mut bytes);
+                (*block as u64).write(&mut bytes);
+                bytes.extend(content);
+            }
+            ToRoot::Ready => 2u8.write(&mut bytes),
+            ToRoot::Stopping => 3u8.write(&mut bytes),
+            ToRoot::Ended(why) => {
+                4u8.write(&mut bytes);
+                u8::from(why.is_some()).write(&mut bytes);
+                bytes.extend(why.as_deref().unwrap_or_default().as_bytes());
+            }
+        }
+        bytes
+    }
+
+    /// The inverse of [`bytes`](ToRoot::bytes).
+    pub fn read(bytes: &[u8]) -> Option<ToRoot> {
+        let mut reader = RecordReader::new(bytes);
+        let message = match u8::read(&mut reader)? {
+            0 => {
+                let stage = stage_of(reader.u32()?)?;
+                let [items, size, from] = <[u64; 3]>::read(&mut reader)?.map(|n| n as usize);
+                ToRoot::Next {
+                    stage,
+                    items,
+                    size,
+                    from,
+                }
+            }
+            1 => ToRoot::Block {
+                stage: stage_of(reader.u32()?)?,
+                block: reader.u64()? as usize,
+                bytes: reader.rest().to_vec(),
+            },
+            2 => ToRoot::Ready,
+            3 => ToRoot::Stopping,
+            4 => {
+                let has_failed = u8::read(&mut reader)? == 1;
+                let why = String::from_utf8_lossy(reader.rest()).into_owned();
+                ToRoot::Ended(has_failed.then_some(why))
+            }
+            _ => return None,
+        };
+        Some(message)
+    }
+}
+
+impl FromRoot {
+    /// Its bytes.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        match self {
+            FromRoot::Block(None) => 0u8.write(&mut bytes),
+            FromRoot::Block(Some((block, known))) => {
+                1u8.write(&mut bytes);
+                (*block as u64).write(&mut bytes);
+                u8::from(known.is_some()).write(&mut bytes);
+                bytes.extend(known.as_deref().unwrap_or_default());
+            }
+            FromRoot::Go => 2u8.write(&mut bytes),
+            FromRoot::Stop => 3u8.write(&mut bytes),
+            FromRoot::Finish => 4u8.write(&mut bytes),
+        }
+        bytes
+    }
+
+    /// The inverse of [`bytes`](FromRoot::bytes).
+    pub fn read(bytes: &[u8]) -> Option<FromRoot> {
+        let mut reader = RecordReader::new(bytes);
+        let message = match u8::read(&mut reader)? {
+            0 => FromRoot::Block(None),
+            1 => {
+                let block = reader.u64()? as usize;
+                let is_known = u8::read(&mut reader)? == 1;
+                FromRoot::Block(Some((block, is_known.then(|| reader.rest().to_vec()))))
+            }
+            2 => FromRoot::Go,
+            3 => FromRoot::Stop,
+            4 => FromRoot::Finish,
+            _ => return None,
+        };
+        Some(message)
+    }
+}

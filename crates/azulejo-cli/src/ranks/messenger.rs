@@ -1,0 +1,428 @@
+//! The main thread of a rank: the messages of its work to other ranks, and at rank 0 the answers.
+
+use super::link::{Reply, Request, WorkEnd};
+use super::messages::{FromRoot, ToRoot};
+use super::transport::Transport;
+use crate::file_journal::FileJournal;
+use crate::interrupt::BlockEnd;
+use azulejo_trace::journal::{Blocks, Division};
+use azulejo_trace::{Journal, JournalStage, Progress};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
+use std::time::Duration;
+
+/// Pause after which a rank looks for messages again: from the first while messages come, doubled up to
+/// the second while none do. Waiting costs next to no time of a processor that others may use.
+const PAUSE: [Duration; 2] = [Duration::from_micros(20), Duration::from_millis(2)];
+
+/// The same of a rank whose work is done.
+const IDLE: Duration = Duration::from_millis(20);
+
+/// What is common to the work and its messages.
+#[derive(Clone, Debug, Default)]
+pub struct Control {
+    /// Whether the work is to end behind its block.
+    pub block_end: Arc<BlockEnd>,
+    /// Shows, at rank 0, what all have done.
+    pub progress: Arc<Progress>,
+}
+
+/// Serves the work of this rank until all ranks have ended. At rank 0, what the first of the others that
+/// failed says of it.
+pub fn serve(transport: &dyn Transport, work: &WorkEnd, control: &Control) -> Option<String> {
+    if transport.rank() == 0 {
+        Root::new(transport, work, control).serve()
+    } else {
+        Helper {
+            transport,
+            work,
+            control,
+        }
+        .serve();
+        None
+    }
+}
+
+/// Waits between looks.
+struct Patience(Duration);
+
+impl Patience {
+    fn new() -> Patience {
+        Patience(PAUSE[0])
+    }
+
+    fn wait(&mut self) {
+        std::thread::sleep(self.0);
+        self.0 = (self.0 * 2).min(PAUSE[1]);
+    }
+}
+
+/// A rank other than 0.
+struct Helper<'a> {
+    transport: &'a dyn Transport,
+    work: &'a WorkEnd,
+    control: &'a Control,
+}
+
+impl Helper<'_> {
+    fn serve(&self) {
+        loop {
+            // A work that ended without a word has panicked.
+            let lost = || Request::Ended(Some("the work ended unexpectedly".to_owned()));
+            let request = self.work.requests.recv().unwrap_or_else(|_| lost());
+            if let Request::Ended(why) = request {
+                self.tell(&ToRoot::Ended(why));
+                while self.transport.receive().and_then(from_root) != Some(FromRoot::Finish) {
+                    std::thread::sleep(IDLE);
+                }
+                return;
+            }
+            let reply = match &request {
+                Request::Next { .. } => {
+                    request.message().iter().for_each(|m| self.tell(m));
+                    match self.answer() {
+                        FromRoot::Block(block) => Reply::Block(block),
+                        _ => Reply::Stop,
+                    }
+                }
+                Request::Deliver { .. } => {
+                    request.message().iter().for_each(|m| self.tell(m));
+                    continue;
+                }
+                Request::AllGather(own) => match self.ready() {
+                    FromRoot::Go => Reply::Gathered(self.transport.all_gather(own)),
+                    _ => Reply::Stop,
+                },
+                Request::Broadcast(_) => match self.ready() {
+                    FromRoot::Go => Reply::Broadcast(self.transport.broadcast(Vec::new())),
+                    _ => Reply::Stop,
+                },
+                Request::Collect(_) => Reply::Collected(Blocks::new()),
+                Request::Keep(_) | Request::Ended(_) => continue,
+            };
+            // Nobody waits for it if the work has panicked, which the next round finds out.
+            let _ = self.work.replies.send(reply);
+        }
+    }
+
+    fn tell(&self, message: &ToRoot) {
+        self.transport.send(0, &message.bytes());
+    }
+
+    fn ready(&self) -> FromRoot {
+        self.tell(&ToRoot::Ready);
+        self.answer()
+    }
+
+    /// The next message of rank 0.
+    fn answer(&self) -> FromRoot {
+        let mut patience = Patience::new();
+        let mut has_told = false;
+        loop {
+            if let Some(message) = self.transport.receive().and_then(from_root) {
+                return message;
+            }
+            if self.control.block_end.is_asked() && !has_told {
+                self.tell(&ToRoot::Stopping);
+                has_told = true;
+            }
+            patience.wait();
+        }
+    }
+}
+
+fn from_root((_, bytes): (usize, Vec<u8>)) -> Option<FromRoot> {
+    FromRoot::read(&bytes)
+}
+
+/// What a rank waits for.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    /// It works.
+    Working,
+    /// For all others.
+    Ready,
+    /// For nothing any more.
+    Ended,
+}
+
+/// Blocks of a stage.
+#[derive(Default)]
+struct Stage {
+    /// The first block that nobody has.
+    next: usize,
+    /// Blocks that others have and have not delivered: each rank has one at most.
+    out: HashMap<usize, usize>,
+    /// Blocks that others delivered and no file keeps.
+    delivered: Blocks,
+}
+
+/// What the work of rank 0 waits for.
+enum Pending {
+    Collect(JournalStage),
+    AllGather(Vec<u8>),
+    Broadcast(Vec<u8>),
+}
+
+/// Rank 0.
+struct Root<'a> {
+    transport: &'a dyn Transport,
+    work: &'a WorkEnd,
+    control: &'a Control,
+    /// One for each rank, its own among them.
+    states: Vec<State>,
+    stages: HashMap<JournalStage, Stage>,
+    journal: Option<Arc<FileJournal>>,
+    pending: Option<Pending>,
+    is_stopping: bool,
+    /// What the first of the others that failed says of it.
+    failure: Option<String>,
+}
+
+impl<'a> Root<'a> {
+    fn new(transport: &'a dyn Transport, work: &'a WorkEnd, control: &'a Control) -> Root<'a> {
+        Root {
+            transport,
+            work,
+            control,
+            states: vec![State::Working; transport.size()],
+            stages: HashMap::new(),
+            journal: None,
+            pending: None,
+            is_stopping: false,
+            failure: None,
+        }
+    }
+
+    fn serve(mut self) -> Option<String> {
+        let mut pause = PAUSE[0];
+        while self.states.iter().any(|state| *state != State::Ended) {
+            let own = self.own_request(pause);
+            let others = self.messages();
+            pause = if own || others {
+                PAUSE[0]
+            } else {
+                (pause * 2).min(PAUSE[1])
+            };
+            self.is_stopping |= self.control.block_end.is_asked();
+            self.answer_waiting();
+        }
+        for rank in 1..self.states.len() {
+            self.tell(rank, &FromRoot::Finish);
+        }
+        self.failure
+    }
+
+    /// Takes what its own work asks for, waiting so long for it; whether there was something.
+    fn own_request(&mut self, pause: Duration) -> bool {
+        let request = match self.states[0] {
+            State::Working if self.pending.is_none() => {
+                match self.work.requests.recv_timeout(pause) {
+                    Ok(request) => Ok(request),
+                    Err(RecvTimeoutError::Timeout) => Err(TryRecvError::Empty),
+                    Err(RecvTimeoutError::Disconnected) => Err(TryRecvError::Disconnected),
+                }
+            }
+            _ => {
+                std::thread::sleep(pause);
+                return false;
+            }
+        };
+        match request {
+            Err(TryRecvError::Empty) => return false,
+            Err(TryRecvError::Disconnected) => self.ended(0, Some(String::new())),
+            Ok(request) => self.own(request),
+        }
+        true
+    }
+
+    fn own(&mut self, request: Request) {
+        match request {
+            Request::Next {
+                stage,
+                division,
+                left,
+            } => {
+                let block = self.next(stage, division.blocks(), left.start);
+                self.reply(if self.is_stopping {
+                    Reply::Stop
+                } else {
+                    // Its own journal has what is known.
+                    Reply::Block(block.map(|block| (block, None)))
+                });
+            }
+            Request::Deliver { .. } => {}
+            Request::Keep(journal) => self.journal = Some(journal),
+            Request::Collect(stage) => self.pending = Some(Pending::Collect(stage)),
+            Request::AllGather(own) => {
+                self.pending = Some(Pending::AllGather(own));
+                self.states[0] = State::Ready;
+            }
+            Request::Broadcast(own) => {
+                self.pending = Some(Pending::Broadcast(own));
+                self.states[0] = State::Ready;
+            }
+            Request::Ended(why) => self.ended(0, why),
+        }
+    }
+
+    /// Takes all messages that have arrived; whether there were some.
+    fn messages(&mut self) -> bool {
+        let mut any = false;
+        while let Some((rank, bytes)) = self.transport.receive() {
+            any = true;
+            match ToRoot::read(&bytes) {
+                Some(message) => self.message(rank, message),
+                None => self.ended(rank, Some("sent what is no message".to_owned())),
+            }
+        }
+        any
+    }
+
+    fn message(&mut self, rank: usize, message: ToRoot) {
+        match message {
+            ToRoot::Next {
+                stage,
+                items,
+                size,
+                from,
+            } => {
+                let division = Division {
+                    items,
+                    size,
+                    parts: 1,
+                };
+                self.finished(stage, rank, division);
+                let block = self.next(stage, division.blocks(), from);
+                let reply = if self.is_stopping {
+                    FromRoot::Stop
+                } else {
+                    let known = |block: usize| {
+                        let journal = self.journal.as_deref()?;
+                        journal.load(stage, block)
+                    };
+                    FromRoot::Block(block.map(|block| (block, known(block))))
+                };
+                if let (FromRoot::Block(Some((block, _))), Some(stage)) =
+                    (&reply, self.stages.get_mut(&stage))
+                {
+                    stage.out.insert(rank, *block);
+                }
+                self.tell(rank, &reply);
+            }
+            ToRoot::Block {
+                stage,
+                block,
+                bytes,
+            } => self.delivered(stage, block, bytes),
+            ToRoot::Ready => self.states[rank] = State::Ready,
+            ToRoot::Stopping => self.is_stopping = true,
+            ToRoot::Ended(why) => self.ended(rank, why),
+        }
+    }
+
+    /// The next block of a stage that nobody has.
+    fn next(&mut self, stage: JournalStage, blocks: usize, from: usize) -> Option<usize> {
+        let stage = self.stages.entry(stage).or_default();
+        let block = stage.next.max(from);
+        if block >= blocks {
+            return None;
+        }
+        stage.next = block + 1;
+        Some(block)
+    }
+
+    /// Who asks for another block has done with the last.
+    fn finished(&mut self, stage: JournalStage, rank: usize, division: Division) {
+        let stage = self.stages.entry(stage).or_default();
+        if let Some(block) = stage.out.remove(&rank) {
+            let items = division.of(block).count() as u64;
+            // Cancellation ends its own work, which says so.
+            let _ = self.control.progress.advance(items);
+        }
+    }
+
+    fn delivered(&mut self, stage: JournalStage, block: usize, bytes: Vec<u8>) {
+        if let Some(journal) = &self.journal {
+            if !journal.has(stage, block) {
+                journal.save(stage, block, &bytes);
+            }
+            if journal.has(stage, block) {
+                return;
+            }
+        }
+        let stage = self.stages.entry(stage).or_default();
+        stage.delivered.push((block, bytes));
+    }
+
+    fn ended(&mut self, rank: usize, why: Option<String>) {
+        self.states[rank] = State::Ended;
+        if rank == 0 {
+            self.pending = None;
+        }
+        let Some(why) = why else {
+            return;
+        };
+        self.is_stopping = true;
+        // Those that end because others do have nothing to say.
+        if rank > 0 && !why.is_empty() && self.failure.is_none() {
+            self.failure = Some(format!("rank {rank}: {why}"));
+        }
+    }
+
+    /// Answers those that wait for others, if these are there, or if the work ends.
+    fn answer_waiting(&mut self) {
+        let can_meet = self.states.iter().all(|state| *state == State::Ready);
+        let is_alone = self.states.contains(&State::Ready) && self.states.contains(&State::Ended);
+        if self.is_stopping || is_alone {
+            self.is_stopping = true;
+            for rank in 1..self.states.len() {
+                if self.states[rank] == State::Ready {
+                    self.states[rank] = State::Working;
+                    self.tell(rank, &FromRoot::Stop);
+                }
+            }
+            if self.pending.take().is_some() {
+                self.states[0] = State::Working;
+                self.reply(Reply::Stop);
+            }
+            return;
+        }
+        if can_meet {
+            self.states.fill(State::Working);
+            for rank in 1..self.states.len() {
+                self.tell(rank, &FromRoot::Go);
+            }
+            match self.pending.take() {
+                Some(Pending::AllGather(own)) => {
+                    let all = self.transport.all_gather(&own);
+                    self.reply(Reply::Gathered(all));
+                }
+                Some(Pending::Broadcast(own)) => {
+                    let bytes = self.transport.broadcast(own);
+                    self.reply(Reply::Broadcast(bytes));
+                }
+                _ => {}
+            }
+            return;
+        }
+        if let Some(Pending::Collect(stage)) = self.pending {
+            let found = self.stages.entry(stage).or_default();
+            if found.out.is_empty() {
+                let delivered = std::mem::take(&mut found.delivered);
+                self.pending = None;
+                self.reply(Reply::Collected(delivered));
+            }
+        }
+    }
+
+    fn reply(&self, reply: Reply) {
+        // Nobody waits for it if the work has panicked, which the next look finds out.
+        let _ = self.work.replies.send(reply);
+    }
+
+    fn tell(&self, rank: usize, message: &FromRoot) {
+        self.transport.send(rank, &message.bytes());
+    }
+}
