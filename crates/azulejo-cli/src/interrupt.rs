@@ -57,7 +57,10 @@ pub fn install(
         progress.cancel();
         std::thread::sleep(PATIENCE);
         output::abandon_all();
-        let _ = writeln!(std::io::stderr(), "\nerror: {}", Failure::Cancelled);
+        // Of several ranks, one says it.
+        if !crate::ranks::is_helper() {
+            let _ = writeln!(std::io::stderr(), "\nerror: {}", Failure::Cancelled);
+        }
         std::process::exit(1);
     };
     ctrlc::set_handler(on_interrupt)

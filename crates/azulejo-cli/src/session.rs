@@ -5,7 +5,7 @@ use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::interrupt::{self, BlockEnd};
 use super::progress_bar;
-use super::ranks::{Control, Ranks};
+use super::ranks::{Control, RankCosts, Ranks};
 use super::report::{self, Report};
 use super::shards;
 use azulejo::models::ModelOutput;
@@ -26,6 +26,8 @@ pub struct Session {
     quiet: bool,
     /// The processes that share the work, if there are several.
     ranks: Option<Ranks>,
+    /// What the work took each of them.
+    rank_costs: Vec<RankCosts>,
     progress: Arc<Progress>,
     block_end: Arc<BlockEnd>,
     clock: Clock,
@@ -59,6 +61,7 @@ impl Session {
             json: common.json && !is_helper,
             quiet: common.quiet || is_helper,
             ranks,
+            rank_costs: Vec::new(),
             progress,
             block_end,
             clock: Clock::start(),
@@ -167,6 +170,16 @@ impl Session {
     /// The processes that share the work, if there are several.
     pub fn ranks(&self) -> Option<&Ranks> {
         self.ranks.as_ref()
+    }
+
+    /// Says what the work took each of them.
+    pub fn set_rank_costs(&mut self, costs: Vec<RankCosts>) {
+        self.rank_costs = costs;
+    }
+
+    /// Seconds of processors that this process took so far.
+    pub fn cpu_seconds(&self) -> f64 {
+        self.clock.cpu()
     }
 
     /// Gives the files that were read to the other ranks, if there are any.
@@ -278,10 +291,12 @@ impl Session {
                 nodes => format!("{nodes} machines"),
             };
             let words = format!(
-                "{} on {nodes}; time and memory are those of rank 0",
-                ranks.size
+                "{} on {nodes}, {}; time and memory below are those of rank 0",
+                ranks.size,
+                cost_words(&self.rank_costs)
             );
             report.fact("ranks", ranks.size, "ranks", words);
+            report.value("rank_costs", rank_values(&self.rank_costs));
         }
         let (wall, cpu) = (self.clock.wall(), self.clock.cpu());
         let threads = rayon::current_num_threads();
@@ -307,4 +322,34 @@ impl Session {
         report.write_json(&mut out)?;
         Ok(out.flush()?)
     }
+}
+
+/// What a work took all ranks, for people.
+fn cost_words(costs: &[RankCosts]) -> String {
+    let cpu = |c: &RankCosts| c.cpu;
+    let least = costs.iter().map(cpu).fold(f64::INFINITY, f64::min);
+    let most = costs.iter().map(cpu).fold(0.0, f64::max);
+    let exchanged: u64 = costs.iter().map(|c| c.traffic.given).sum();
+    format!(
+        "{} of CPU time, {} to {} each, {} exchanged",
+        report::seconds(costs.iter().map(cpu).sum()),
+        report::seconds(least.min(most)),
+        report::seconds(most),
+        report::bytes(exchanged)
+    )
+}
+
+/// The same as values, one object for each rank.
+fn rank_values(costs: &[RankCosts]) -> Vec<Value> {
+    let value = |c: &RankCosts| {
+        json!({
+            "cpu_seconds": report::number(c.cpu),
+            "waited_seconds": report::number(c.traffic.waited),
+            "blocks": c.traffic.blocks,
+            "exchanges": c.traffic.exchanges,
+            "given_bytes": c.traffic.given,
+            "gathered_bytes": c.traffic.gathered,
+        })
+    };
+    costs.iter().map(value).collect()
 }

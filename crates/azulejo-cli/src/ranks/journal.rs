@@ -1,11 +1,11 @@
 //! The journal of a rank: blocks are handed out by rank 0, which may keep them in a file.
 
-use super::link::Link;
+use super::link::{Link, Traffic};
 use crate::failure::Failure;
 use crate::file_journal::FileJournal;
 use crate::interrupt::BlockEnd;
 use crate::session::Session;
-use azulejo_trace::journal::{Blocks, Division, exchanged};
+use azulejo_trace::journal::{Blocks, Division, Record, RecordReader, exchanged};
 use azulejo_trace::{Cancelled, Journal, JournalStage};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -18,6 +18,15 @@ pub enum Sharing {
     Root,
     /// All ranks, which go on with them.
     All,
+}
+
+/// What a work took one rank.
+#[derive(Clone, Copy, Debug)]
+pub struct RankCosts {
+    /// Seconds of processors.
+    pub cpu: f64,
+    /// What it exchanged.
+    pub traffic: Traffic,
 }
 
 /// The journal of a rank.
@@ -98,7 +107,39 @@ impl RankJournal {
                 file.path().display()
             ));
         }
+        if outcome.is_ok() {
+            session.set_rank_costs(self.costs(session.cpu_seconds())?);
+        }
         outcome
+    }
+
+    /// What the work took each rank, once all have done it.
+    fn costs(&self, cpu: f64) -> Result<Vec<RankCosts>, Failure> {
+        let Traffic {
+            given,
+            gathered,
+            exchanges,
+            blocks,
+            waited,
+        } = self.link.traffic();
+        let mut bytes = Vec::new();
+        [given, gathered, exchanges, blocks].write(&mut bytes);
+        [cpu, waited].write(&mut bytes);
+        let all = self.link.all_gather(bytes)?;
+        let costs = all.iter().filter_map(|bytes| {
+            let mut reader = RecordReader::new(bytes);
+            let [given, gathered, exchanges, blocks] = Record::read(&mut reader)?;
+            let [cpu, waited] = Record::read(&mut reader)?;
+            let traffic = Traffic {
+                given,
+                gathered,
+                exchanges,
+                blocks,
+                waited,
+            };
+            Some(RankCosts { cpu, traffic })
+        });
+        Ok(costs.collect())
     }
 
     /// The work is written: its blocks are of no more use.

@@ -7,6 +7,7 @@ use azulejo_trace::{Cancelled, JournalStage};
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// What the work asks for.
 pub enum Request {
@@ -56,6 +57,22 @@ pub struct Link(Arc<Mutex<LinkEnds>>);
 struct LinkEnds {
     requests: Sender<Request>,
     replies: Receiver<Reply>,
+    traffic: Traffic,
+}
+
+/// What a rank exchanges with others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Bytes that it gave: finished blocks, and its part of what all exchanged.
+    pub given: u64,
+    /// Bytes that all ranks together gave in exchanges between all, which each of them received.
+    pub gathered: u64,
+    /// Exchanges between all.
+    pub exchanges: u64,
+    /// Blocks that it computed.
+    pub blocks: u64,
+    /// Seconds in which its work waited.
+    pub waited: f64,
 }
 
 /// The end of the thread that talks to other ranks.
@@ -70,6 +87,7 @@ pub fn connected() -> (Link, WorkEnd) {
     let link = Link(Arc::new(Mutex::new(LinkEnds {
         requests,
         replies: found,
+        traffic: Traffic::default(),
     })));
     let end = WorkEnd {
         requests: asked,
@@ -140,24 +158,52 @@ impl Link {
         self.say(Request::Ended(failure));
     }
 
+    /// What it has exchanged so far.
+    pub fn traffic(&self) -> Traffic {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .traffic
+    }
+
     /// Asks and waits. If there is nobody to ask, the work ends.
     fn ask(&self, request: Request) -> Result<Reply, Cancelled> {
-        let ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = Instant::now();
+        ends.traffic.given += request.size();
         ends.requests.send(request).map_err(|_| Cancelled)?;
-        match ends.replies.recv() {
-            Ok(Reply::Stop) | Err(_) => Err(Cancelled),
-            Ok(reply) => Ok(reply),
+        let reply = ends.replies.recv();
+        let traffic = &mut ends.traffic;
+        traffic.waited += start.elapsed().as_secs_f64();
+        match reply {
+            Ok(Reply::Stop) | Err(_) => return Err(Cancelled),
+            Ok(Reply::Block(Some(_))) => traffic.blocks += 1,
+            Ok(Reply::Gathered(ref all)) => {
+                traffic.exchanges += 1;
+                traffic.gathered += all.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
+            }
+            Ok(_) => {}
         }
+        reply.map_err(|_| Cancelled)
     }
 
     fn say(&self, request: Request) {
-        let ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        ends.traffic.given += request.size();
         // If there is nobody to tell, the work ends at its next question.
         let _ = ends.requests.send(request);
     }
 }
 
 impl Request {
+    /// Bytes that it gives to others.
+    fn size(&self) -> u64 {
+        match self {
+            Request::Deliver { bytes, .. } | Request::AllGather(bytes) => bytes.len() as u64,
+            _ => 0,
+        }
+    }
+
     /// As a message to rank 0; `None` for what ranks do together or by themselves.
     pub fn message(&self) -> Option<ToRoot> {
         match self {

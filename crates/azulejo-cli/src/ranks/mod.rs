@@ -29,7 +29,7 @@ use crate::content_key::shown;
 use crate::failure::Failure;
 use crate::file_journal::FileJournal;
 use crate::shards::WorkKey;
-pub use journal::{RankJournal, Sharing};
+pub use journal::{RankCosts, RankJournal, Sharing};
 pub use launcher::{files_of, is_helper};
 use link::Link;
 pub use messenger::Control;

@@ -1,0 +1,236 @@
+//! How work scales that MPI's processes share: strong and weak scaling by the ranks of one machine, what
+//! they exchange beside what a model says, and what the model predicts for a cluster.
+//!
+//! `cargo bench -p azulejo-cli --features mpi --bench ranks`. Ranks have one thread each, and may be more
+//! than there are processors: CPU seconds count, not time. Needs `mpiexec`; without, it says so.
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Ranks of the measurements.
+const RANKS: [usize; 4] = [1, 2, 4, 8];
+
+/// Ranks of the predictions.
+const PREDICTED: [f64; 5] = [8.0, 64.0, 256.0, 1_000.0, 10_000.0];
+
+/// A network as of clusters: seconds of one message, bytes per second.
+const NETWORK: [f64; 2] = [2e-6, 10e9];
+
+/// Seconds after which a waiting rank looks for messages again, on average: see `PAUSE` of the
+/// messenger.
+const PAUSE: f64 = 1e-3;
+
+/// Seconds in which rank 0 hands out a block.
+const HANDOUT: f64 = 10e-6;
+
+/// A work, whose size grows with the square root of `{patches}`.
+struct Work {
+    name: &'static str,
+    line: &'static str,
+    /// Number of patches of strong scaling, and of one rank of weak scaling.
+    patches: [f64; 2],
+    /// With which power of the patches its CPU time grows.
+    growth: f64,
+}
+
+const WORKS: [Work; 4] = [
+    Work {
+        name: "form-factors, rays",
+        line: "form-factors SCENE --patches {patches} --rays 16384 -o OUT.npz",
+        patches: [2_000.0, 500.0],
+        growth: 1.0,
+    },
+    Work {
+        name: "form-factors, formulas",
+        line: "form-factors SCENE --patches {patches} --engine analytic -o OUT.npz",
+        patches: [2_000.0, 700.0],
+        growth: 2.0,
+    },
+    Work {
+        name: "solve, 1%",
+        line: "solve SCENE --patches {patches} --error 0.01 -o OUT.grf",
+        patches: [4_000.0, 1_000.0],
+        growth: 1.0,
+    },
+    Work {
+        name: "bake, 2%",
+        line: "bake SCENE --patches 1000 --texels {patches} --error 0.02 -o OUT.glb",
+        patches: [60_000.0, 10_000.0],
+        growth: 1.0,
+    },
+];
+
+fn main() {
+    if cfg!(not(feature = "mpi")) {
+        println!("built without MPI: cargo bench -p azulejo-cli --features mpi --bench ranks");
+        return;
+    }
+    let folder = std::env::temp_dir().join(format!("azulejo-ranks-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a temporary folder");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shapes.grf");
+    for work in &WORKS {
+        println!("{}", work.name);
+        println!("  strong scaling");
+        println!(
+            "  ranks  CPU s  most of one  waited  blocks  exchanges  given MB  gathered MB  efficiency"
+        );
+        let mut strong = Vec::new();
+        for ranks in RANKS {
+            let Some(run) = Run::of(work, work.patches[0], ranks, (&scene, &folder)) else {
+                return;
+            };
+            run.print(strong.first().unwrap_or(&run));
+            strong.push(run);
+        }
+        predict(&strong, work);
+        println!("  weak scaling");
+        let mut first: Option<Run> = None;
+        for ranks in RANKS {
+            let patches = work.patches[1] * (ranks as f64).powf(1.0 / work.growth);
+            let Some(run) = Run::of(work, patches, ranks, (&scene, &folder)) else {
+                return;
+            };
+            let each = run.cpu() / ranks as f64;
+            let one = first.as_ref().map_or(each, Run::cpu);
+            println!(
+                "  {ranks:>5} {:>6.2} in all, {each:.2} each: {:.0}%",
+                run.cpu(),
+                100.0 * one / each
+            );
+            first.get_or_insert(run);
+        }
+    }
+    let _ = fs::remove_dir_all(folder);
+}
+
+/// What a work took each of its ranks.
+struct Run {
+    ranks: Vec<RankCosts>,
+}
+
+#[derive(Clone, Copy)]
+struct RankCosts {
+    cpu: f64,
+    waited: f64,
+    blocks: f64,
+    exchanges: f64,
+    given: f64,
+    gathered: f64,
+}
+
+impl Run {
+    fn of(
+        work: &Work,
+        patches: f64,
+        ranks: usize,
+        (scene, folder): (&PathBuf, &Path),
+    ) -> Option<Run> {
+        let line = work.line.replace("{patches}", &patches.round().to_string());
+        let line = line.replace("OUT", &folder.join("out").to_string_lossy());
+        let mut command = azulejo_testing::mpiexec(ranks)?;
+        command.arg(env!("CARGO_BIN_EXE_azulejo"));
+        for word in line.split(' ') {
+            command.arg(if word == "SCENE" {
+                scene.as_os_str()
+            } else {
+                word.as_ref()
+            });
+        }
+        let output = command.args(["--threads", "1", "--json"]).output().ok()?;
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        let number = |v: &Value, key: &str| v[key].as_f64().unwrap_or(f64::NAN);
+        // One process has no ranks.
+        let alone = [serde_json::json!({ "cpu_seconds": said["cpu_seconds"] })];
+        let costs = said["rank_costs"]
+            .as_array()
+            .map_or(&alone[..], Vec::as_slice);
+        assert_eq!(
+            costs.len(),
+            ranks,
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let of = |v: &Value| RankCosts {
+            cpu: number(v, "cpu_seconds"),
+            waited: number(v, "waited_seconds"),
+            blocks: number(v, "blocks"),
+            exchanges: number(v, "exchanges"),
+            given: number(v, "given_bytes"),
+            gathered: number(v, "gathered_bytes"),
+        };
+        Some(Run {
+            ranks: costs.iter().map(of).collect(),
+        })
+    }
+
+    fn sum(&self, of: impl Fn(&RankCosts) -> f64) -> f64 {
+        self.ranks.iter().map(of).sum()
+    }
+
+    fn cpu(&self) -> f64 {
+        self.sum(|r| r.cpu)
+    }
+
+    fn print(&self, first: &Run) {
+        let most = self.ranks.iter().map(|r| r.cpu).fold(0.0, f64::max);
+        let count = self.ranks.len() as f64;
+        println!(
+            "  {:>5} {:>6.2} {most:>12.2} {:>7.2} {:>7.0} {:>10.0} {:>9.2} {:>12.2} {:>10.0}%",
+            self.ranks.len(),
+            self.cpu(),
+            self.sum(|r| r.waited),
+            self.sum(|r| r.blocks),
+            self.ranks[0].exchanges,
+            self.sum(|r| r.given) * 1e-6,
+            self.ranks[0].gathered * 1e-6,
+            // Were there a processor for each: the slowest rank ends the work.
+            100.0 * first.cpu() / (count * most)
+        );
+    }
+}
+
+/// How many times as large the larger of the predicted works is.
+const LARGER: f64 = 100.0;
+
+/// The model: T(n) = s + p/n + c(n). What every rank does by itself, s, follows from how the CPU time of
+/// all grows with their number; p is the rest of that of one. Communication c(n) is the exchanges, each
+/// of which waits for the last and then passes through log₂ n ranks, the bytes that each rank receives,
+/// and rank 0 handing out blocks where that takes longer than computing them. In a work that is
+/// [`LARGER`], s and what is exchanged grow in proportion to the patches or points, and p as the work does;
+/// there are as many rounds.
+fn predict(strong: &[Run], work: &Work) {
+    let one = strong[0].cpu();
+    let (last, n) = (&strong[strong.len() - 1], RANKS[RANKS.len() - 1] as f64);
+    let own = ((last.cpu() - one) / (n - 1.0)).max(0.0);
+    let divided = (one - own).max(0.0);
+    let rank = &last.ranks[0];
+    let blocks = last.sum(|r| r.blocks);
+    println!(
+        "  each rank by itself {own:.3} s of {one:.2} s ({:.2}%), {} exchanges, {:.1} MB to each rank",
+        100.0 * own / one,
+        rank.exchanges,
+        rank.gathered * 1e-6
+    );
+    let time = |n: f64, size: f64| {
+        let [latency, bandwidth] = NETWORK;
+        let divided = divided * size.powf(work.growth);
+        let talk = rank.exchanges * (PAUSE + latency * n.log2()) + size * rank.gathered / bandwidth;
+        let handing = (size * blocks * HANDOUT - divided / n).max(0.0);
+        own * size + divided / n + talk + handing
+    };
+    for n in PREDICTED {
+        let efficiency = |size: f64| {
+            let alone = own * size + divided * size.powf(work.growth);
+            100.0 * alone / (n * time(n, size))
+        };
+        println!(
+            "  predicted for {n:>6} ranks: {:>8.4} s, efficiency {:>3.0}%; of a work {LARGER} times as large {:>3.0}%",
+            time(n, 1.0),
+            efficiency(1.0),
+            efficiency(LARGER)
+        );
+    }
+}
