@@ -162,6 +162,11 @@ pub struct MatrixArgs {
     /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
+    /// Write the matrix as blocks between clusters of patches, in an .npz of about one thousandth of its
+    /// size at 100,000 patches: TOL, such as 1e-3, is the error of a product with it, relative to the
+    /// largest that there could be. By rays, and where it would not fit, the whole matrix never exists
+    #[arg(long, value_name = "TOL", value_parser = values::compression)]
+    pub compress: Option<f64>,
     /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors
     /// or glass
     #[arg(long)]
@@ -263,6 +268,7 @@ Examples:
   azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0
   azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
   azulejo form-factors city.obj -o part-3 --shard 3/64
+  azulejo form-factors city.obj -o f.npz --patches 100000 --rays 1024 --compress 1e-3
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
 The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at

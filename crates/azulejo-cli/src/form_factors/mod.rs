@@ -1,6 +1,7 @@
 //! `form-factors`: the matrix between patches, or between groups of them.
 
 pub mod args;
+pub mod compress;
 mod destination;
 mod facing;
 mod grouping;
@@ -43,6 +44,9 @@ struct Computed {
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
+    if let Some(tolerance) = args.matrix.compress {
+        return compress::run(args, tolerance, session);
+    }
     match args.shard {
         Some(shard) => part(args, shard, session),
         None => whole(args, None, session),
@@ -55,6 +59,11 @@ pub fn run_merged(
     parts: &MergedParts,
     session: &mut Session,
 ) -> Result<Report, Failure> {
+    if args.matrix.compress.is_some() {
+        return Err(Failure::misuse(
+            "--compress: parts make a whole matrix; compress it by form-factors of the model, in one piece",
+        ));
+    }
     whole(args, Some(parts), session)
 }
 
@@ -278,7 +287,7 @@ pub fn enclosure(
         .for_each(|message| session.note(&message));
     let mut enclosure = Enclosure::new(&prepared, scene, factors?);
     if !options.two_sided && how.room.is_none() {
-        facing::advise(scene, tracer, &enclosure.factors, session)?;
+        facing::advise(scene, tracer, &enclosure, session)?;
     }
     engine.describe(&enclosure.factors.engine_used, report);
     let used = &enclosure.factors.engine_used.name;

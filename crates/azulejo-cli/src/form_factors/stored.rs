@@ -9,7 +9,7 @@ use crate::pass;
 use crate::report::percent;
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
-use azulejo_exchange::archive::{self, ReadEnclosure};
+use azulejo_exchange::archive::{self, StoredFactors};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -40,16 +40,24 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     if let Some((option, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
         return Err(computed_already(option));
     }
-    read_archive(path, args.computation.memory, session).map(Some)
+    let enclosure = read_archive(path, args.computation.memory, session)?;
+    if enclosure.elsewhere.is_some() && args.matrix.by.is_none() && args.matrix.cluster.is_none() {
+        return Err(Failure::failed(format_args!(
+            "{}: the matrix is compressed into blocks, which have no single entries: expected --by or --cluster, \
+             whose groups have a whole matrix; exchange and info read it as it is",
+            path.display()
+        )));
+    }
+    Ok(Some(enclosure))
 }
 
-/// Reads the factors of an archive, and says what is odd about them.
+/// Reads the factors of an archive, whole or in blocks, and says what is odd about them.
 pub fn read_archive(
     path: &Path,
     memory: Option<u64>,
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
-    Ok(read_whole(path, memory, session)?.enclosure)
+    Ok(read_whole(path, memory, session)?.into_enclosure())
 }
 
 /// Reads an archive with what is known of its arrays, and says what is odd about it.
@@ -57,15 +65,17 @@ pub fn read_whole(
     path: &Path,
     memory: Option<u64>,
     session: &mut Session,
-) -> Result<ReadEnclosure, Failure> {
+) -> Result<StoredFactors, Failure> {
     let failed =
         |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
     session.progress().begin("reading", 0);
     let file = File::open(path).map_err(|e| failed(&e))?;
     let budget = memory.or_else(azulejo::machine::memory);
-    let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));
+    let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
     let read = read.map_err(|e| failed(&e))?;
-    if read.asymmetry > NOT_RECIPROCAL {
+    if let StoredFactors::Whole(read) = &read
+        && read.asymmetry > NOT_RECIPROCAL
+    {
         session.note(&format!(
             "{}: A_i X_ij and A_j X_ji differ by up to {} of the smaller area; their mean is taken",
             path.display(),
@@ -133,15 +143,13 @@ pub fn rework(
     args: &FormFactorArgs,
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
-    let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
-    let is_to_close = match args.computation.closure {
-        None | Some(ClosureName::Never) => false,
-        Some(ClosureName::Closed) => enclosure.factors.is_closed && !has_mirrors,
-        Some(ClosureName::Always) => true,
-    };
-    if is_to_close {
-        session.with_progress(|p| enclosure.factors.close(p))?;
+    if enclosure.elsewhere.is_some() {
+        // Groups have single entries, which closure changes.
+        enclosure = grouping::grouped(enclosure, args, session)?;
+        close(&mut enclosure, args, session)?;
+        return Ok(enclosure);
     }
+    close(&mut enclosure, args, session)?;
     let options = [
         ("--by", args.matrix.by.is_some()),
         ("--cluster", args.matrix.cluster.is_some()),
@@ -154,4 +162,21 @@ pub fn rework(
         )));
     }
     grouping::grouped(enclosure, args, session)
+}
+
+fn close(
+    enclosure: &mut Enclosure,
+    args: &FormFactorArgs,
+    session: &mut Session,
+) -> Result<(), Failure> {
+    let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
+    let is_to_close = match args.computation.closure {
+        None | Some(ClosureName::Never) => false,
+        Some(ClosureName::Closed) => enclosure.factors.is_closed && !has_mirrors,
+        Some(ClosureName::Always) => true,
+    };
+    if is_to_close {
+        session.with_progress(|p| enclosure.factors.close(p))?;
+    }
+    Ok(())
 }

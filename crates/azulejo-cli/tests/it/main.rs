@@ -4,6 +4,7 @@ mod bad_input;
 mod bake;
 mod brdf;
 mod commands;
+mod compressed;
 mod engines;
 mod exact;
 mod exchange;

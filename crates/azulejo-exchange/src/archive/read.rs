@@ -1,6 +1,6 @@
 //! Reading archives.
 
-use super::{ORDERS, VERSION};
+use super::{BLOCKS, ORDERS, VERSION};
 use crate::enclosure::{CellMesh, Enclosure, OutsideLight, RowTable, unique};
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
@@ -13,7 +13,7 @@ use std::io::{Read, Seek};
 
 /// What is wrong with an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ArchiveError(String);
+pub struct ArchiveError(pub(super) String);
 
 impl fmt::Display for ArchiveError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -50,44 +50,42 @@ pub struct ReadEnclosure {
 /// # Errors
 /// The array, what was found and what was expected.
 pub fn read<R: Read + Seek>(file: R, budget: u64) -> Result<ReadEnclosure, ArchiveError> {
-    let mut archive = Arrays {
-        npz: NpzReader::new(file, budget)?,
-        rows: 0,
-    };
-    let version = archive.whole("version")?;
-    if version.is_some_and(|v| v > VERSION as f64) {
-        return Err(ArchiveError(format!(
-            "version: the layout is of a newer azulejo ({}), expected at most {VERSION}",
-            version.unwrap_or_default()
-        )));
-    }
-    let arrays = archive.npz.names();
-    let entries = archive.entries()?;
-    let areas = archive.areas()?;
-    let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
-    let mut orders = Vec::new();
-    if ORDERS
-        .iter()
-        .all(|[values, _]| arrays.iter().any(|name| name == values))
-    {
-        for [values, errors] in ORDERS {
-            orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
+    Arrays::open(file, budget)?.enclosure()
+}
+
+/// The enclosure of an open archive.
+impl<R: Read + Seek> Arrays<R> {
+    pub(super) fn enclosure(mut self) -> Result<ReadEnclosure, ArchiveError> {
+        let archive = &mut self;
+        let arrays = archive.npz.names();
+        let entries = archive.entries()?;
+        let areas = archive.areas()?;
+        let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
+        let mut orders = Vec::new();
+        if ORDERS
+            .iter()
+            .all(|[values, _]| arrays.iter().any(|name| name == values))
+        {
+            for [values, errors] in ORDERS {
+                orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
+            }
+            // The sum of the orders must be the whole to the last bit.
+            whole.exchange = ExchangeAreas::sum_of(&orders);
         }
-        // The sum of the orders must be the whole to the last bit.
-        whole.exchange = ExchangeAreas::sum_of(&orders);
+        let factors = archive.factors(areas, whole.exchange, orders)?;
+        let rows = archive.row_table(&factors)?;
+        Ok(ReadEnclosure {
+            enclosure: Enclosure {
+                factors,
+                rows,
+                outside: archive.outside()?,
+                elsewhere: None,
+            },
+            arrays,
+            is_single: whole.is_single,
+            asymmetry: whole.asymmetry,
+        })
     }
-    let factors = archive.factors(areas, whole.exchange, orders)?;
-    let rows = archive.row_table(&factors)?;
-    Ok(ReadEnclosure {
-        enclosure: Enclosure {
-            factors,
-            rows,
-            outside: archive.outside()?,
-        },
-        arrays,
-        is_single: whole.is_single,
-        asymmetry: whole.asymmetry,
-    })
 }
 
 /// Where entries are.
@@ -104,13 +102,49 @@ struct ReadMatrix {
 }
 
 /// The arrays of an archive.
-struct Arrays<R> {
-    npz: NpzReader<R>,
-    rows: usize,
+pub(super) struct Arrays<R> {
+    pub npz: NpzReader<R>,
+    pub rows: usize,
 }
 
 impl<R: Read + Seek> Arrays<R> {
-    fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
+    /// Opens an archive of a layout that is known.
+    pub fn open(file: R, budget: u64) -> Result<Arrays<R>, ArchiveError> {
+        let mut archive = Arrays {
+            npz: NpzReader::new(file, budget)?,
+            rows: 0,
+        };
+        let version = archive.whole("version")?;
+        if version.is_some_and(|v| v > VERSION as f64) {
+            return Err(ArchiveError(format!(
+                "version: the layout is of a newer azulejo ({}), expected at most {VERSION}",
+                version.unwrap_or_default()
+            )));
+        }
+        Ok(archive)
+    }
+
+    /// The layout of the matrix: `csr`, or `blocks` between clusters.
+    pub fn format(&mut self) -> Result<String, ArchiveError> {
+        Ok(self.texts("format")?.unwrap_or_default().concat())
+    }
+
+    /// Notes the number of rows.
+    pub fn read_shape(&mut self) -> Result<(), ArchiveError> {
+        let shape = self.required("shape")?;
+        let (rows, columns) = match shape.len() {
+            2 => (shape.integer(0), shape.integer(1)),
+            _ => (-1, -1),
+        };
+        if rows != columns || !(0..=i64::from(u32::MAX / 2)).contains(&rows) {
+            let message = format!("shape: {rows} × {columns}, expected a square matrix");
+            return Err(ArchiveError(message));
+        }
+        self.rows = rows as usize;
+        Ok(())
+    }
+
+    pub fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
         let found = self.npz.array(name)?;
         found.ok_or_else(|| {
             let has = self.npz.names().join(", ");
@@ -119,13 +153,13 @@ impl<R: Read + Seek> Arrays<R> {
     }
 
     /// A number of the whole archive.
-    fn whole(&mut self, name: &str) -> Result<Option<f64>, ArchiveError> {
+    pub fn whole(&mut self, name: &str) -> Result<Option<f64>, ArchiveError> {
         let array = self.npz.array(name)?;
         Ok(array.filter(|a| a.len() == 1).map(|a| a.number(0)))
     }
 
     /// A list of numbers, `each` for every row; `None` if there is no such array.
-    fn list(&mut self, name: &str, each: usize) -> Result<Option<Vec<f64>>, ArchiveError> {
+    pub fn list(&mut self, name: &str, each: usize) -> Result<Option<Vec<f64>>, ArchiveError> {
         let Some(array) = self.npz.array(name)? else {
             return Ok(None);
         };
@@ -150,7 +184,7 @@ impl<R: Read + Seek> Arrays<R> {
         Ok(self.list(name, 1)?.unwrap_or_else(|| vec![0.0; self.rows]))
     }
 
-    fn texts(&mut self, name: &str) -> Result<Option<Vec<String>>, ArchiveError> {
+    pub fn texts(&mut self, name: &str) -> Result<Option<Vec<String>>, ArchiveError> {
         let Some(array) = self.npz.array(name)? else {
             return Ok(None);
         };
@@ -162,22 +196,18 @@ impl<R: Read + Seek> Arrays<R> {
 
     /// The places of entries, checked.
     fn entries(&mut self) -> Result<Entries, ArchiveError> {
-        let format = self.texts("format")?.unwrap_or_default().concat();
+        let format = self.format()?;
+        if format == BLOCKS {
+            let message = "format: the matrix is compressed into blocks between clusters, of which there are no \
+                           single entries: exchange, info, and form-factors --by read it";
+            return Err(ArchiveError(message.to_owned()));
+        }
         if format != "csr" {
             return Err(ArchiveError(format!(
                 "format: \"{format}\", expected \"csr\" (scipy.sparse.save_npz of a csr_array)"
             )));
         }
-        let shape = self.required("shape")?;
-        let (rows, columns) = match shape.len() {
-            2 => (shape.integer(0), shape.integer(1)),
-            _ => (-1, -1),
-        };
-        if rows != columns || !(0..=i64::from(u32::MAX / 2)).contains(&rows) {
-            let message = format!("shape: {rows} × {columns}, expected a square matrix");
-            return Err(ArchiveError(message));
-        }
-        self.rows = rows as usize;
+        self.read_shape()?;
         let starts = self.required("indptr")?.integers().unwrap_or_default();
         let indices = self.required("indices")?;
         let ascends = starts.is_sorted() && starts.first() == Some(&0);
@@ -197,7 +227,7 @@ impl<R: Read + Seek> Arrays<R> {
         })
     }
 
-    fn areas(&mut self) -> Result<Vec<f64>, ArchiveError> {
+    pub fn areas(&mut self) -> Result<Vec<f64>, ArchiveError> {
         let Some(areas) = self.list("areas", 1)? else {
             let message = "there is no array \"areas\", the area of each row, without which factors are not \
                            reciprocal";
@@ -242,7 +272,7 @@ impl<R: Read + Seek> Arrays<R> {
         })
     }
 
-    fn factors(
+    pub fn factors(
         &mut self,
         areas: Vec<f64>,
         exchange: ExchangeAreas,
@@ -324,7 +354,7 @@ impl<R: Read + Seek> Arrays<R> {
             .collect())
     }
 
-    fn outside(&mut self) -> Result<Option<Vec<OutsideLight>>, ArchiveError> {
+    pub fn outside(&mut self) -> Result<Option<Vec<OutsideLight>>, ArchiveError> {
         let light = self.list("irradiance", 3)?;
         let errors = self.list("irradiance_error", 3)?;
         Ok(light.map(|light| {
@@ -338,7 +368,7 @@ impl<R: Read + Seek> Arrays<R> {
         }))
     }
 
-    fn row_table(&mut self, factors: &FormFactors) -> Result<RowTable, ArchiveError> {
+    pub fn row_table(&mut self, factors: &FormFactors) -> Result<RowTable, ArchiveError> {
         let n = self.rows;
         let numbered = || (0..n).map(|i| i.to_string()).collect();
         let names = self.texts("names")?.unwrap_or_else(numbered);

@@ -37,7 +37,17 @@ pub fn write(
 ) -> io::Result<()> {
     let mut archive = NpzWriter::new(out);
     write_matrix(&enclosure.factors, precision, &mut archive)?;
-    write_shares(&enclosure.factors, &mut archive)?;
+    write_around(enclosure, &mut archive)?;
+    archive.finish()?;
+    Ok(())
+}
+
+/// All but the matrix and its errors.
+pub(super) fn write_around<W: Write>(
+    enclosure: &Enclosure,
+    archive: &mut NpzWriter<W>,
+) -> io::Result<()> {
+    write_shares(&enclosure.factors, archive)?;
     if let Some(rows) = &enclosure.outside {
         archive.add("irradiance", |w| {
             colours(rows.iter().map(|r| r.irradiance), w)
@@ -46,11 +56,9 @@ pub fn write(
             colours(rows.iter().map(|r| r.error), w)
         })?;
     }
-    write_rows(enclosure, &mut archive)?;
-    write_cells(&enclosure.rows.cells, enclosure.len(), &mut archive)?;
-    write_whole(enclosure, &mut archive)?;
-    archive.finish()?;
-    Ok(())
+    write_rows(enclosure, archive)?;
+    write_cells(&enclosure.rows.cells, enclosure.len(), archive)?;
+    write_whole(enclosure, archive)
 }
 
 /// What SciPy reads, and the errors of entries.
@@ -106,8 +114,11 @@ fn short(error: f32) -> f32 {
 /// Shares of rows, and their errors.
 fn write_shares<W: Write>(factors: &FormFactors, archive: &mut NpzWriter<W>) -> io::Result<()> {
     archive.add("areas", |w| list(&factors.areas, |&x| x, w))?;
-    archive.add("row_error", |w| list(&factors.row_errors, |&x| x, w))?;
-    archive.add("unseen", |w| list(&factors.unseen, |&x| x, w))?;
+    // Of rows that were not kept nobody knows these.
+    if factors.row_errors.len() == factors.len() {
+        archive.add("row_error", |w| list(&factors.row_errors, |&x| x, w))?;
+        archive.add("unseen", |w| list(&factors.unseen, |&x| x, w))?;
+    }
     let mut add = |name, share: fn(&RowRemainder) -> f64| {
         archive.add(name, |w| list(&factors.rest, share, w))
     };
@@ -264,7 +275,7 @@ impl MatrixRows<'_> {
 }
 
 /// Writes a one-dimensional array, converting entry by entry to avoid a copy.
-fn list<T, E: Element>(
+pub(super) fn list<T, E: Element>(
     values: &[T],
     convert: impl Fn(&T) -> E,
     out: &mut dyn Write,

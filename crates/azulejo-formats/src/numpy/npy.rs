@@ -392,6 +392,7 @@ element!(f32, "<f4");
 element!(f64, "<f8");
 element!(i32, "<i4");
 element!(i64, "<i8");
+element!(u16, "<u2");
 element!(u32, "<u4");
 
 /// Writes an array in C order; the length of `values` is the product of `shape`.
