@@ -1,7 +1,7 @@
 //! Temperatures and heat fluxes.
 
 use super::reflections::Reflections;
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton};
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton, readable};
 use crate::bands::SpectralRange;
 use crate::enclosure::Groups;
 use azulejo_factors::FormFactors;
@@ -125,9 +125,15 @@ pub fn heat_balance(
         ..HeatBalance::default()
     };
     balance.add_rows(problem, &thermal, &bands);
+    for band in &thermal {
+        readable(band.enclosure.operator())?;
+    }
     balance.check(problem)?;
     balance.add_nodes(problem, nodes);
     balance.add_errors(problem, nodes, &thermal, &bands, progress)?;
+    for band in &thermal {
+        readable(band.enclosure.operator())?;
+    }
     Ok(balance)
 }
 
@@ -163,6 +169,7 @@ impl<'a> HeatProblem<'a> {
     fn check(&self) -> Result<(), ExchangeError> {
         let factors = self.factors();
         let groups = self.bands[0].enclosure.operator().connected();
+        readable(self.bands[0].enclosure.operator())?;
         let mut anchored = vec![false; factors.len()];
         let mut members = vec![0; factors.len()];
         for i in 0..factors.len() {
@@ -452,7 +459,11 @@ impl Adjoint<'_> {
             .problem
             .surroundings
             .map(|t| self.band.range.emission(t));
-        let error = |r: &Vec<f64>| {
+        let radiosity = &self.solved.radiosity[..];
+        let vectors: Vec<(&[f64], &[f64])> =
+            solutions.iter().map(|r| (&r[..], radiosity)).collect();
+        let variances = matrix.variances_between(&vectors);
+        let error = |(r, pairs): (&Vec<f64>, f64)| {
             let openings: f64 = (0..factors.len())
                 .map(|i| {
                     let rest = &factors.rest[i];
@@ -462,10 +473,9 @@ impl Adjoint<'_> {
                 })
                 .filter(|v| v.is_finite())
                 .sum();
-            let pairs = matrix.variance_between(r, &self.solved.radiosity);
             (pairs + openings).sqrt()
         };
-        Ok(solutions.iter().map(error).collect())
+        Ok(solutions.iter().zip(variances).map(error).collect())
     }
 
     fn source(&self, node: usize, of_emission: bool) -> Vec<f64> {

@@ -15,7 +15,7 @@
 
 use super::heat::{HeatProblem, RowCondition, SolvedBand};
 use super::reflections::arriving;
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand};
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, readable};
 use azulejo_trace::Progress;
 use rayon::prelude::*;
 
@@ -53,6 +53,9 @@ pub(super) fn temperatures(
     let mut tolerance = STEP_TOLERANCE[1];
     for step in 0..STEPS {
         let rows = newton.rows(&radiosities);
+        for band in bands {
+            readable(band.enclosure.operator())?;
+        }
         let missing = difference(&rows.radiosities, &radiosities);
         let worst = largest(&missing) / largest(&radiosities).max(f64::MIN_POSITIVE);
         let is_stuck = worst <= ENOUGH && worst >= 0.5 * before;

@@ -9,7 +9,7 @@
 //! Small systems are factored once; large ones are solved by conjugate gradients with the diagonal as
 //! preconditioner, up to eight right sides at a time, because reading S is what takes the time.
 
-use super::ExchangeError;
+use super::{ExchangeError, readable};
 use crate::enclosure::Enclosure;
 use azulejo_factors::cholesky::Cholesky;
 use azulejo_factors::hierarchy::FactorOperator;
@@ -60,7 +60,9 @@ impl<'a> Reflections<'a> {
         };
         let n = enclosure.len();
         if n <= FEW {
-            let factored = Cholesky::new(reflections.dense(), n, progress)?;
+            let matrix = reflections.dense();
+            readable(reflections.factors)?;
+            let factored = Cholesky::new(matrix, n, progress)?;
             let factored = factored.map_err(|row| ExchangeError::Grows {
                 row: enclosure.rows.names[row].clone(),
             })?;
@@ -111,6 +113,7 @@ impl<'a> Reflections<'a> {
         progress: &Progress,
     ) -> Result<Vec<Vec<f64>>, ExchangeError> {
         let right: Lanes<L> = scaled(&self.exchanged(&lanes(few)), &self.root);
+        readable(self.factors)?;
         let y: Lanes<L> = match &self.factored {
             Some(system) => {
                 let solve = |lane: usize| system.solve(&column(&right, lane));
@@ -166,6 +169,7 @@ impl<'a> Reflections<'a> {
                 return Ok(y);
             }
             let image = self.times(&direction);
+            readable(self.factors)?;
             let curvature = dots(&direction, &image);
             let step: [f64; L] = std::array::from_fn(|lane| {
                 if is_done(lane, TOLERANCE) || curvature[lane] <= 0.0 {
