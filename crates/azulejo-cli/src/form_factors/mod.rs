@@ -21,7 +21,6 @@ use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
@@ -76,7 +75,7 @@ fn part(args: &FormFactorArgs, shard: Shard, session: &mut Session) -> Result<Re
         .any(|path| stored::is_archive(path))
     {
         return Err(Failure::misuse(
-            "--shard: the factors of an .npz are computed, there is nothing to divide",
+            "--shard: the factors of an .npz or .zarr are computed, there is nothing to divide",
         ));
     }
     let planned = PartPlan::check(shard, &args.output)?;
@@ -109,7 +108,7 @@ fn whole(
     session: &mut Session,
 ) -> Result<Report, Failure> {
     let destination = Destination::new(args)?;
-    session.claim_stdout(destination.output.is_stdout())?;
+    session.claim_stdout(destination.is_stdout())?;
     let mut report = Report::default();
     let computed = match stored::read(args, session)? {
         Some(enclosure) => Computed {
@@ -117,7 +116,7 @@ fn whole(
             room: None,
             journal: None,
         },
-        None => computed(args, parts, &destination.output, session, &mut report)?,
+        None => computed(args, parts, destination.file(), session, &mut report)?,
     };
     let mut enclosure = computed.enclosure;
     if let Some(share) = args.matrix.truncate {
@@ -138,13 +137,13 @@ fn whole(
 fn computed(
     args: &FormFactorArgs,
     parts: Option<&MergedParts>,
-    output: &Output,
+    output: Option<&Path>,
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Computed, Failure> {
     let (room, scene) = read_scene(args, session)?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
-    let beside = output.file().filter(|_| !args.no_journal);
+    let beside = output.filter(|_| !args.no_journal);
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,

@@ -21,6 +21,7 @@ mod recipe;
 mod reference;
 mod rtrace;
 mod sides;
+mod stores;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;

@@ -1,7 +1,7 @@
 //! Archives of matrices in blocks between clusters.
 
 use super::BLOCKS;
-use super::read::{ArchiveError, Arrays, ReadEnclosure};
+use super::read::{ArchiveError, ArraySource, Arrays, ReadEnclosure};
 use super::write::{list, write_around};
 use crate::enclosure::Enclosure;
 use azulejo_factors::CompressedFactors;
@@ -10,7 +10,7 @@ use azulejo_factors::hierarchy::{
     Block, BlockKind, BlockPart, Estimated, StatedErrors, StatedFactors,
 };
 use azulejo_formats::numpy::npy;
-use azulejo_formats::numpy::npz::NpzWriter;
+use azulejo_formats::numpy::npz::{NpzReader, NpzWriter};
 use azulejo_scene::Scene;
 use std::io::{self, Read, Seek, Write};
 use std::ops::Range;
@@ -57,11 +57,11 @@ impl StoredFactors {
 /// # Errors
 /// The array, what was found and what was expected.
 pub fn open<R: Read + Seek>(file: R, budget: u64) -> Result<StoredFactors, ArchiveError> {
-    let mut archive = Arrays::open(file, budget)?;
+    let mut archive = Arrays::open(NpzReader::new(file, budget)?)?;
     if archive.format()? == BLOCKS {
         return read_blocks(archive).map(|read| StoredFactors::Blocks(Box::new(read)));
     }
-    let read = archive.enclosure()?;
+    let read = archive.whole_enclosure()?;
     Ok(StoredFactors::Whole(Box::new(read)))
 }
 
@@ -203,8 +203,8 @@ fn ranges(
     ends.try_for_each(|x| npy::Element::write(x, out))
 }
 
-fn read_blocks<R: Read + Seek>(mut archive: Arrays<R>) -> Result<BlockArchive, ArchiveError> {
-    let arrays = archive.npz.names();
+fn read_blocks(mut archive: Arrays<impl ArraySource>) -> Result<BlockArchive, ArchiveError> {
+    let arrays = archive.source.names();
     archive.read_shape()?;
     let n = archive.rows;
     let areas = archive.areas()?;
@@ -250,10 +250,10 @@ fn read_blocks<R: Read + Seek>(mut archive: Arrays<R>) -> Result<BlockArchive, A
     })
 }
 
-impl<R: Read + Seek> Arrays<R> {
+impl<S: ArraySource> Arrays<S> {
     /// Two numbers; zeros if there is no such array.
     fn two(&mut self, name: &str) -> Result<[f64; 2], ArchiveError> {
-        let array = self.npz.array(name)?.filter(|a| a.len() == 2);
+        let array = self.source.array(name)?.filter(|a| a.len() == 2);
         Ok(array.map_or([0.0; 2], |a| [a.number(0), a.number(1)]))
     }
 

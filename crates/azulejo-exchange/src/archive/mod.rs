@@ -38,10 +38,12 @@ mod write;
 
 pub use blocks::{BlockArchive, StoredFactors, open, write_blocks};
 pub use read::{ArchiveError, ReadEnclosure, read, reciprocal};
-pub use write::{ArchivePrecision, write};
+pub(crate) use read::{ArraySource, has_orders, read_areas, read_arrays, read_rows, read_starts};
+pub(crate) use write::write_arrays;
+pub use write::{ArchiveOptions, ArchivePrecision, write};
 
 /// Array names of the separate orders of reflection.
-const ORDERS: [[&str; 2]; 3] = [
+pub(crate) const ORDERS: [[&str; 2]; 3] = [
     ["direct", "direct_error"],
     ["one_mirror", "one_mirror_error"],
     ["more_mirrors", "more_mirrors_error"],
@@ -51,4 +53,4 @@ const ORDERS: [[&str; 2]; 3] = [
 const BLOCKS: &str = "blocks";
 
 /// The layout's number. Archives without one come from elsewhere.
-const VERSION: i64 = 1;
+pub(crate) const VERSION: i64 = 1;
