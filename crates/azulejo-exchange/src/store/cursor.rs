@@ -159,9 +159,9 @@ impl<'a> RowCursor<'a> {
         }
         let (area, columns) = (self.store.areas[i], self.columns());
         let first = columns.partition_point(|&j| (j as usize) < i);
-        for k in first..columns.len() {
+        for (k, &column) in columns.iter().enumerate().skip(first) {
             let mut sum = Exchange {
-                column: columns[k],
+                column,
                 ..Exchange::default()
             };
             let mut is_zero = true;
