@@ -1,4 +1,4 @@
-//! Form factors in stores of chunks: written, converted, read by zarr-python, and solved out of core.
+//! Form factors in stores of chunks: written, converted, refused where damaged, and solved out of core.
 
 use crate::support::Folder;
 use std::fs;
@@ -172,81 +172,5 @@ fn exchange_out_of_core_writes_the_same_bytes() {
             text(&folder, "inside.vtu").len(),
             text(&folder, "outside.vtu").len()
         );
-    }
-}
-
-/// The lines of docs/form-factors.md, where Python has zarr.
-#[test]
-fn zarr_python_reads_the_store() {
-    let Some(python) = azulejo_testing::python() else {
-        return;
-    };
-    let has_zarr = std::process::Command::new(&python)
-        .args(["-c", "import zarr, scipy; assert zarr.__version__ >= '3'"])
-        .output();
-    if !has_zarr.is_ok_and(|found| found.status.success()) {
-        eprintln!("zarr_python_reads_the_store: skipped, this Python has no zarr 3");
-        return;
-    }
-    let folder = room();
-    folder.ok("form-factors f.zarr -o f.npz");
-    let script = "import warnings, numpy, scipy.sparse as sp, zarr\n\
-        warnings.simplefilter('error')\n\
-        z = zarr.open_group('f.zarr', mode='r')\n\
-        X = sp.csr_array((z['data'][:], z['indices'][:], z['indptr'][:]), z['shape'][:])\n\
-        n = numpy.load('f.npz')\n\
-        assert set(z.array_keys()) == set(n.files), set(z.array_keys()) ^ set(n.files)\n\
-        assert abs(X - sp.load_npz('f.npz')).max() < 1e-15\n\
-        assert [str(t) for t in z['names'][:]] == n['names'].tolist()\n\
-        assert str(z['format'][()]) == 'csr' and z['version'][()] == n['version']\n\
-        for name in n.files:\n\
-        \x20   assert z[name].shape == n[name].shape, name\n\
-        \x20   if n[name].dtype.kind in 'if' and name not in ('data',):\n\
-        \x20       assert numpy.allclose(z[name][...], n[name], 1e-7, 1e-15), name\n";
-    let run = std::process::Command::new(&python)
-        .args(["-c", script])
-        .current_dir(folder.path(""))
-        .output()
-        .unwrap();
-    assert!(
-        run.status.success(),
-        "{}",
-        String::from_utf8_lossy(&run.stderr)
-    );
-    // Stores that zarr-python wrote, with its own compression; it leaves out chunks of zeros if nobody asks for
-    // them, and these are refused.
-    for (is_whole, expected) in [
-        ("True", ""),
-        ("False", "own.zarr: indices/c/1: this chunk is missing"),
-    ] {
-        let script = format!(
-            "import numpy as np, zarr\n\
-            zarr.config.set({{'array.write_empty_chunks': {is_whole}}})\n\
-            z = zarr.open_group('own.zarr', mode='w', zarr_format=3)\n\
-            def put(name, a, **more):\n\
-            \x20   a = np.asarray(a)\n\
-            \x20   z.create_array(name, shape=a.shape, dtype=a.dtype, **more)[...] = a\n\
-            z.create_array('format', shape=(), dtype=str)[...] = 'csr'\n\
-            put('shape', np.array([2, 2])); put('indptr', np.array([0, 1, 2]))\n\
-            put('indices', np.array([1, 0], 'i4'), chunks=(1,))\n\
-            put('data', np.array([0.25, 0.5]), chunks=(1,))\n\
-            put('areas', np.array([2.0, 1.0]))\n"
-        );
-        let run = std::process::Command::new(&python)
-            .args(["-c", &script])
-            .current_dir(folder.path(""))
-            .output()
-            .unwrap();
-        assert!(
-            run.status.success(),
-            "{}",
-            String::from_utf8_lossy(&run.stderr)
-        );
-        if expected.is_empty() {
-            folder.ok("form-factors own.zarr -o own.csv");
-            assert!(text(&folder, "own.csv").contains("0.25"));
-        } else {
-            folder.fails("form-factors own.zarr -o own.csv", 1, expected);
-        }
     }
 }
