@@ -1,11 +1,11 @@
-//! `info` of form factors in an `.npz`.
+//! `info` of form factors in an `.npz` or a `.zarr`.
 
 use super::args::InfoArgs;
 use super::failure::Failure;
-use super::form_factors::{stored, summary};
+use super::form_factors::{compress, stored, summary};
 use super::report::{Report, count, number, percent, short};
 use super::session::Session;
-use azulejo_exchange::archive::ReadEnclosure;
+use azulejo_exchange::archive::StoredFactors;
 use azulejo_exchange::{Enclosure, GroupBy};
 use serde_json::json;
 use std::path::Path;
@@ -23,33 +23,52 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Option<Report>, Fai
     }
     let read = stored::read_whole(path, None, session)?;
     let mut report = Report::default();
-    let enclosure = &read.enclosure;
-    archive(path, &read, &mut report);
-    summary::describe(enclosure, &mut report);
-    rows(enclosure, &mut report);
+    match &read {
+        StoredFactors::Whole(read) => {
+            let bits = if read.is_single { 32 } else { 64 };
+            let what = if stored::is_store(path) {
+                "form factors as a store of chunks (.zarr)"
+            } else {
+                "form factors as NumPy archive (.npz)"
+            };
+            archive(path, what, bits, &read.arrays, &mut report);
+            report.value("asymmetry", number(read.asymmetry));
+            engine(&read.enclosure, &mut report);
+            summary::describe(&read.enclosure, &mut report);
+        }
+        StoredFactors::Blocks(read) => {
+            let what = "form factors in blocks between clusters, as NumPy archive (.npz)";
+            archive(path, what, 32, &read.arrays, &mut report);
+            engine(&read.enclosure, &mut report);
+            compress::describe(read, &mut report);
+        }
+    }
+    let enclosure = read.into_enclosure();
+    rows(&enclosure, &mut report);
     if !enclosure.rows.are_groups {
-        objects(enclosure, &mut report);
+        objects(&enclosure, &mut report);
     }
     Ok(Some(report))
 }
 
 /// The file and its arrays.
-fn archive(path: &Path, read: &ReadEnclosure, report: &mut Report) {
+fn archive(path: &Path, what: &str, bits: u32, arrays: &[String], report: &mut Report) {
     let name = path.display().to_string();
     report.fact("file", name.clone(), "file", name);
-    report.fact(
-        "format",
-        "npz",
-        "format",
-        "form factors as NumPy archive (.npz)",
-    );
-    let bits = if read.is_single { 32 } else { 64 };
-    let words = format!("{bits} bits for factors: {}", read.arrays.join(", "));
+    let format = if stored::is_store(path) {
+        "zarr"
+    } else {
+        "npz"
+    };
+    report.fact("format", format, "format", what);
+    let words = format!("{bits} bits for factors: {}", arrays.join(", "));
     report.line("arrays", words);
-    report.value("arrays", read.arrays.clone());
+    report.value("arrays", arrays.to_vec());
     report.value("bits", bits);
-    report.value("asymmetry", number(read.asymmetry));
-    let engine = &read.enclosure.factors.engine_used.name;
+}
+
+fn engine(enclosure: &Enclosure, report: &mut Report) {
+    let engine = &enclosure.factors.engine_used.name;
     if !engine.is_empty() {
         report.fact("engine", engine.clone(), "engine", engine.clone());
     }

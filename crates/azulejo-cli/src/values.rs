@@ -68,6 +68,14 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The tolerance of compression.
+pub fn compression(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if (1e-9..=0.1).contains(&x) => Ok(x),
+        _ => Err("expected 1e-9 to 0.1".into()),
+    }
+}
+
 /// The resolution of a hemicube: even, 2 to 4096.
 pub fn resolution(text: &str) -> Result<u32, String> {
     match text.trim().parse::<u32>() {

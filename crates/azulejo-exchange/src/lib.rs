@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`enclosure`] | form factors with a description of their rows, grouped by face, object, material or place |
 //! | [`archive`] | the same as an `.npz` |
+//! | [`store`] | the same as a store of chunks (Zarr), for matrices larger than memory |
 //! | [`bands`] | bands of wavelengths, and black emission in them |
 //! | [`tables`] | tables of materials and boundary conditions |
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
@@ -20,6 +21,7 @@ pub mod enclosure;
 pub mod files;
 pub mod model;
 pub mod network;
+pub mod store;
 pub mod tables;
 pub mod truth;
 

@@ -253,6 +253,16 @@ impl<'a> PreparedPlan<'a> {
         &self.engine
     }
 
+    /// Memory that may be used, in bytes.
+    pub(crate) fn memory(&self) -> u64 {
+        self.plan.options.memory
+    }
+
+    /// Whether the engine was asked for, not chosen here.
+    pub(crate) fn has_engine_by_name(&self) -> bool {
+        self.plan.options.engine != Engine::Auto
+    }
+
     /// Number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.sides.len()
@@ -277,7 +287,7 @@ impl<'a> PreparedPlan<'a> {
     }
 
     /// Fills in what each row is a piece of.
-    fn describe(&self, factors: &mut FormFactors) {
+    pub(crate) fn describe(&self, factors: &mut FormFactors) {
         let (sides, patches) = (&self.sides, &self.plan.patches);
         let rows = || (0..sides.len()).map(|i| (i, sides.patch(i)));
         factors.areas = rows().map(|(i, _)| sides.area(i)).collect();

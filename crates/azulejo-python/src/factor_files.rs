@@ -4,7 +4,7 @@ use crate::error::{of_file_error, of_output, refused};
 use crate::form_factors::NativeFormFactors;
 use crate::work::{self, WorkOptions};
 use azulejo::output::{Output, commit};
-use azulejo_exchange::archive::{self, ArchivePrecision};
+use azulejo_exchange::archive::{self, ArchivePrecision, StoredFactors};
 use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
 use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
 use azulejo_exchange::{Enclosure, RowTable};
@@ -181,8 +181,15 @@ pub fn load_form_factors(
         }
         let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
         let budget = memory.or_else(azulejo::machine::memory);
-        let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));
-        read.map_err(|e| refused(format_args!("{}: {e}", path.display())))
+        let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
+        match read.map_err(|e| refused(format_args!("{}: {e}", path.display())))? {
+            StoredFactors::Whole(read) => Ok(*read),
+            StoredFactors::Blocks(_) => Err(refused(format_args!(
+                "{}: the matrix is compressed into blocks, which have no single entries: use \
+                 CompressedFactors.load",
+                path.display()
+            ))),
+        }
     })?;
     let mut enclosure = read.enclosure;
     if enclosure.rows.cells.is_empty() {
@@ -267,6 +274,7 @@ pub fn foreign_form_factors(
             factors,
             rows,
             outside: None,
+            elsewhere: None,
         };
         Ok((enclosure, asymmetry))
     });

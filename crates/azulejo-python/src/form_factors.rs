@@ -97,8 +97,8 @@ impl NativeFormFactors {
 
     fn in_groups(&self, py: Python<'_>, groups: Groups) -> PyResult<NativeFormFactors> {
         let enclosure = self.enclosure.clone();
-        let grouped = work::run(py, &WorkOptions::new(None, None), move |_| {
-            Ok(enclosure.grouped(&groups))
+        let grouped = work::run(py, &WorkOptions::new(None, None), move |p| {
+            enclosure.gathered(&groups, p).map_err(cancelled)
         })?;
         Ok(NativeFormFactors::new(grouped))
     }

@@ -8,6 +8,7 @@ mod arrays;
 mod brdf;
 mod camera;
 mod choices;
+mod compressed;
 mod error;
 mod exchange;
 mod factor_files;
@@ -28,6 +29,10 @@ use pyo3::prelude::*;
 mod _pyazulejo {
     #[pymodule_export]
     use super::brdf::evaluate_brdf;
+    #[pymodule_export]
+    use super::compressed::{
+        NativeCompressedFactors, compute_compressed_factors, load_compressed_factors,
+    };
     #[pymodule_export]
     use super::error::AzulejoError;
     #[pymodule_export]

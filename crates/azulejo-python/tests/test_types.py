@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT
 
 import pyazulejo
-from pyazulejo import _brdf, _exchange, _form_factors, _materials, _points, _radiosity
+from pyazulejo import _brdf, _compressed, _exchange, _form_factors, _materials, _points, _radiosity
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -38,7 +38,8 @@ def test_stubs_agree_with_the_compiled_half() -> None:
 
 
 @pytest.mark.parametrize(
-    "module", [pyazulejo, _brdf, _exchange, _form_factors, _materials, _points, _radiosity]
+    "module",
+    [pyazulejo, _brdf, _compressed, _exchange, _form_factors, _materials, _points, _radiosity],
 )
 def test_examples_of_the_documentation(module: object) -> None:
     tried, failed = 0, 0

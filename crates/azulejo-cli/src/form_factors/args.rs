@@ -9,6 +9,7 @@ use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_exchange::files::FactorFormat;
 use azulejo_exchange::files::openfoam::OpenFoamVersion;
 use azulejo_factors::Closure;
+use azulejo_formats::numpy::ArrayCompression;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ use std::sync::LazyLock;
 pub struct FormFactorArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Output file: .npz (for scipy.sparse.load_npz), .csv, View3D's .txt and .vf (text or binary as
+    /// Output file: .npz (for scipy.sparse.load_npz), .zarr (a folder of chunks), .csv, View3D's .txt and .vf (text or binary as
     /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
     /// a case for OpenFOAM; `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -158,10 +159,19 @@ pub struct MatrixArgs {
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
-    /// Precision of the factors in an .npz: 64 bits for up to 4 million entries, otherwise 32
+    /// Precision of the factors in an .npz or .zarr: 64 bits for up to 4 million entries, otherwise 32
     /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
+    /// Whether an .npz or .zarr is compressed: fast, or none, which takes three to five times the room and
+    /// is read several times as fast, out of core in each product [default: fast]
+    #[arg(long, value_name = "HOW", value_enum)]
+    pub compression: Option<CompressionName>,
+    /// Write the matrix as blocks between clusters of patches, in an .npz of about one thousandth of its
+    /// size at 100,000 patches: TOL, such as 1e-3, is the error of a product with it, relative to the
+    /// largest that there could be. By rays, and where it would not fit, the whole matrix never exists
+    #[arg(long, value_name = "TOL", value_parser = values::compression)]
+    pub compress: Option<f64>,
     /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors
     /// or glass
     #[arg(long)]
@@ -206,6 +216,25 @@ impl From<PrecisionName> for ArchivePrecision {
             PrecisionName::Auto => ArchivePrecision::Auto,
             PrecisionName::Single => ArchivePrecision::Single,
             PrecisionName::Double => ArchivePrecision::Double,
+        }
+    }
+}
+
+/// Compression of an archive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CompressionName {
+    /// Deflated at the fastest level
+    #[default]
+    Fast,
+    /// None
+    None,
+}
+
+impl From<CompressionName> for ArrayCompression {
+    fn from(name: CompressionName) -> ArrayCompression {
+        match name {
+            CompressionName::Fast => ArrayCompression::Fast,
+            CompressionName::None => ArrayCompression::None,
         }
     }
 }
@@ -257,12 +286,14 @@ Examples:
   azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
   azulejo form-factors room.vs3 -o f.txt
+  azulejo form-factors city.obj -o f.zarr
   azulejo form-factors car.obj -o car.npz --cluster 500
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
   azulejo form-factors city.stl -o vfsparse.inp.001 --by face --periodic x,y
   azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0
   azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
   azulejo form-factors city.obj -o part-3 --shard 3/64
+  azulejo form-factors city.obj -o f.npz --patches 100000 --rays 1024 --compress 1e-3
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
 The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at

@@ -4,17 +4,25 @@ use super::args::FormFactorArgs;
 use super::view3d::View3dInput;
 use crate::failure::Failure;
 use crate::session::Session;
-use azulejo::output::{Output, commit};
+use azulejo::output::{FolderOutput, Output, commit};
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
 use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
+use azulejo_exchange::store::{self, StoreFolderSink};
 use azulejo_formats::view3d::MatrixLayout;
 use std::path::{Path, PathBuf};
 
+/// Where files go.
+enum MatrixPlace {
+    /// The only file, or the first.
+    File(Output),
+    /// A folder with chunks.
+    Store(FolderOutput),
+}
+
 /// Files to be written, checked before the work begins.
 pub struct Destination {
-    /// The only file, or the first.
-    pub output: Output,
+    place: MatrixPlace,
     /// The folder of files whose names the format gives.
     folder: PathBuf,
     format: FactorFormat,
@@ -35,6 +43,7 @@ impl Destination {
         refuse_without_effect(args, format)?;
         let mut options = FileOptions {
             precision: args.matrix.precision.into(),
+            compression: args.matrix.compression.unwrap_or_default().into(),
             shown_rows: args.programs.vtu_rows.clone(),
             zone: args.programs.zone.clone(),
             calculix: args.programs.calculix.clone(),
@@ -59,13 +68,30 @@ impl Destination {
             path.extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case("vf"))
         };
+        let place = match format {
+            FactorFormat::Zarr => MatrixPlace::Store(FolderOutput::check(&file, store::MARK)?),
+            _ => MatrixPlace::File(Output::check(&file)?),
+        };
         Ok(Destination {
-            output: Output::check(&file)?,
+            place,
             folder,
             format,
             has_layout: args.format.is_some() || !is_vf(&args.output),
             options,
         })
+    }
+
+    /// Whether this is standard output.
+    pub fn is_stdout(&self) -> bool {
+        matches!(&self.place, MatrixPlace::File(output) if output.is_stdout())
+    }
+
+    /// The file or folder, existing or not, beside which a journal lies.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.place {
+            MatrixPlace::File(output) => output.file(),
+            MatrixPlace::Store(folder) => Some(folder.folder()),
+        }
     }
 
     /// Writes the files of a matrix: all of them or none. Returns what was written.
@@ -75,6 +101,17 @@ impl Destination {
         room: Option<&View3dInput>,
         session: &mut Session,
     ) -> Result<String, Failure> {
+        let output = match &self.place {
+            MatrixPlace::File(output) => output,
+            MatrixPlace::Store(folder) => {
+                let draft = folder.draft()?;
+                let mut sink = StoreFolderSink(draft.path().to_owned());
+                let written = store::write(enclosure, self.options.archive(), &mut sink);
+                written.map_err(|e| folder.error(e))?;
+                draft.commit(session.progress())?;
+                return Ok(folder.path().display().to_string());
+            }
+        };
         let layout = match self.format {
             FactorFormat::View3dBinary => MatrixLayout::Binary,
             _ => MatrixLayout::Text,
@@ -85,11 +122,11 @@ impl Destination {
         notes.iter().for_each(|note| session.note(note));
         let (mut drafts, mut names) = (Vec::new(), Vec::new());
         for file in &files {
-            let output = match file.name.as_str() {
+            let named = match file.name.as_str() {
                 "" => None,
                 name => Some(Output::check(&self.folder.join(name))?),
             };
-            let output = output.as_ref().unwrap_or(&self.output);
+            let output = named.as_ref().unwrap_or(output);
             let mut draft = output.draft()?;
             file.write(&mut draft).map_err(|e| output.error(e))?;
             drafts.push(draft);
@@ -111,7 +148,13 @@ pub fn wants_whole_faces(args: &FormFactorArgs) -> bool {
 
 /// Refuses what only another program's files have.
 fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<(), Failure> {
-    use FactorFormat::{CalculiX, EnergyPlus, EnergyPlusJson, Vtu};
+    use FactorFormat::{CalculiX, EnergyPlus, EnergyPlusJson, Npz, Vtu, Zarr};
+    if args.matrix.compression.is_some() && !matches!(format, Npz | Zarr) {
+        return Err(Failure::misuse(format_args!(
+            "--compression: it applies to .npz and .zarr, and {} is neither",
+            args.output.display()
+        )));
+    }
     let programs = &args.programs;
     let is_energyplus = matches!(format, EnergyPlus | EnergyPlusJson);
     let idle = [
@@ -144,7 +187,7 @@ fn unknown(path: &Path) -> Failure {
     let message = if path.is_dir() {
         "a folder: --format openfoam writes to the folder of a case"
     } else {
-        "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
+        "unknown matrix format, expected .npz, .zarr, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
          .dat, .i, .bdf, .mtx or --format"
     };
     Failure::misuse(format_args!("{}: {message}", path.display()))

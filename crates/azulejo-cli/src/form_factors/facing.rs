@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::matrix_metrics::{closure_errors, mean_and_largest};
 use crate::session::Session;
-use azulejo_factors::FormFactors;
+use azulejo_exchange::Enclosure;
 use azulejo_factors::facing::{InsideOut, inside_out};
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
@@ -18,14 +18,22 @@ const NAMED: usize = 5;
 pub fn advise(
     scene: &Scene,
     tracer: &Tracer,
-    factors: &FormFactors,
+    enclosure: &Enclosure,
     session: &mut Session,
 ) -> Result<(), Failure> {
+    let factors = &enclosure.factors;
     let hidden: Vec<f64> = factors.rest.iter().map(|r| r.hidden).collect();
     // Closed forms do not look for light that ends on backs, and closure may have hidden that it is missing.
     let moved = factors.closed.map_or(0.0, |closed| closed.mean);
-    let lost = mean_and_largest(&hidden).0 + mean_and_largest(&closure_errors(factors)).0 + moved;
-    if lost < LOST && factors.exchange.entries() > 0 {
+    let (missing, is_empty) = match &enclosure.elsewhere {
+        None => (closure_errors(factors), factors.exchange.entries() == 0),
+        Some(matrix) => {
+            let missing = enclosure.residuals().iter().map(|r| r.abs()).collect();
+            (missing, matrix.numbers() == 0)
+        }
+    };
+    let lost = mean_and_largest(&hidden).0 + mean_and_largest(&missing).0 + moved;
+    if lost < LOST && !is_empty {
         return Ok(());
     }
     match session.with_progress(|p| inside_out(scene, tracer, p))? {

@@ -14,7 +14,8 @@ pub fn grouped(
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
     if let Some(by) = args.matrix.by {
-        return Ok(enclosure.grouped(&enclosure.groups(by.into())));
+        let groups = enclosure.groups(by.into());
+        return Ok(session.with_progress(|p| enclosure.gathered(&groups, p))?);
     }
     let Some(wanted) = args.matrix.cluster else {
         return Ok(enclosure);
@@ -35,5 +36,5 @@ pub fn grouped(
             args.matrix.cluster_angle
         ));
     }
-    Ok(enclosure.grouped(&clusters))
+    Ok(session.with_progress(|p| enclosure.gathered(&clusters, p))?)
 }

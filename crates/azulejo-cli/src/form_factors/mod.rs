@@ -1,6 +1,7 @@
 //! `form-factors`: the matrix between patches, or between groups of them.
 
 pub mod args;
+pub mod compress;
 mod destination;
 mod facing;
 mod grouping;
@@ -21,7 +22,6 @@ use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
@@ -43,6 +43,9 @@ struct Computed {
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
+    if let Some(tolerance) = args.matrix.compress {
+        return compress::run(args, tolerance, session);
+    }
     match (args.shard, session.ranks().cloned()) {
         (Some(shard), _) => part(args, shard, session),
         (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
@@ -56,6 +59,11 @@ pub fn run_merged(
     parts: &MergedParts,
     session: &mut Session,
 ) -> Result<Report, Failure> {
+    if args.matrix.compress.is_some() {
+        return Err(Failure::misuse(
+            "--compress: parts make a whole matrix; compress it by form-factors of the model, in one piece",
+        ));
+    }
     whole(args, Some(parts), session)
 }
 
@@ -122,7 +130,7 @@ fn refuse_computed(args: &FormFactorArgs, by: &str) -> Result<(), Failure> {
     let mut scenes = args.input.scenes.iter();
     if scenes.any(|path| stored::is_archive(path)) {
         return Err(Failure::misuse(format_args!(
-            "{by}: the factors of an .npz are computed, there is nothing to divide"
+            "{by}: the factors of an .npz or .zarr are computed, there is nothing to divide"
         )));
     }
     Ok(())
@@ -138,7 +146,7 @@ fn whole(
         refuse_computed(args, "mpiexec")?;
     }
     let destination = Destination::new(args)?;
-    session.claim_stdout(destination.output.is_stdout())?;
+    session.claim_stdout(destination.is_stdout())?;
     let mut report = Report::default();
     let computed = match stored::read(args, session)? {
         Some(enclosure) => Computed {
@@ -146,7 +154,7 @@ fn whole(
             room: None,
             journal: None,
         },
-        None => computed(args, parts, &destination.output, session, &mut report)?,
+        None => computed(args, parts, destination.file(), session, &mut report)?,
     };
     let mut enclosure = computed.enclosure;
     if let Some(share) = args.matrix.truncate {
@@ -165,14 +173,14 @@ fn whole(
 fn computed(
     args: &FormFactorArgs,
     parts: Option<&MergedParts>,
-    output: &Output,
+    output: Option<&Path>,
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Computed, Failure> {
     let (room, scene) = read_scene(args, session)?;
     session.share_files()?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
-    let beside = output.file().filter(|_| !args.no_journal);
+    let beside = output.filter(|_| !args.no_journal);
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
@@ -342,7 +350,7 @@ pub fn enclosure(
     };
     let mut enclosure = Enclosure::new(&prepared, scene, factors);
     if !options.two_sided && how.room.is_none() {
-        facing::advise(scene, tracer, &enclosure.factors, session)?;
+        facing::advise(scene, tracer, &enclosure, session)?;
     }
     engine.describe(&enclosure.factors.engine_used, report);
     let used = &enclosure.factors.engine_used.name;

@@ -1,4 +1,4 @@
-//! Matrices that were computed before: read from an `.npz` and reworked.
+//! Matrices that were computed before: read from an `.npz` or a `.zarr` and reworked.
 
 use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
 use super::grouping;
@@ -9,7 +9,8 @@ use crate::pass;
 use crate::report::percent;
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
-use azulejo_exchange::archive::{self, ReadEnclosure};
+use azulejo_exchange::archive::{self, StoredFactors};
+use azulejo_exchange::store::{MatrixStore, StoreError, StoreFolder};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -17,7 +18,7 @@ use std::path::Path;
 /// Difference of both directions of a pair from which it is no rounding, as a share of the smaller area.
 const NOT_RECIPROCAL: f64 = 1e-5;
 
-/// Reads the input if it is a single `.npz`; otherwise `None`.
+/// Reads the input if it is a single `.npz` or `.zarr`; otherwise `None`.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclosure>, Failure> {
     let [path] = &args.input.scenes[..] else {
         let archive = args.input.scenes.iter().find(|path| is_archive(path));
@@ -40,16 +41,24 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     if let Some((option, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
         return Err(computed_already(option));
     }
-    read_archive(path, args.computation.memory, session).map(Some)
+    let enclosure = read_archive(path, args.computation.memory, session)?;
+    if enclosure.elsewhere.is_some() && args.matrix.by.is_none() && args.matrix.cluster.is_none() {
+        return Err(Failure::failed(format_args!(
+            "{}: the matrix is compressed into blocks, which have no single entries: expected --by or --cluster, \
+             whose groups have a whole matrix; exchange and info read it as it is",
+            path.display()
+        )));
+    }
+    Ok(Some(enclosure))
 }
 
-/// Reads the factors of an archive, and says what is odd about them.
+/// Reads the factors of an archive, whole or in blocks, and says what is odd about them.
 pub fn read_archive(
     path: &Path,
     memory: Option<u64>,
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
-    Ok(read_whole(path, memory, session)?.enclosure)
+    Ok(read_whole(path, memory, session)?.into_enclosure())
 }
 
 /// Reads an archive with what is known of its arrays, and says what is odd about it.
@@ -57,15 +66,26 @@ pub fn read_whole(
     path: &Path,
     memory: Option<u64>,
     session: &mut Session,
-) -> Result<ReadEnclosure, Failure> {
+) -> Result<StoredFactors, Failure> {
     let failed =
         |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
-    session.progress().begin("reading", 0);
-    let file = File::open(path).map_err(|e| failed(&e))?;
-    let budget = memory.or_else(azulejo::machine::memory);
-    let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));
-    let read = read.map_err(|e| failed(&e))?;
-    if read.asymmetry > NOT_RECIPROCAL {
+    let budget = memory_limit(memory);
+    let read = if is_store(path) {
+        let store = open_store(path, memory, session)?;
+        let read = session.with_progress(|p| {
+            p.begin("reading", 0);
+            store.read(p)
+        });
+        StoredFactors::Whole(Box::new(read.map_err(|e| of_store(path, e))?))
+    } else {
+        session.progress().begin("reading", 0);
+        let file = File::open(path).map_err(|e| failed(&e))?;
+        let read = archive::open(BufReader::new(file), budget);
+        read.map_err(|e| failed(&e))?
+    };
+    if let StoredFactors::Whole(read) = &read
+        && read.asymmetry > NOT_RECIPROCAL
+    {
         session.note(&format!(
             "{}: A_i X_ij and A_j X_ji differ by up to {} of the smaller area; their mean is taken",
             path.display(),
@@ -75,10 +95,41 @@ pub fn read_whole(
     Ok(read)
 }
 
-/// Whether a file is an archive of arrays, by its name.
+/// The limit of memory: as given, or that of the machine.
+pub fn memory_limit(memory: Option<u64>) -> u64 {
+    let limit = memory.or_else(azulejo::machine::memory);
+    limit.unwrap_or(u64::MAX)
+}
+
+/// Opens a store, whose pairs are not read yet.
+pub fn open_store(
+    path: &Path,
+    memory: Option<u64>,
+    session: &mut Session,
+) -> Result<MatrixStore, Failure> {
+    session.progress().begin("reading", 0);
+    let store = MatrixStore::open(StoreFolder(path.to_owned()), memory_limit(memory));
+    store.map_err(|e| of_store(path, StoreError::Store(e)))
+}
+
+/// An error of reading a store.
+pub fn of_store(path: &Path, error: StoreError) -> Failure {
+    match error {
+        StoreError::Cancelled => Failure::Cancelled,
+        StoreError::Store(error) => Failure::failed(format_args!("{}: {error}", path.display())),
+    }
+}
+
+/// Whether a file is an archive or a store of arrays, by its name.
 pub fn is_archive(path: &Path) -> bool {
+    let is_npz = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("npz");
+    path.extension().is_some_and(is_npz) || is_store(path)
+}
+
+/// Whether a folder is a store of arrays, by its name.
+pub fn is_store(path: &Path) -> bool {
     path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("npz"))
+        .is_some_and(|e| e.eq_ignore_ascii_case("zarr"))
 }
 
 /// Options that say how factors are computed have nothing to do where they are there already.
@@ -94,7 +145,7 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
     ];
     if let Some((option, _)) = gives_light.into_iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::misuse(format_args!(
-            "{option}: an .npz has the light of its model, and no other; give {option} where form-factors or \
+            "{option}: an .npz or .zarr has the light of its model, and no other; give {option} where form-factors or \
              exchange read the model, or sunlight by a column \"solar\" of --boundary"
         )));
     }
@@ -122,8 +173,8 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
 
 fn computed_already(option: &str) -> Failure {
     Failure::misuse(format_args!(
-        "{option}: the factors of an .npz are computed; --by, --cluster, --closure, --truncate, \
-         --precision and --format of form-factors apply to it"
+        "{option}: the factors of an .npz or .zarr are computed; --by, --cluster, --closure, --truncate, \
+         --precision, --compression and --format of form-factors apply to it"
     ))
 }
 
@@ -133,6 +184,32 @@ pub fn rework(
     args: &FormFactorArgs,
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
+    if enclosure.elsewhere.is_some() {
+        // Groups have single entries, which closure changes.
+        enclosure = grouping::grouped(enclosure, args, session)?;
+        close(&mut enclosure, args, session)?;
+        return Ok(enclosure);
+    }
+    close(&mut enclosure, args, session)?;
+    let options = [
+        ("--by", args.matrix.by.is_some()),
+        ("--cluster", args.matrix.cluster.is_some()),
+    ];
+    if let Some((option, _)) = options.into_iter().find(|(_, is_given)| *is_given)
+        && enclosure.rows.are_groups
+    {
+        return Err(Failure::misuse(format_args!(
+            "{option}: the rows of this matrix are groups already; start from that of the patches"
+        )));
+    }
+    grouping::grouped(enclosure, args, session)
+}
+
+fn close(
+    enclosure: &mut Enclosure,
+    args: &FormFactorArgs,
+    session: &mut Session,
+) -> Result<(), Failure> {
     let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
     let is_to_close = match args.computation.closure {
         None | Some(ClosureName::Never) => false,
@@ -142,16 +219,5 @@ pub fn rework(
     if is_to_close {
         session.with_progress(|p| enclosure.factors.close(p))?;
     }
-    let options = [
-        ("--by", args.matrix.by.is_some()),
-        ("--cluster", args.matrix.cluster.is_some()),
-    ];
-    if let Some((option, _)) = options.into_iter().find(|(_, is_given)| *is_given)
-        && enclosure.rows.are_groups
-    {
-        return Err(Failure::misuse(format_args!(
-            "{option}: the rows of this .npz are groups already; start from that of the patches"
-        )));
-    }
-    grouping::grouped(enclosure, args, session)
+    Ok(())
 }

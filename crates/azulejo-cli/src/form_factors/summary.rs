@@ -21,8 +21,7 @@ pub fn describe(enclosure: &Enclosure, report: &mut Report) {
     report.fact("entries", entries, "entries", words);
     report.value("matrix_bytes", factors.exchange.bytes());
     report.fact("rays", factors.rays, "rays", count(factors.rays));
-    surroundings(factors, report);
-    let missing = sums(factors, report);
+    let missing = describe_sums(enclosure, report);
     closure(factors, report);
     truncation(factors, report);
     // A row is no better than its sum; an error that is unknown stays unknown.
@@ -33,6 +32,12 @@ pub fn describe(enclosure: &Enclosure, report: &mut Report) {
         estimated
     };
     report.fact("row_error", number(error), "error of a row", percent(error));
+}
+
+/// Adds what leaves the scene, and the sums of rows; returns the mean of what they lack or have too much.
+pub fn describe_sums(enclosure: &Enclosure, report: &mut Report) -> f64 {
+    surroundings(&enclosure.factors, report);
+    sums(enclosure, report)
 }
 
 /// Sky and ground.
@@ -65,9 +70,10 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
 const FAR_OFF: f64 = 0.5;
 
 /// Adds the sums of rows; returns the mean of what they lack or have too much.
-fn sums(factors: &FormFactors, report: &mut Report) -> f64 {
+fn sums(enclosure: &Enclosure, report: &mut Report) -> f64 {
+    let factors = &enclosure.factors;
     // The sum of an empty row is −0, which would be printed.
-    let sums: Vec<f64> = factors.row_sums().iter().map(|s| s + 0.0).collect();
+    let sums: Vec<f64> = enclosure.row_sums().iter().map(|s| s + 0.0).collect();
     let low = sums.iter().copied().fold(f64::INFINITY, f64::min);
     let high = sums.iter().copied().fold(0.0, f64::max);
     let middle = mean(factors, &sums);
@@ -78,7 +84,7 @@ fn sums(factors: &FormFactors, report: &mut Report) -> f64 {
     report.value("row_sum_min", number(low));
     report.value("row_sum_max", number(high));
     report.value("row_sum_mean", number(middle));
-    let missing: Vec<f64> = factors.residuals().iter().map(|r| r.abs()).collect();
+    let missing: Vec<f64> = enclosure.residuals().iter().map(|r| r.abs()).collect();
     let most = missing.iter().copied().fold(0.0, f64::max);
     let typical = mean(factors, &missing);
     let words = format!("{} of a row, at most {}", percent(typical), percent(most));

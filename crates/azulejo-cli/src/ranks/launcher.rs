@@ -35,6 +35,9 @@ pub fn is_shared(cli: &Cli) -> Result<bool, Failure> {
         return Ok(false);
     }
     match &cli.command {
+        Command::FormFactors(args) if args.matrix.compress.is_some() => Err(Failure::misuse(
+            "--compress: factors in blocks are not shared among MPI processes: run it without mpiexec",
+        )),
         Command::FormFactors(args) => Ok(args.shard.is_none()),
         Command::Solve(args) => Ok(args.shard.is_none()),
         Command::Probe(args) => Ok(args.shard.is_none()),

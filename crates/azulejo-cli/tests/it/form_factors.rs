@@ -360,7 +360,7 @@ fn clusters_that_cannot_be_so_few_are_noted() {
     folder.fails(
         "form-factors g.npz -o h.npz --cluster 1",
         2,
-        "--cluster: the rows of this .npz are groups",
+        "--cluster: the rows of this matrix are groups",
     );
     let line = "form-factors room.obj -o f.csv";
     folder.fails(&format!("{line} --cluster 0"), 2, "--cluster");

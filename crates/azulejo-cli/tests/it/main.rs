@@ -4,6 +4,7 @@ mod bad_input;
 mod bake;
 mod brdf;
 mod commands;
+mod compressed;
 mod engines;
 mod exact;
 mod exchange;
@@ -20,6 +21,7 @@ mod recipe;
 mod reference;
 mod rtrace;
 mod sides;
+mod stores;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;

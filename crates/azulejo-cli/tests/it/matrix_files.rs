@@ -27,6 +27,7 @@ fn every_format_by_name() {
         let output = match entry.format {
             FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary => "case",
             FactorFormat::Udales => "vfsparse.inp.001",
+            FactorFormat::Zarr => "store",
             _ => "file",
         };
         let name = entry.name;

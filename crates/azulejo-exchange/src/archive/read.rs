@@ -1,6 +1,6 @@
 //! Reading archives.
 
-use super::{ORDERS, VERSION};
+use super::{BLOCKS, ORDERS, VERSION};
 use crate::enclosure::{CellMesh, Enclosure, OutsideLight, RowTable, unique};
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
@@ -13,7 +13,7 @@ use std::io::{Read, Seek};
 
 /// What is wrong with an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ArchiveError(String);
+pub struct ArchiveError(pub(crate) String);
 
 impl fmt::Display for ArchiveError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -50,44 +50,63 @@ pub struct ReadEnclosure {
 /// # Errors
 /// The array, what was found and what was expected.
 pub fn read<R: Read + Seek>(file: R, budget: u64) -> Result<ReadEnclosure, ArchiveError> {
-    let mut archive = Arrays {
-        npz: NpzReader::new(file, budget)?,
-        rows: 0,
-    };
-    let version = archive.whole("version")?;
-    if version.is_some_and(|v| v > VERSION as f64) {
-        return Err(ArchiveError(format!(
-            "version: the layout is of a newer azulejo ({}), expected at most {VERSION}",
-            version.unwrap_or_default()
-        )));
+    read_arrays(NpzReader::new(file, budget)?)
+}
+
+/// Named arrays, wherever they are stored.
+pub(crate) trait ArraySource {
+    /// Names of the arrays.
+    fn names(&self) -> Vec<String>;
+
+    /// An array; `None` if there is none of this name.
+    fn array(&mut self, name: &str) -> Result<Option<StoredArray>, String>;
+}
+
+impl<R: Read + Seek> ArraySource for NpzReader<R> {
+    fn names(&self) -> Vec<String> {
+        NpzReader::names(self)
     }
-    let arrays = archive.npz.names();
-    let entries = archive.entries()?;
+
+    fn array(&mut self, name: &str) -> Result<Option<StoredArray>, String> {
+        NpzReader::array(self, name)
+    }
+}
+
+/// Reads an enclosure with all of its matrix.
+pub(crate) fn read_arrays(source: impl ArraySource) -> Result<ReadEnclosure, ArchiveError> {
+    Arrays::open(source)?.whole_enclosure()
+}
+
+/// Whether orders of reflection were kept apart.
+pub(crate) fn has_orders(arrays: &[String]) -> bool {
+    let mut orders = ORDERS.iter();
+    orders.all(|[values, _]| arrays.iter().any(|name| name == values))
+}
+
+/// The number of rows and where each starts, with the end of the last.
+pub(crate) fn read_starts(source: impl ArraySource) -> Result<(usize, Vec<usize>), ArchiveError> {
+    let mut archive = Arrays::open(source)?;
+    archive.read_shape()?;
+    let starts = archive.row_starts()?;
+    Ok((archive.rows, starts))
+}
+
+/// Reads everything but the pairs, of which `exchange` and `orders` are given, of a matrix with so many
+/// rows.
+pub(crate) fn read_rows(
+    source: impl ArraySource,
+    rows: usize,
+    exchange: ExchangeAreas,
+    orders: Vec<ExchangeAreas>,
+) -> Result<Enclosure, ArchiveError> {
+    let mut archive = Arrays { source, rows };
     let areas = archive.areas()?;
-    let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
-    let mut orders = Vec::new();
-    if ORDERS
-        .iter()
-        .all(|[values, _]| arrays.iter().any(|name| name == values))
-    {
-        for [values, errors] in ORDERS {
-            orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
-        }
-        // The sum of the orders must be the whole to the last bit.
-        whole.exchange = ExchangeAreas::sum_of(&orders);
-    }
-    let factors = archive.factors(areas, whole.exchange, orders)?;
-    let rows = archive.row_table(&factors)?;
-    Ok(ReadEnclosure {
-        enclosure: Enclosure {
-            factors,
-            rows,
-            outside: archive.outside()?,
-        },
-        arrays,
-        is_single: whole.is_single,
-        asymmetry: whole.asymmetry,
-    })
+    archive.enclosure(areas, exchange, orders)
+}
+
+/// Areas of so many rows.
+pub(crate) fn read_areas(source: impl ArraySource, rows: usize) -> Result<Vec<f64>, ArchiveError> {
+    Arrays { source, rows }.areas()
 }
 
 /// Where entries are.
@@ -104,29 +123,83 @@ struct ReadMatrix {
 }
 
 /// The arrays of an archive.
-struct Arrays<R> {
-    npz: NpzReader<R>,
-    rows: usize,
+pub(super) struct Arrays<S> {
+    pub source: S,
+    pub rows: usize,
 }
 
-impl<R: Read + Seek> Arrays<R> {
-    fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
-        let found = self.npz.array(name)?;
+impl<S: ArraySource> Arrays<S> {
+    /// Opens arrays of a layout that is known.
+    pub fn open(source: S) -> Result<Arrays<S>, ArchiveError> {
+        let mut archive = Arrays { source, rows: 0 };
+        let version = archive.whole("version")?;
+        if version.is_some_and(|v| v > VERSION as f64) {
+            return Err(ArchiveError(format!(
+                "version: the layout is of a newer azulejo ({}), expected at most {VERSION}",
+                version.unwrap_or_default()
+            )));
+        }
+        Ok(archive)
+    }
+
+    /// The enclosure with all of its matrix.
+    pub fn whole_enclosure(mut self) -> Result<ReadEnclosure, ArchiveError> {
+        let archive = &mut self;
+        let arrays = archive.source.names();
+        archive.read_shape()?;
+        let entries = archive.entries()?;
+        let areas = archive.areas()?;
+        let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
+        let mut orders = Vec::new();
+        if has_orders(&arrays) {
+            for [values, errors] in ORDERS {
+                orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
+            }
+            // The sum of the orders must be the whole to the last bit.
+            whole.exchange = ExchangeAreas::sum_of(&orders);
+        }
+        Ok(ReadEnclosure {
+            enclosure: archive.enclosure(areas, whole.exchange, orders)?,
+            arrays,
+            is_single: whole.is_single,
+            asymmetry: whole.asymmetry,
+        })
+    }
+
+    /// What is known of the rows of a matrix.
+    fn enclosure(
+        &mut self,
+        areas: Vec<f64>,
+        exchange: ExchangeAreas,
+        orders: Vec<ExchangeAreas>,
+    ) -> Result<Enclosure, ArchiveError> {
+        let factors = self.factors(areas, exchange, orders)?;
+        let rows = self.row_table(&factors)?;
+        Ok(Enclosure {
+            factors,
+            rows,
+            outside: self.outside()?,
+            elsewhere: None,
+        })
+    }
+
+    pub fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
+        let found = self.source.array(name)?;
         found.ok_or_else(|| {
-            let has = self.npz.names().join(", ");
+            let has = self.source.names().join(", ");
             ArchiveError(format!("there is no array \"{name}\" (there are: {has})"))
         })
     }
 
     /// A number of the whole archive.
-    fn whole(&mut self, name: &str) -> Result<Option<f64>, ArchiveError> {
-        let array = self.npz.array(name)?;
+    pub fn whole(&mut self, name: &str) -> Result<Option<f64>, ArchiveError> {
+        let array = self.source.array(name)?;
         Ok(array.filter(|a| a.len() == 1).map(|a| a.number(0)))
     }
 
     /// A list of numbers, `each` for every row; `None` if there is no such array.
-    fn list(&mut self, name: &str, each: usize) -> Result<Option<Vec<f64>>, ArchiveError> {
-        let Some(array) = self.npz.array(name)? else {
+    pub fn list(&mut self, name: &str, each: usize) -> Result<Option<Vec<f64>>, ArchiveError> {
+        let Some(array) = self.source.array(name)? else {
             return Ok(None);
         };
         let numbers = array.numbers().filter(|n| n.len() == each * self.rows);
@@ -150,8 +223,8 @@ impl<R: Read + Seek> Arrays<R> {
         Ok(self.list(name, 1)?.unwrap_or_else(|| vec![0.0; self.rows]))
     }
 
-    fn texts(&mut self, name: &str) -> Result<Option<Vec<String>>, ArchiveError> {
-        let Some(array) = self.npz.array(name)? else {
+    pub fn texts(&mut self, name: &str) -> Result<Option<Vec<String>>, ArchiveError> {
+        let Some(array) = self.source.array(name)? else {
             return Ok(None);
         };
         let texts = array.texts();
@@ -160,14 +233,13 @@ impl<R: Read + Seek> Arrays<R> {
             .ok_or_else(|| ArchiveError(format!("{name}: numbers, expected strings")))
     }
 
-    /// The places of entries, checked.
-    fn entries(&mut self) -> Result<Entries, ArchiveError> {
-        let format = self.texts("format")?.unwrap_or_default().concat();
-        if format != "csr" {
-            return Err(ArchiveError(format!(
-                "format: \"{format}\", expected \"csr\" (scipy.sparse.save_npz of a csr_array)"
-            )));
-        }
+    /// The layout of the matrix: `csr`, or `blocks` between clusters.
+    pub fn format(&mut self) -> Result<String, ArchiveError> {
+        Ok(self.texts("format")?.unwrap_or_default().concat())
+    }
+
+    /// Notes the number of rows.
+    pub fn read_shape(&mut self) -> Result<(), ArchiveError> {
         let shape = self.required("shape")?;
         let (rows, columns) = match shape.len() {
             2 => (shape.integer(0), shape.integer(1)),
@@ -178,11 +250,36 @@ impl<R: Read + Seek> Arrays<R> {
             return Err(ArchiveError(message));
         }
         self.rows = rows as usize;
+        Ok(())
+    }
+
+    /// The starts of rows, checked, and the end of the last.
+    fn row_starts(&mut self) -> Result<Vec<usize>, ArchiveError> {
+        let format = self.format()?;
+        if format == BLOCKS {
+            let message = "format: the matrix is compressed into blocks between clusters, of which there are no \
+                           single entries: exchange, info, and form-factors --by read it";
+            return Err(ArchiveError(message.to_owned()));
+        }
+        if format != "csr" {
+            return Err(ArchiveError(format!(
+                "format: \"{format}\", expected \"csr\" (scipy.sparse.save_npz of a csr_array)"
+            )));
+        }
         let starts = self.required("indptr")?.integers().unwrap_or_default();
-        let indices = self.required("indices")?;
         let ascends = starts.is_sorted() && starts.first() == Some(&0);
-        let ends = starts.last().copied() == Some(indices.len() as i64);
-        if starts.len() != self.rows + 1 || !ascends || !ends {
+        if starts.len() != self.rows + 1 || !ascends {
+            let message = "indptr: not the starts of rows, from 0 to the number of entries";
+            return Err(ArchiveError(message.to_owned()));
+        }
+        Ok(starts.into_iter().map(|s| s as usize).collect())
+    }
+
+    /// The places of entries, checked.
+    fn entries(&mut self) -> Result<Entries, ArchiveError> {
+        let starts = self.row_starts()?;
+        let indices = self.required("indices")?;
+        if starts.last().copied() != Some(indices.len()) {
             let message = "indptr: not the starts of rows, from 0 to the number of entries";
             return Err(ArchiveError(message.to_owned()));
         }
@@ -190,14 +287,14 @@ impl<R: Read + Seek> Arrays<R> {
         let is_column = |c: Option<u32>| c.filter(|&c| (c as usize) < self.rows);
         let columns: Option<Vec<u32>> = (0..indices.len()).map(|i| is_column(column(i))).collect();
         Ok(Entries {
-            starts: starts.into_iter().map(|s| s as usize).collect(),
+            starts,
             columns: columns.ok_or_else(|| {
                 ArchiveError(format!("indices: beyond the {} columns", self.rows))
             })?,
         })
     }
 
-    fn areas(&mut self) -> Result<Vec<f64>, ArchiveError> {
+    pub fn areas(&mut self) -> Result<Vec<f64>, ArchiveError> {
         let Some(areas) = self.list("areas", 1)? else {
             let message = "there is no array \"areas\", the area of each row, without which factors are not \
                            reciprocal";
@@ -218,7 +315,7 @@ impl<R: Read + Seek> Arrays<R> {
         errors: &str,
     ) -> Result<ReadMatrix, ArchiveError> {
         let data = self.required(values)?;
-        let spread = self.npz.array(errors)?;
+        let spread = self.source.array(errors)?;
         let count = entries.columns.len();
         let is_aligned = spread.as_ref().is_none_or(|s| s.len() == count);
         if data.len() != count || !is_aligned {
@@ -242,7 +339,7 @@ impl<R: Read + Seek> Arrays<R> {
         })
     }
 
-    fn factors(
+    pub fn factors(
         &mut self,
         areas: Vec<f64>,
         exchange: ExchangeAreas,
@@ -276,7 +373,7 @@ impl<R: Read + Seek> Arrays<R> {
             let message = format!("rho_s[{i}] is {}, expected 0 to 1", mirrors[i]);
             return Err(ArchiveError(message));
         }
-        let unseen = self.npz.array("unseen")?.and_then(|a| a.numbers());
+        let unseen = self.source.array("unseen")?.and_then(|a| a.numbers());
         let [object, face] = [0, 1].map(|k| self.pair("patch_face", k));
         let (object, face) = (object?, face?);
         let faces = (0..n).map(|i| FaceId {
@@ -324,7 +421,7 @@ impl<R: Read + Seek> Arrays<R> {
             .collect())
     }
 
-    fn outside(&mut self) -> Result<Option<Vec<OutsideLight>>, ArchiveError> {
+    pub fn outside(&mut self) -> Result<Option<Vec<OutsideLight>>, ArchiveError> {
         let light = self.list("irradiance", 3)?;
         let errors = self.list("irradiance_error", 3)?;
         Ok(light.map(|light| {
@@ -338,7 +435,7 @@ impl<R: Read + Seek> Arrays<R> {
         }))
     }
 
-    fn row_table(&mut self, factors: &FormFactors) -> Result<RowTable, ArchiveError> {
+    pub fn row_table(&mut self, factors: &FormFactors) -> Result<RowTable, ArchiveError> {
         let n = self.rows;
         let numbered = || (0..n).map(|i| i.to_string()).collect();
         let names = self.texts("names")?.unwrap_or_else(numbered);
@@ -370,7 +467,7 @@ impl<R: Read + Seek> Arrays<R> {
 
     /// The faces of groups; none if there is no such array.
     fn grouped_faces(&mut self) -> Result<Vec<(FaceId, u32)>, ArchiveError> {
-        let Some(array) = self.npz.array("group_faces")? else {
+        let Some(array) = self.source.array("group_faces")? else {
             return Ok(Vec::new());
         };
         let integers = array.integers().unwrap_or_default();
@@ -412,7 +509,7 @@ impl<R: Read + Seek> Arrays<R> {
 
     /// The polygons of rows; none if there are no `points`.
     fn cells(&mut self) -> Result<CellMesh, ArchiveError> {
-        let Some(points) = self.npz.array("points")? else {
+        let Some(points) = self.source.array("points")? else {
             return Ok(CellMesh::default());
         };
         let points = points.numbers().unwrap_or_default();

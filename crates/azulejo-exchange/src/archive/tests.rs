@@ -4,10 +4,15 @@ use super::*;
 use crate::enclosure::Enclosure;
 use crate::enclosure::OutsideLight;
 use crate::enclosure::tests::two_squares;
-use azulejo_factors::form_factors::ExchangeAreas;
+use azulejo_factors::form_factors::{ExchangeAreas, Plan};
+use azulejo_factors::hierarchy::{FactorOperator, StatedFactors};
+use azulejo_factors::{
+    CompressedFactors, CompressionOptions, Engine, FormFactorOptions, PatchSize,
+};
 use azulejo_formats::numpy::npy;
 use azulejo_formats::numpy::npz::{NpzReader, NpzWriter};
 use azulejo_scene::Rgb;
+use azulejo_trace::Progress;
 use std::io::Cursor;
 
 const BUDGET: u64 = 1 << 24;
@@ -227,4 +232,188 @@ fn faces_of_groups_come_back() {
         error.to_string().contains("a row is of object 7"),
         "{error}"
     );
+}
+
+/// A room in blocks, by rays.
+fn room_in_blocks() -> BlockArchive {
+    let scene = azulejo_scene::synthetic::cube_room();
+    let tracer = azulejo_trace::Tracer::new(&scene);
+    let options = FormFactorOptions {
+        engine: Engine::Rays,
+        size: PatchSize::Count(600),
+        rays: 256,
+        ..FormFactorOptions::default()
+    };
+    let plan = Plan::new(&scene, &tracer, &options).unwrap();
+    let prepared = plan.prepare();
+    let compression = CompressionOptions::default();
+    let found = StatedFactors::of(&prepared, &compression, &Progress::new()).unwrap();
+    let mut archive = BlockArchive::of(&prepared, &scene, found, compression.tolerance);
+    let light = OutsideLight {
+        irradiance: Rgb::new(3.0, 2.0, 1.0),
+        ..OutsideLight::default()
+    };
+    archive.enclosure.outside = Some(vec![light; archive.enclosure.len()]);
+    archive
+}
+
+fn block_bytes(archive: &BlockArchive) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_blocks(archive, &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn blocks_come_back() {
+    let room = room_in_blocks();
+    let bytes = block_bytes(&room);
+    let StoredFactors::Blocks(read) = open(Cursor::new(&bytes), BUDGET).unwrap() else {
+        panic!("blocks");
+    };
+    assert!(read.factors.bound.is_nan());
+    let known = |factors: &CompressedFactors| CompressedFactors {
+        bound: 0.0,
+        ..factors.clone()
+    };
+    assert_eq!(known(&read.factors), known(&room.factors));
+    assert_eq!(read.enclosure.rows, room.enclosure.rows);
+    assert_eq!(read.enclosure.outside, room.enclosure.outside);
+    let (stated, bytes_of) = (read.stated, read.whole_bytes);
+    assert_eq!((stated, bytes_of), (room.stated, room.whole_bytes));
+    assert_eq!(read.tolerance, 1e-3);
+    let x: Vec<f64> = (0..read.enclosure.len()).map(|i| i as f64).collect();
+    assert_eq!(
+        read.enclosure.operator().apply(&x),
+        room.enclosure.operator().apply(&x)
+    );
+    assert_eq!(
+        read.enclosure.factors.is_closed,
+        room.enclosure.factors.is_closed
+    );
+    assert!(block_bytes(&read) == bytes);
+    let documented = include_str!("mod.rs");
+    for name in read.arrays {
+        let is_documented = documented.contains(&format!("`{name}`"));
+        assert!(is_documented, "{name}");
+    }
+    // Who wants single entries is told.
+    let refused = super::read(Cursor::new(&bytes), BUDGET)
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("no single entries"), "{refused}");
+}
+
+#[test]
+fn damaged_blocks_are_named() {
+    let whole = block_bytes(&room_in_blocks());
+    let changed = |name: &str, change: &dyn Fn(&mut Vec<f64>)| {
+        let mut npz = NpzReader::new(Cursor::new(&whole), BUDGET).unwrap();
+        let mut out = NpzWriter::new(Vec::new());
+        for known in npz.names() {
+            let array = npz.array(&known).unwrap().unwrap();
+            if let Some(texts) = array.texts() {
+                let scalar = array.shape().is_empty();
+                let write = |w: &mut dyn std::io::Write| {
+                    if scalar {
+                        npy::write_bytes(texts[0].as_bytes(), w)
+                    } else {
+                        npy::write_texts(&texts, w)
+                    }
+                };
+                out.add(&known, write).unwrap();
+                continue;
+            }
+            let mut numbers = array.numbers().unwrap();
+            let before = numbers.len();
+            if known == name {
+                change(&mut numbers);
+            }
+            let mut shape = array.shape().to_vec();
+            if numbers.len() != before {
+                shape = vec![numbers.len()];
+            }
+            let integers: Vec<i64> = numbers.iter().map(|&x| x as i64).collect();
+            let write = |w: &mut dyn std::io::Write| match array.integers() {
+                Some(_) => npy::write(&shape, &integers, w),
+                None => npy::write(&shape, &numbers, w),
+            };
+            out.add(&known, write).unwrap();
+        }
+        open(Cursor::new(out.finish().unwrap()), BUDGET).map(|_| ())
+    };
+    assert!(changed("", &|_| ()).is_ok());
+    let refuse = |name: &str, expected: &str, change: &dyn Fn(&mut Vec<f64>)| {
+        let said = changed(name, change).unwrap_err().to_string();
+        assert!(said.contains(expected), "{name}: {said}");
+    };
+    refuse("order", "each of the", &|x| x[1] = x[0]);
+    refuse("order", "each of the", &|x| x[0] = 1e9);
+    refuse("order", "0 or more", &|x| x[0] = -1.0);
+    refuse("block_rows", "within", &|x| x[1] = 1e9);
+    refuse("block_rows", "within", &|x| x.swap(0, 1));
+    refuse("block_columns", "block 0", &|x| x[0] += 1.0);
+    refuse("block_kind", "expected 0 (sparse)", &|x| x[0] = 7.0);
+    refuse("block_kind", "block_rank: expected", &|x| {
+        x.pop();
+    });
+    refuse("block_rank", "numbers and", &|x| {
+        let link = x.iter().position(|&rank| rank == 1.0).unwrap();
+        x[link] = 2.0;
+    });
+    refuse("block_values", "ascending from 0", &|x| x[1] = 1e9);
+    refuse("block_layout", "ascending from 0", &|x| x[0] = 1.0);
+    refuse("layout", "beyond the block", &|x| x[0] = 60_000.0);
+    refuse("layout", "its indices", &|x| x[1] += 1.0);
+    refuse("values", "values[3] is NaN", &|x| x[3] = f64::NAN);
+    refuse("part_blocks", "ascending from 0", &|x| x[0] = 1.0);
+    refuse("areas", "areas: -1", &|x| x[0] = -1.0);
+    refuse("shape", "square", &|x| x[0] = 7.0);
+    refuse("sum_error", "sum_error: its shape", &|x| {
+        x.pop();
+    });
+    for length in (0..whole.len()).step_by(997) {
+        assert!(open(Cursor::new(&whole[..length]), BUDGET).is_err());
+    }
+}
+
+/// Multiplies by blocks in NumPy alone, as the page shows.
+#[test]
+fn numpy_multiplies_by_blocks() {
+    let Some(python) = azulejo_testing::python() else {
+        return;
+    };
+    let path = std::env::temp_dir().join(format!("azulejo-blocks-{}.npz", std::process::id()));
+    let room = room_in_blocks();
+    std::fs::write(&path, block_bytes(&room)).unwrap();
+    let page = include_str!("../../../../docs/form-factors.md");
+    let (_, rest) = page
+        .split_once("```python\nimport numpy as np\n\n\ndef dense")
+        .unwrap();
+    let (code, _) = rest.split_once("```").unwrap();
+    let code = code.replace("\"f.npz\"", "sys.argv[1]");
+    let script = format!("import sys\nimport numpy as np\n\n\ndef dense{code}");
+    let script = script + "print(X.sum(axis=1).min(), X[3, 77], X[77, 3])\n";
+    let run = std::process::Command::new(python)
+        .args(["-c", &script])
+        .arg(&path)
+        .output()
+        .unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+    let said = String::from_utf8_lossy(&run.stdout);
+    let last = said.lines().last().unwrap();
+    let numbers: Vec<f64> = last.split(' ').map(|x| x.parse().unwrap()).collect();
+    let least = room
+        .factors
+        .sums()
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
+    let entry = |i: usize, j: usize| room.factors.exchange_area(i, j) / room.factors.areas[i];
+    for (found, known) in numbers.iter().zip([least, entry(3, 77), entry(77, 3)]) {
+        assert!((found - known).abs() < 1e-9, "{said} {known}");
+    }
 }

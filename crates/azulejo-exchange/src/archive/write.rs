@@ -6,6 +6,7 @@ use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
+use azulejo_formats::numpy::{ArrayCompression, ArraySink};
 use azulejo_scene::{Rgb, Up};
 use glam::DVec3;
 use std::io::{self, Write};
@@ -26,18 +27,55 @@ pub enum ArchivePrecision {
 /// Entries up to which [`ArchivePrecision::Auto`] takes 64 bits.
 const FEW: usize = 1 << 22;
 
-/// Writes an enclosure. Its bytes depend on its content alone.
+/// How arrays of factors are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArchiveOptions {
+    /// How exactly.
+    pub precision: ArchivePrecision,
+    /// Whether they are compressed.
+    pub compression: ArrayCompression,
+}
+
+impl From<ArchivePrecision> for ArchiveOptions {
+    fn from(precision: ArchivePrecision) -> ArchiveOptions {
+        ArchiveOptions {
+            precision,
+            compression: ArrayCompression::Fast,
+        }
+    }
+}
+
+/// Writes an enclosure as `.npz`. Its bytes depend on its content alone, and go out as they are made: what
+/// is in memory beside the enclosure are 8 MiB of whole rows at a time.
 ///
 /// # Errors
 /// Those of writing.
 pub fn write(
     enclosure: &Enclosure,
-    precision: ArchivePrecision,
+    options: impl Into<ArchiveOptions>,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut archive = NpzWriter::new(out);
-    write_matrix(&enclosure.factors, precision, &mut archive)?;
-    write_shares(&enclosure.factors, &mut archive)?;
+    let options = options.into();
+    let mut archive = NpzWriter::with(options.compression, out);
+    write_arrays(enclosure, options.precision, &mut archive)?;
+    archive.finish()?;
+    Ok(())
+}
+
+/// Writes the arrays of an enclosure, one after the other.
+pub(crate) fn write_arrays(
+    enclosure: &Enclosure,
+    precision: ArchivePrecision,
+    sink: &mut dyn ArraySink,
+) -> io::Result<()> {
+    write_matrix(&enclosure.factors, precision, &mut NamedArrays(sink))?;
+    write_around(enclosure, sink)
+}
+
+/// All but the matrix and its errors.
+pub(super) fn write_around(enclosure: &Enclosure, sink: &mut dyn ArraySink) -> io::Result<()> {
+    let archive = &mut NamedArrays(sink);
+    write_shares(&enclosure.factors, archive)?;
     if let Some(rows) = &enclosure.outside {
         archive.add("irradiance", |w| {
             colours(rows.iter().map(|r| r.irradiance), w)
@@ -46,18 +84,33 @@ pub fn write(
             colours(rows.iter().map(|r| r.error), w)
         })?;
     }
-    write_rows(enclosure, &mut archive)?;
-    write_cells(&enclosure.rows.cells, enclosure.len(), &mut archive)?;
-    write_whole(enclosure, &mut archive)?;
-    archive.finish()?;
-    Ok(())
+    write_rows(enclosure, archive)?;
+    write_cells(&enclosure.rows.cells, enclosure.len(), archive)?;
+    write_whole(enclosure, archive)
+}
+
+/// Where arrays go, with closures that are called once.
+struct NamedArrays<'a>(&'a mut dyn ArraySink);
+
+impl NamedArrays<'_> {
+    fn add(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut write = Some(write);
+        self.0.add_array(name, &mut |out| match write.take() {
+            Some(write) => write(out),
+            None => Err(io::Error::other("an array can be written once")),
+        })
+    }
 }
 
 /// What SciPy reads, and the errors of entries.
-fn write_matrix<W: Write>(
+fn write_matrix(
     factors: &FormFactors,
     precision: ArchivePrecision,
-    archive: &mut NpzWriter<W>,
+    archive: &mut NamedArrays,
 ) -> io::Result<()> {
     let rows = MatrixRows::new(factors);
     archive.add("format", |w| npy::write_bytes(b"csr", w))?;
@@ -104,10 +157,13 @@ fn short(error: f32) -> f32 {
 }
 
 /// Shares of rows, and their errors.
-fn write_shares<W: Write>(factors: &FormFactors, archive: &mut NpzWriter<W>) -> io::Result<()> {
+fn write_shares(factors: &FormFactors, archive: &mut NamedArrays) -> io::Result<()> {
     archive.add("areas", |w| list(&factors.areas, |&x| x, w))?;
-    archive.add("row_error", |w| list(&factors.row_errors, |&x| x, w))?;
-    archive.add("unseen", |w| list(&factors.unseen, |&x| x, w))?;
+    // Of rows that were not kept nobody knows these.
+    if factors.row_errors.len() == factors.len() {
+        archive.add("row_error", |w| list(&factors.row_errors, |&x| x, w))?;
+        archive.add("unseen", |w| list(&factors.unseen, |&x| x, w))?;
+    }
     let mut add = |name, share: fn(&RowRemainder) -> f64| {
         archive.add(name, |w| list(&factors.rest, share, w))
     };
@@ -122,7 +178,7 @@ fn write_shares<W: Write>(factors: &FormFactors, archive: &mut NpzWriter<W>) -> 
 }
 
 /// What rows are.
-fn write_rows<W: Write>(enclosure: &Enclosure, archive: &mut NpzWriter<W>) -> io::Result<()> {
+fn write_rows(enclosure: &Enclosure, archive: &mut NamedArrays) -> io::Result<()> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
     archive.add("names", |w| npy::write_texts(&rows.names, w))?;
     archive.add("patch_face", |w| {
@@ -151,11 +207,7 @@ fn write_rows<W: Write>(enclosure: &Enclosure, archive: &mut NpzWriter<W>) -> io
 }
 
 /// Where rows are.
-fn write_cells<W: Write>(
-    cells: &CellMesh,
-    rows: usize,
-    archive: &mut NpzWriter<W>,
-) -> io::Result<()> {
+fn write_cells(cells: &CellMesh, rows: usize, archive: &mut NamedArrays) -> io::Result<()> {
     if cells.is_empty() {
         return Ok(());
     }
@@ -171,7 +223,7 @@ fn write_cells<W: Write>(
 }
 
 /// What holds for the whole.
-fn write_whole<W: Write>(enclosure: &Enclosure, archive: &mut NpzWriter<W>) -> io::Result<()> {
+fn write_whole(enclosure: &Enclosure, archive: &mut NamedArrays) -> io::Result<()> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
     if let Some(length) = rows.metres_per_unit {
         archive.add("metres_per_unit", |w| npy::write(&[], &[length], w))?;
@@ -264,7 +316,7 @@ impl MatrixRows<'_> {
 }
 
 /// Writes a one-dimensional array, converting entry by entry to avoid a copy.
-fn list<T, E: Element>(
+pub(super) fn list<T, E: Element>(
     values: &[T],
     convert: impl Fn(&T) -> E,
     out: &mut dyn Write,

@@ -1,8 +1,9 @@
 //! Rows combined into groups.
 
 use super::{CellMesh, Enclosure, OutsideLight, RowTable};
-use azulejo_factors::{FaceId, FormFactors};
+use azulejo_factors::{FaceId, FormFactors, hierarchy};
 use azulejo_scene::Rgb;
+use azulejo_trace::{Cancelled, Progress};
 use std::collections::HashMap;
 
 /// What makes a group of rows.
@@ -67,7 +68,29 @@ impl Enclosure {
             factors: self.factors.grouped(&groups.of_rows, groups.names.len()),
             rows: self.rows.grouped(groups, &self.factors),
             outside: self.mean_outside(groups),
+            elsewhere: None,
         }
+    }
+
+    /// The same, wherever the matrix is: see [`hierarchy::grouped`](azulejo_factors::hierarchy::grouped).
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// # Panics
+    /// As [`grouped`](Enclosure::grouped).
+    pub fn gathered(&self, groups: &Groups, progress: &Progress) -> Result<Enclosure, Cancelled> {
+        let Some(matrix) = &self.elsewhere else {
+            return Ok(self.grouped(groups));
+        };
+        let (of_rows, count) = (&groups.of_rows, groups.names.len());
+        let factors = hierarchy::grouped(&**matrix, &self.factors, of_rows, count, progress)?;
+        Ok(Enclosure {
+            factors,
+            rows: self.rows.grouped(groups, &self.factors),
+            outside: self.mean_outside(groups),
+            elsewhere: None,
+        })
     }
 
     /// Light from outside on each group; `None` if there is none.

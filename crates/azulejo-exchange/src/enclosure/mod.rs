@@ -11,15 +11,21 @@ pub use cells::CellMesh;
 pub use clusters::{ClusterError, ClusterOptions};
 pub use groups::{GroupBy, Groups, unique};
 
-use azulejo_factors::form_factors::PreparedPlan;
+use azulejo_factors::form_factors::{PreparedPlan, RowRemainder};
+use azulejo_factors::hierarchy::FactorOperator;
 use azulejo_factors::{FaceId, FormFactors};
 use azulejo_scene::{MaterialId, Rgb, Scene, Up};
+use std::sync::Arc;
 
 /// Form factors and what is known of their rows, without the scene that they come from.
 #[derive(Clone, Debug, Default)]
 pub struct Enclosure {
-    /// The matrix.
+    /// The matrix, and what is known of its rows.
     pub factors: FormFactors,
+    /// The matrix where it is not the `exchange` of `factors`, which then has no rows, but in blocks or
+    /// wherever else. What needs single pairs, such as groups and files of other programs, is for whole
+    /// matrices.
+    pub elsewhere: Option<Arc<dyn FactorOperator>>,
     /// Its rows.
     pub rows: RowTable,
     /// Light from outside (sun, sky, pictures of the surroundings) on each row; `None` if there is
@@ -92,9 +98,54 @@ impl Enclosure {
         rows.names = rows.patch_names(&factors);
         Enclosure {
             factors,
+            elsewhere: None,
             rows,
             outside: None,
         }
+    }
+
+    /// The matrix, wherever it is.
+    pub fn operator(&self) -> &dyn FactorOperator {
+        self.elsewhere.as_deref().unwrap_or(&self.factors)
+    }
+
+    /// Σ_j X_ij of each row, as [`FormFactors::row_sums`].
+    pub fn row_sums(&self) -> Vec<f64> {
+        match &self.elsewhere {
+            None => self.factors.row_sums(),
+            Some(matrix) => matrix.sums(),
+        }
+    }
+
+    /// What each row lacks of 1, as [`FormFactors::residuals`].
+    pub fn residuals(&self) -> Vec<f64> {
+        if self.elsewhere.is_none() {
+            return self.factors.residuals();
+        }
+        let ended = self.operator().apply(&self.factors.ends);
+        let residual = |(ended, rest): (f64, &RowRemainder)| {
+            if ended > 0.0 {
+                1.0 - ended - rest.sum()
+            } else {
+                0.0
+            }
+        };
+        ended
+            .into_iter()
+            .zip(&self.factors.rest)
+            .map(residual)
+            .collect()
+    }
+
+    /// Standard error of the sum of each row, as [`FormFactors::noise_of_sums`].
+    pub fn noise_of_sums(&self) -> Vec<f64> {
+        if self.elsewhere.is_none() {
+            return self.factors.noise_of_sums();
+        }
+        let variances = self.operator().variance_lanes(&vec![1.0; self.len()], 1);
+        let rows = variances.iter().zip(&self.factors.areas);
+        rows.map(|(v, &a)| if a > 0.0 { v.max(0.0).sqrt() / a } else { 0.0 })
+            .collect()
     }
 
     /// Number of rows.

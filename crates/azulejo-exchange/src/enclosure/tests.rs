@@ -30,6 +30,7 @@ pub fn fronts(areas: Vec<f64>, exchange: ExchangeAreas) -> Enclosure {
             ..RowTable::default()
         },
         outside: None,
+        elsewhere: None,
     }
 }
 
@@ -83,6 +84,7 @@ pub fn two_squares() -> Enclosure {
             ..RowTable::default()
         },
         outside: None,
+        elsewhere: None,
     }
 }
 

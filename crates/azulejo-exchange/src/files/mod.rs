@@ -32,8 +32,9 @@ mod vtu;
 pub use error::FactorFileError;
 pub use format::{FactorFormat, FormatEntry};
 
-use crate::archive::{self, ArchivePrecision};
+use crate::archive::{self, ArchiveOptions, ArchivePrecision};
 use crate::enclosure::Enclosure;
+use azulejo_formats::numpy::ArrayCompression;
 use openfoam::OpenFoamCase;
 use std::io::{self, Write};
 use view3d::View3dTable;
@@ -43,6 +44,8 @@ use view3d::View3dTable;
 pub struct FileOptions {
     /// How exactly an archive stores factors.
     pub precision: ArchivePrecision,
+    /// Whether an archive is compressed.
+    pub compression: ArrayCompression,
     /// Header and emissivities of a View3D file; by default those of a plain matrix whose rows
     /// absorb as their materials do.
     pub view3d: Option<View3dTable>,
@@ -58,6 +61,16 @@ pub struct FileOptions {
     pub calculix: Option<String>,
     /// The experiment of uDALES, which is the suffix of its files.
     pub experiment: Option<String>,
+}
+
+impl FileOptions {
+    /// How an archive or a store holds arrays.
+    pub fn archive(&self) -> ArchiveOptions {
+        ArchiveOptions {
+            precision: self.precision,
+            compression: self.compression,
+        }
+    }
 }
 
 /// Files that belong together, checked and ready to be written.
@@ -128,8 +141,12 @@ impl FactorFormat {
         use FactorFormat as F;
         match self {
             F::Npz => Ok(FactorFiles::single(|out| {
-                archive::write(enclosure, options.precision, out)
+                archive::write(enclosure, options.archive(), out)
             })),
+            // Its files are those of `store::write`.
+            F::Zarr => Err(FactorFileError::SeveralFiles {
+                format: self.name(),
+            }),
             F::Csv => Ok(FactorFiles::single(|out| csv::write(enclosure, out))),
             F::View3d | F::View3dBinary => Ok(view3d::prepare(self, enclosure, options)),
             F::Vtu => vtu::prepare(enclosure, options),

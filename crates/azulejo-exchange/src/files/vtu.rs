@@ -184,9 +184,13 @@ fn colours<'a>(cells: &CellMesh, name: &str, of: impl Fn(usize) -> &'a Rgb) -> D
 /// What is known of rows.
 fn row_arrays(enclosure: &Enclosure, cells: &CellMesh) -> Vec<DataArray> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
-    let sums = factors.row_sums();
+    let sums = if enclosure.elsewhere.is_some() {
+        enclosure.operator().sums()
+    } else {
+        factors.row_sums()
+    };
     // What rows lack with all shares counted, which is noise; closure removes it.
-    let residual = factors.residuals();
+    let residual = enclosure.residuals();
     let shares =
         |of: fn(&RowRemainder) -> f64| -> Vec<f64> { factors.rest.iter().map(of).collect() };
     let mut arrays = vec![

@@ -2,11 +2,16 @@
 
 use super::{ModelError, SAME, ThermalModel};
 use crate::enclosure::Groups;
-use crate::network::RowCondition;
+use crate::network::{ExchangeError, RowCondition};
 use crate::tables::{Conditions, Properties};
+use azulejo_trace::Progress;
 
 /// Makes each node one row of a model, and returns these rows as nodes.
-pub fn lump(model: &mut ThermalModel, groups: &Groups) -> Result<Groups, ModelError> {
+pub fn lump(
+    model: &mut ThermalModel,
+    groups: &Groups,
+    progress: &Progress,
+) -> Result<Groups, ModelError> {
     let areas = model.matrices[0].1.factors.areas.clone();
     for (_, rows) in &mut model.bands {
         let of = |property: fn(&Properties) -> f64, what| {
@@ -21,7 +26,9 @@ pub fn lump(model: &mut ThermalModel, groups: &Groups) -> Result<Groups, ModelEr
             .collect();
     }
     for (_, enclosure) in &mut model.matrices {
-        *enclosure = enclosure.grouped(groups);
+        *enclosure = enclosure
+            .gathered(groups, progress)
+            .map_err(ExchangeError::from)?;
     }
     if let Some(conditions) = &mut model.conditions {
         *conditions = lumped_conditions(conditions, groups)?;

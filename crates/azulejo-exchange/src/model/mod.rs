@@ -90,7 +90,7 @@ impl ThermalModel {
             .collect::<Result<Vec<usize>, _>>()?;
         let nodes = self.groups();
         let nodes = if self.lump {
-            lump::lump(&mut self, &nodes)?
+            lump::lump(&mut self, &nodes, progress)?
         } else {
             nodes
         };
@@ -216,8 +216,8 @@ impl ThermalModel {
     /// The row whose factors lack most of 1, or have most too much, if heat does not balance by it.
     fn note_unbalanced(&self) -> Option<String> {
         let of_matrix = |(name, enclosure): &(String, Enclosure)| {
-            let residuals = enclosure.factors.residuals();
-            let noise = enclosure.factors.noise_of_sums();
+            let residuals = enclosure.residuals();
+            let noise = enclosure.noise_of_sums();
             let rows = residuals.iter().zip(&noise).enumerate();
             // What is unknown may be noise.
             let rows = rows.filter(|(_, (off, noise))| off.abs() > FAR * **noise);

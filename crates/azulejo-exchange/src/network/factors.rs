@@ -1,7 +1,7 @@
 //! Gebhart factors, script-F and conductances between nodes.
 
-use super::reflections::{LANES, Reflections, lanes, parts, products};
-use super::{ExchangeError, SurfaceBand};
+use super::reflections::{LANES, Reflections, from_flat, lanes};
+use super::{ExchangeError, SurfaceBand, readable};
 use crate::enclosure::Groups;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_trace::Progress;
@@ -134,6 +134,7 @@ pub fn exchange_factors(
         .map(|b| work.absorbed(b, &radiosities[b], &arriving[b]))
         .collect();
     let variances = work.variances(&radiosities, progress)?;
+    readable(band.enclosure.operator())?;
     Ok(work.finish(&found, &variances))
 }
 
@@ -219,7 +220,7 @@ impl Work<'_> {
         progress: &Progress,
     ) -> Result<Vec<f64>, ExchangeError> {
         let count = self.nodes();
-        let pairs = self.band.enclosure.factors.exchange.pairs() as u64;
+        let pairs = self.band.enclosure.operator().numbers();
         let products = (count * (count + 1) / 2) as u64;
         let mut variances = if products.saturating_mul(pairs) <= EXACT_ERRORS {
             self.pair_variances(radiosities, progress)?
@@ -254,18 +255,20 @@ impl Work<'_> {
         progress: &Progress,
     ) -> Result<Vec<f64>, ExchangeError> {
         let count = radiosities.len();
-        let exchange = &self.band.enclosure.factors.exchange;
-        let row = |a: usize| -> Result<Vec<f64>, ExchangeError> {
-            progress.advance(0)?;
-            let one = |b: usize| {
-                let (r, j) = (&radiosities[a], &radiosities[b]);
-                exchange_variance(exchange, r, j)
-            };
-            Ok((a..count).map(one).collect())
-        };
-        let upper: Result<Vec<Vec<f64>>, ExchangeError> =
-            (0..count).into_par_iter().map(row).collect();
-        let upper = upper?;
+        progress.advance(0)?;
+        let pairs: Vec<(&[f64], &[f64])> = (0..count)
+            .flat_map(|a| (a..count).map(move |b| (a, b)))
+            .map(|(a, b)| (&radiosities[a][..], &radiosities[b][..]))
+            .collect();
+        let mut found = self
+            .band
+            .enclosure
+            .operator()
+            .variances_between(&pairs)
+            .into_iter();
+        let upper: Vec<Vec<f64>> = (0..count)
+            .map(|a| found.by_ref().take(count - a).collect())
+            .collect();
         let at = |k: usize| {
             let (a, b) = (k / count, k % count);
             upper[a.min(b)][a.max(b) - a.min(b)]
@@ -280,16 +283,15 @@ impl Work<'_> {
         progress: &Progress,
     ) -> Result<Vec<f64>, ExchangeError> {
         let count = radiosities.len();
-        let exchange = &self.band.enclosure.factors.exchange;
-        let (parts, mut variances) = (parts(exchange), vec![0.0; count * count]);
+        let factors = self.band.enclosure.operator();
+        let mut variances = vec![0.0; count * count];
         let square = |v: &Vec<f64>| v.iter().map(|x| x * x).collect::<Vec<f64>>();
         let squares: Vec<Vec<f64>> = radiosities.par_iter().map(square).collect();
         for (block, few) in squares.chunks(LANES).enumerate() {
             progress.advance(0)?;
-            let spread = products::<LANES>(exchange, &parts, &lanes(few), |e| {
-                let variance = f64::from(e.error).powi(2);
-                if variance.is_finite() { variance } else { 0.0 }
-            });
+            let x: Vec<[f64; LANES]> = lanes(few);
+            let spread = factors.variance_lanes(x.as_flattened(), LANES);
+            let spread: Vec<[f64; LANES]> = from_flat(spread);
             let row = |r: &Vec<f64>| {
                 let mut sums = [0.0; LANES];
                 for (r, spread) in r.iter().zip(&spread) {
@@ -342,35 +344,10 @@ impl Work<'_> {
             emitting,
             is_surface: (0..count).map(|a| a < self.surfaces()).collect(),
             conductances,
-            errors: variances.iter().map(|v| unit * v.sqrt()).collect(),
+            errors: variances.iter().map(|v| unit * v.max(0.0).sqrt()).collect(),
             asymmetry,
         }
     }
-}
-
-/// Variance of Σ_ij r_i S_ij J_j from those of S.
-pub(super) fn exchange_variance(
-    exchange: &azulejo_factors::form_factors::ExchangeAreas,
-    r: &[f64],
-    j: &[f64],
-) -> f64 {
-    let mut variance = 0.0;
-    for i in 0..exchange.len() {
-        for e in exchange.upper(i) {
-            let k = e.column as usize;
-            let slope = if k == i {
-                r[i] * j[i]
-            } else {
-                r[i] * j[k] + r[k] * j[i]
-            };
-            let error = f64::from(e.error);
-            // Errors that are unknown are left out.
-            if error.is_finite() {
-                variance += (error * slope).powi(2);
-            }
-        }
-    }
-    variance
 }
 
 #[cfg(test)]

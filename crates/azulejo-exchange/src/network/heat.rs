@@ -1,8 +1,7 @@
 //! Temperatures and heat fluxes.
 
-use super::factors::exchange_variance;
 use super::reflections::Reflections;
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton};
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton, readable};
 use crate::bands::SpectralRange;
 use crate::enclosure::Groups;
 use azulejo_factors::FormFactors;
@@ -126,9 +125,15 @@ pub fn heat_balance(
         ..HeatBalance::default()
     };
     balance.add_rows(problem, &thermal, &bands);
+    for band in &thermal {
+        readable(band.enclosure.operator())?;
+    }
     balance.check(problem)?;
     balance.add_nodes(problem, nodes);
     balance.add_errors(problem, nodes, &thermal, &bands, progress)?;
+    for band in &thermal {
+        readable(band.enclosure.operator())?;
+    }
     Ok(balance)
 }
 
@@ -163,28 +168,25 @@ impl<'a> HeatProblem<'a> {
     /// Refuses rows whose temperature could be any.
     fn check(&self) -> Result<(), ExchangeError> {
         let factors = self.factors();
-        let mut groups = UnionFind::new(factors.len());
-        for i in 0..factors.len() {
-            let pairs = factors.exchange.upper(i).iter().filter(|e| e.value > 0.0);
-            pairs.for_each(|e| groups.join(i, e.column as usize));
-        }
+        let groups = self.bands[0].enclosure.operator().connected();
+        readable(self.bands[0].enclosure.operator())?;
         let mut anchored = vec![false; factors.len()];
         let mut members = vec![0; factors.len()];
-        for i in 0..factors.len() {
-            let root = groups.root(i);
+        for (i, &group) in groups.iter().enumerate() {
+            let root = group as usize;
             members[root] += 1;
             anchored[root] |= matches!(self.conditions[i], RowCondition::Temperature(_))
                 || factors.rest[i].escaped() > OPEN;
         }
         let floating = (0..factors.len()).find(|&i| {
-            let root = groups.root(i);
+            let root = groups[i] as usize;
             members[root] > 1 && !anchored[root]
         });
         match floating {
             None => Ok(()),
             Some(i) => Err(ExchangeError::Floating {
                 row: self.name(i),
-                rows: members[groups.root(i)],
+                rows: members[groups[i] as usize],
             }),
         }
     }
@@ -398,7 +400,7 @@ impl HeatBalance {
         progress: &Progress,
     ) -> Result<(), ExchangeError> {
         let count = nodes.names.len();
-        let pairs = problem.factors().exchange.pairs() as u64;
+        let pairs = problem.bands[0].enclosure.operator().numbers();
         if pairs.saturating_mul(count as u64) > WORTH {
             self.node_heat_errors = vec![f64::NAN; count];
             self.node_temperature_errors = vec![f64::NAN; count];
@@ -448,6 +450,7 @@ impl Adjoint<'_> {
     /// scene unit), or of the mean emission of its rows of given fluxes.
     fn errors(&self, of_emission: bool, progress: &Progress) -> Result<Vec<f64>, ExchangeError> {
         let factors = &self.band.enclosure.factors;
+        let matrix = self.band.enclosure.operator();
         let sources: Vec<Vec<f64>> = (0..self.nodes.names.len())
             .map(|a| self.source(a, of_emission))
             .collect();
@@ -456,7 +459,11 @@ impl Adjoint<'_> {
             .problem
             .surroundings
             .map(|t| self.band.range.emission(t));
-        let error = |r: &Vec<f64>| {
+        let radiosity = &self.solved.radiosity[..];
+        let vectors: Vec<(&[f64], &[f64])> =
+            solutions.iter().map(|r| (&r[..], radiosity)).collect();
+        let variances = matrix.variances_between(&vectors);
+        let error = |(r, pairs): (&Vec<f64>, f64)| {
             let openings: f64 = (0..factors.len())
                 .map(|i| {
                     let rest = &factors.rest[i];
@@ -466,10 +473,9 @@ impl Adjoint<'_> {
                 })
                 .filter(|v| v.is_finite())
                 .sum();
-            let pairs = exchange_variance(&factors.exchange, r, &self.solved.radiosity);
             (pairs + openings).sqrt()
         };
-        Ok(solutions.iter().map(error).collect())
+        Ok(solutions.iter().zip(variances).map(error).collect())
     }
 
     fn source(&self, node: usize, of_emission: bool) -> Vec<f64> {
@@ -492,27 +498,5 @@ impl Adjoint<'_> {
             };
         }
         source
-    }
-}
-
-/// Rows that exchange heat with each other, directly or by way of others.
-struct UnionFind(Vec<usize>);
-
-impl UnionFind {
-    fn new(count: usize) -> UnionFind {
-        UnionFind((0..count).collect())
-    }
-
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.0[i] != i {
-            self.0[i] = self.0[self.0[i]];
-            i = self.0[i];
-        }
-        i
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b);
     }
 }

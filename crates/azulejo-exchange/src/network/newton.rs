@@ -14,11 +14,10 @@
 //! share its products, because reading it is what takes the time.
 
 use super::heat::{HeatProblem, RowCondition, SolvedBand};
-use super::reflections::{arriving, parts};
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand};
+use super::reflections::arriving;
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, readable};
 use azulejo_trace::Progress;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Most steps of Newton's method.
 const STEPS: usize = 60;
@@ -54,6 +53,9 @@ pub(super) fn temperatures(
     let mut tolerance = STEP_TOLERANCE[1];
     for step in 0..STEPS {
         let rows = newton.rows(&radiosities);
+        for band in bands {
+            readable(band.enclosure.operator())?;
+        }
         let missing = difference(&rows.radiosities, &radiosities);
         let worst = largest(&missing) / largest(&radiosities).max(f64::MIN_POSITIVE);
         let is_stuck = worst <= ENOUGH && worst >= 0.5 * before;
@@ -82,8 +84,6 @@ struct NewtonWork<'a> {
     diffuse: Vec<Vec<f64>>,
     /// What arrives from outside in each band, W/m².
     outside: Vec<Vec<f64>>,
-    /// Rows for sums over pairs, for each band.
-    parts: Vec<Vec<Range<usize>>>,
     /// Rows whose temperature is sought, and that emit.
     unknown: Vec<bool>,
 }
@@ -124,10 +124,6 @@ impl<'a> NewtonWork<'a> {
                 .iter()
                 .map(|b| problem.surroundings_light(b))
                 .collect(),
-            parts: bands
-                .iter()
-                .map(|b| parts(&b.enclosure.factors.exchange))
-                .collect(),
             unknown,
         })
     }
@@ -162,17 +158,12 @@ impl<'a> NewtonWork<'a> {
         let first = self.bands[0].enclosure;
         let is_shared = self.bands.iter().all(|b| std::ptr::eq(b.enclosure, first));
         let mut sums = if is_shared {
-            arriving(&first.factors.exchange, &self.parts[0], radiosities)
+            arriving(first.operator(), radiosities)
         } else {
-            let bands = self.bands.iter().zip(&self.parts).zip(radiosities);
-            let one =
-                |((band, parts), radiosity): ((&&SurfaceBand, &Vec<Range<usize>>), &Vec<f64>)| {
-                    arriving(
-                        &band.enclosure.factors.exchange,
-                        parts,
-                        std::slice::from_ref(radiosity),
-                    )
-                };
+            let bands = self.bands.iter().zip(radiosities);
+            let one = |(band, radiosity): (&&SurfaceBand, &Vec<f64>)| {
+                arriving(band.enclosure.operator(), std::slice::from_ref(radiosity))
+            };
             bands.flat_map(one).collect()
         };
         for (sums, band) in sums.iter_mut().zip(self.bands) {

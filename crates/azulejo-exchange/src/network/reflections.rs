@@ -9,13 +9,12 @@
 //! Small systems are factored once; large ones are solved by conjugate gradients with the diagonal as
 //! preconditioner, up to eight right sides at a time, because reading S is what takes the time.
 
-use super::ExchangeError;
+use super::{ExchangeError, readable};
 use crate::enclosure::Enclosure;
 use azulejo_factors::cholesky::Cholesky;
-use azulejo_factors::form_factors::ExchangeAreas;
+use azulejo_factors::hierarchy::FactorOperator;
 use azulejo_trace::Progress;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Up to this number of rows the system is factored: 32 MB.
 const FEW: usize = 2_000;
@@ -32,20 +31,16 @@ const ENOUGH: f64 = 1e-10;
 /// Most iterations.
 const MOST: usize = 2_000;
 
-/// Parts in which sums over pairs are computed, whatever the number of threads.
-const PARTS: usize = 16;
-
 /// Numbers of each row, one for each right side.
 type Lanes<const L: usize> = Vec<[f64; L]>;
 
 /// J = g + c ∘ F^s J for one c and any number of g.
 pub(super) struct Reflections<'a> {
-    enclosure: &'a Enclosure,
+    factors: &'a dyn FactorOperator,
     /// √c of each row.
     root: Vec<f64>,
     /// Areas, 1 for rows without.
     weights: Vec<f64>,
-    parts: Vec<Range<usize>>,
     factored: Option<Cholesky>,
 }
 
@@ -56,18 +51,18 @@ impl<'a> Reflections<'a> {
         c: &[f64],
         progress: &Progress,
     ) -> Result<Reflections<'a>, ExchangeError> {
-        let exchange = &enclosure.factors.exchange;
         let weight = |&area: &f64| if area > 0.0 { area } else { 1.0 };
         let mut reflections = Reflections {
-            enclosure,
+            factors: enclosure.operator(),
             root: c.iter().map(|c| c.sqrt()).collect(),
             weights: enclosure.factors.areas.iter().map(weight).collect(),
-            parts: parts(exchange),
             factored: None,
         };
         let n = enclosure.len();
         if n <= FEW {
-            let factored = Cholesky::new(reflections.dense(), n, progress)?;
+            let matrix = reflections.dense();
+            readable(reflections.factors)?;
+            let factored = Cholesky::new(matrix, n, progress)?;
             let factored = factored.map_err(|row| ExchangeError::Grows {
                 row: enclosure.rows.names[row].clone(),
             })?;
@@ -80,17 +75,16 @@ impl<'a> Reflections<'a> {
     fn dense(&self) -> Vec<f64> {
         let n = self.root.len();
         let mut matrix = vec![0.0; n * n];
-        for i in 0..n {
-            matrix[i * n + i] = self.weights[i];
-            for e in self.enclosure.factors.exchange.upper(i) {
-                let j = e.column as usize;
-                let value = self.root[i] * e.value * self.root[j];
-                matrix[i * n + j] -= value;
-                if i != j {
-                    matrix[j * n + i] -= value;
-                }
-            }
+        for (i, weight) in self.weights.iter().enumerate() {
+            matrix[i * n + i] = *weight;
         }
+        self.factors.for_each_pair(&mut |i, j, value| {
+            let value = self.root[i] * value * self.root[j];
+            matrix[i * n + j] -= value;
+            if i != j {
+                matrix[j * n + i] -= value;
+            }
+        });
         matrix
     }
 
@@ -119,6 +113,7 @@ impl<'a> Reflections<'a> {
         progress: &Progress,
     ) -> Result<Vec<Vec<f64>>, ExchangeError> {
         let right: Lanes<L> = scaled(&self.exchanged(&lanes(few)), &self.root);
+        readable(self.factors)?;
         let y: Lanes<L> = match &self.factored {
             Some(system) => {
                 let solve = |lane: usize| system.solve(&column(&right, lane));
@@ -138,14 +133,12 @@ impl<'a> Reflections<'a> {
 
     /// Σ_j S_ij J_j of each row: what arrives on its area.
     pub fn arriving(&self, radiosities: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        arriving(&self.enclosure.factors.exchange, &self.parts, radiosities)
+        arriving(self.factors, radiosities)
     }
 
     /// S x.
     fn exchanged<const L: usize>(&self, x: &Lanes<L>) -> Lanes<L> {
-        products(&self.enclosure.factors.exchange, &self.parts, x, |e| {
-            e.value
-        })
+        from_flat(self.factors.exchanged_lanes(x.as_flattened(), L))
     }
 
     /// Conjugate gradients for several right sides, each for itself.
@@ -176,6 +169,7 @@ impl<'a> Reflections<'a> {
                 return Ok(y);
             }
             let image = self.times(&direction);
+            readable(self.factors)?;
             let curvature = dots(&direction, &image);
             let step: [f64; L] = std::array::from_fn(|lane| {
                 if is_done(lane, TOLERANCE) || curvature[lane] <= 0.0 {
@@ -213,13 +207,9 @@ impl<'a> Reflections<'a> {
     }
 
     fn inverse_diagonal(&self) -> Vec<f64> {
-        let own = |i: usize| {
-            let upper = self.enclosure.factors.exchange.upper(i);
-            let own = upper.first().filter(|e| e.column as usize == i);
-            own.map_or(0.0, |e| e.value)
-        };
+        let own = self.factors.own();
         let row = |i: usize| {
-            let diagonal = self.weights[i] - self.root[i] * own(i) * self.root[i];
+            let diagonal = self.weights[i] - self.root[i] * own[i] * self.root[i];
             // A row that sees itself alone is left to its own devices.
             diagonal.max(1e-12 * self.weights[i]).recip()
         };
@@ -228,73 +218,24 @@ impl<'a> Reflections<'a> {
 }
 
 /// Σ_j S_ij x_j of each row, for each x.
-pub(super) fn arriving(
-    exchange: &ExchangeAreas,
-    parts: &[Range<usize>],
-    vectors: &[Vec<f64>],
-) -> Vec<Vec<f64>> {
-    fn of_few<const L: usize>(
-        exchange: &ExchangeAreas,
-        parts: &[Range<usize>],
-        few: &[Vec<f64>],
-    ) -> Vec<Vec<f64>> {
-        let sums: Lanes<L> = products(exchange, parts, &lanes(few), |e| e.value);
+pub(super) fn arriving(factors: &dyn FactorOperator, vectors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    fn of_few<const L: usize>(factors: &dyn FactorOperator, few: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let x: Lanes<L> = lanes(few);
+        let sums: Lanes<L> = from_flat(factors.exchanged_lanes(x.as_flattened(), L));
         (0..few.len()).map(|lane| column(&sums, lane)).collect()
     }
     let few = |few: &[Vec<f64>]| match few.len() {
-        1 => of_few::<1>(exchange, parts, few),
-        2 => of_few::<2>(exchange, parts, few),
-        3 | 4 => of_few::<4>(exchange, parts, few),
-        _ => of_few::<LANES>(exchange, parts, few),
+        1 => of_few::<1>(factors, few),
+        2 => of_few::<2>(factors, few),
+        3 | 4 => of_few::<4>(factors, few),
+        _ => of_few::<LANES>(factors, few),
     };
     vectors.chunks(LANES).flat_map(few).collect()
 }
 
-/// Ranges of rows with about equal numbers of pairs, which depend on the matrix alone.
-pub(super) fn parts(exchange: &ExchangeAreas) -> Vec<Range<usize>> {
-    let share = exchange.pairs() / PARTS + 1;
-    let (mut parts, mut start, mut pairs) = (Vec::new(), 0, 0);
-    for i in 0..exchange.len() {
-        pairs += exchange.upper(i).len();
-        if pairs >= share || i + 1 == exchange.len() {
-            parts.push(start..i + 1);
-            (start, pairs) = (i + 1, 0);
-        }
-    }
-    parts
-}
-
-/// The symmetric matrix of `weight(S_ij)` times x.
-pub(super) fn products<const L: usize>(
-    exchange: &ExchangeAreas,
-    parts: &[Range<usize>],
-    x: &Lanes<L>,
-    weight: impl Fn(&azulejo_factors::form_factors::Exchange) -> f64 + Sync,
-) -> Lanes<L> {
-    let part_sums = |part: &Range<usize>| {
-        let mut sums: Lanes<L> = vec![[0.0; L]; x.len()];
-        for i in part.clone() {
-            let (from, mut own) = (x[i], [0.0; L]);
-            for e in exchange.upper(i) {
-                let (j, weight) = (e.column as usize, weight(e));
-                (0..L).for_each(|lane| own[lane] += weight * x[j][lane]);
-                if j != i {
-                    (0..L).for_each(|lane| sums[j][lane] += weight * from[lane]);
-                }
-            }
-            (0..L).for_each(|lane| sums[i][lane] += own[lane]);
-        }
-        sums
-    };
-    let sums: Vec<Lanes<L>> = parts.par_iter().map(part_sums).collect();
-    let total = |i: usize| {
-        let mut total = [0.0; L];
-        for sums in &sums {
-            (0..L).for_each(|lane| total[lane] += sums[i][lane]);
-        }
-        total
-    };
-    (0..x.len()).into_par_iter().map(total).collect()
+/// Numbers of rows side by side as lanes.
+pub(super) fn from_flat<const L: usize>(numbers: Vec<f64>) -> Lanes<L> {
+    numbers.as_chunks::<L>().0.to_vec()
 }
 
 /// At most `L` vectors as one of lanes.

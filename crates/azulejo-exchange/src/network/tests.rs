@@ -3,10 +3,12 @@
 use super::*;
 use crate::bands::SpectralRange;
 use crate::enclosure::{Groups, RowTable};
-use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
+use azulejo_factors::{CompressedFactors, CompressionOptions, FormFactors, PointNormal};
 use azulejo_trace::Progress;
+use glam::DVec3;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// An enclosure of whole rows of S, with mirror reflectances, whose rows lack what goes to the sky.
 pub fn enclosure_of(areas: &[f64], s: &[Vec<f64>], mirrors: &[f64]) -> Enclosure {
@@ -42,6 +44,7 @@ pub fn enclosure_of(areas: &[f64], s: &[Vec<f64>], mirrors: &[f64]) -> Enclosure
             ..RowTable::default()
         },
         outside: None,
+        elsewhere: None,
     }
 }
 
@@ -354,5 +357,85 @@ fn errors_are_those_of_small_changes() {
     assert_eq!(
         (heat.node_temperature_errors[0], heat.node_heat_errors[2]),
         (0.0, 0.0)
+    );
+}
+
+/// The same enclosure with its matrix in blocks, all but `tolerance` of it.
+fn in_blocks(enclosure: &Enclosure, tolerance: f64) -> Enclosure {
+    let mut next = numbers(17);
+    let mut point = || DVec3::new(next(), next(), next());
+    let places: Vec<PointNormal> = (0..enclosure.len())
+        .map(|_| PointNormal {
+            position: point(),
+            normal: point().normalize(),
+        })
+        .collect();
+    let options = CompressionOptions {
+        tolerance,
+        keep_sums: true,
+    };
+    let compressed =
+        CompressedFactors::new(&enclosure.factors, &places, &options, &Progress::new()).unwrap();
+    let mut other = enclosure.clone();
+    other.factors.exchange = ExchangeAreas::new();
+    other.elsewhere = Some(Arc::new(compressed));
+    other
+}
+
+/// Networks and heat balances of blocks are those of the matrix: factored, and by iterations.
+#[test]
+fn blocks_exchange_what_the_matrix_does() {
+    for n in [60usize, 2_100] {
+        let enclosure = random_enclosure(n, 9);
+        let blocks = in_blocks(&enclosure, 1e-6);
+        let ends = &enclosure.factors.ends;
+        let emissivity: Vec<f64> = ends.iter().map(|e| 0.6 * e).collect();
+        let nodes = Groups {
+            of_rows: (0..n as u32).map(|i| Some(i % 3)).collect(),
+            names: vec!["a".into(), "b".into(), "c".into()],
+        };
+        let conditions: Vec<RowCondition> = (0..n)
+            .map(|i| match i % 3 {
+                0 => RowCondition::Temperature(600.0),
+                1 => RowCondition::Temperature(300.0),
+                _ => RowCondition::Flux(50.0),
+            })
+            .collect();
+        let two = |enclosure| {
+            let grey = grey(enclosure, &emissivity);
+            let range = |low, high| SurfaceBand {
+                range: SpectralRange::Between(low, high),
+                ..grey.clone()
+            };
+            let bands = [range(0.0, 6.0), range(6.0, f64::INFINITY)];
+            let found = exchange_factors(&grey, &nodes, &Progress::new()).unwrap();
+            let heat = solve_heat(&[grey], &conditions, &nodes).unwrap();
+            (
+                found,
+                heat,
+                solve_heat(&bands, &conditions, &nodes).unwrap(),
+            )
+        };
+        let ((a, heat, banded), (b, other, other_banded)) = (two(&enclosure), two(&blocks));
+        for (a, b) in a.conductances.iter().zip(&b.conductances) {
+            assert!((a - b).abs() < 1e-5 * a, "{n}: {a} {b}");
+        }
+        assert!(b.asymmetry < 1e-9, "{n}: {}", b.asymmetry);
+        assert!(other_banded.iterations > 0);
+        for (one, other) in [(heat, other), (banded, other_banded)] {
+            let rows = one.temperatures.iter().zip(&other.temperatures);
+            for (a, b) in rows {
+                assert!((a - b).abs() < 1e-4 * a, "{n}: {a} {b}");
+            }
+            assert!(one.node_heat_errors == [0.0; 3] && other.node_heat_errors == [0.0; 3]);
+        }
+    }
+    // What floats is found in blocks too.
+    let blocks = in_blocks(&random_enclosure(12, 1), 1e-3);
+    let bands = [grey(&blocks, &[0.1; 12])];
+    let floats = solve_heat(&bands, &[RowCondition::Flux(1.0); 12], &each_row(12)).unwrap_err();
+    assert!(
+        matches!(floats, ExchangeError::Floating { rows: 12, .. }),
+        "{floats}"
     );
 }

@@ -66,6 +66,7 @@ impl GreyEnclosure {
                     ..RowTable::default()
                 },
                 outside: None,
+                elsewhere: None,
             },
             emissivity: paint.emissivity.clone(),
         }

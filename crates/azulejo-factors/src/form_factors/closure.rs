@@ -28,8 +28,13 @@ impl FormFactors {
     /// closed room.
     pub(super) fn loses_no_light(&self) -> bool {
         let lengths = self.exchange.row_lengths();
-        let seeing: Vec<usize> = (0..self.len()).filter(|&i| lengths[i] > 0).collect();
-        !seeing.is_empty() && seeing.iter().all(|&i| self.rest[i].escaped() <= LOSS)
+        self.seeing_lose_no_light(|i| lengths[i] > 0)
+    }
+
+    /// The same where the matrix is elsewhere, which says which rows see anything.
+    pub(crate) fn seeing_lose_no_light(&self, sees: impl Fn(usize) -> bool) -> bool {
+        let mut seeing = (0..self.len()).filter(|&i| sees(i)).peekable();
+        seeing.peek().is_some() && seeing.all(|i| self.rest[i].escaped() <= LOSS)
     }
 
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by

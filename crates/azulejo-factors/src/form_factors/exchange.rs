@@ -206,6 +206,42 @@ impl ExchangeAreas {
         (0..self.len()).into_par_iter().map(total).collect()
     }
 
+    /// The symmetric matrix of `weight(S_ij)` times L vectors at once, whose numbers of one row stand side
+    /// by side: reading the pairs is what takes the time. The same bits for any number of threads.
+    ///
+    /// # Panics
+    /// If `x` has fewer rows.
+    pub fn products<const L: usize>(
+        &self,
+        x: &[[f64; L]],
+        weight: impl Fn(&Exchange) -> f64 + Sync,
+    ) -> Vec<[f64; L]> {
+        let part_sums = |part: &Range<usize>| {
+            let mut sums = vec![[0.0; L]; x.len()];
+            for i in part.clone() {
+                let (from, mut own) = (x[i], [0.0; L]);
+                for e in self.upper(i) {
+                    let (j, weight) = (e.column as usize, weight(e));
+                    (0..L).for_each(|lane| own[lane] += weight * x[j][lane]);
+                    if j != i {
+                        (0..L).for_each(|lane| sums[j][lane] += weight * from[lane]);
+                    }
+                }
+                (0..L).for_each(|lane| sums[i][lane] += own[lane]);
+            }
+            sums
+        };
+        let sums: Vec<Vec<[f64; L]>> = self.parts().par_iter().map(part_sums).collect();
+        let total = |i: usize| {
+            let mut total = [0.0; L];
+            for sums in &sums {
+                (0..L).for_each(|lane| total[lane] += sums[i][lane]);
+            }
+            total
+        };
+        (0..x.len()).into_par_iter().map(total).collect()
+    }
+
     /// Changes each pair in place; drops it if `keep(i, S_ij)` returns false.
     pub fn retain(&mut self, keep: impl Fn(usize, &mut Exchange) -> bool + Sync) {
         self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {

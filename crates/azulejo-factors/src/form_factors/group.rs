@@ -22,34 +22,26 @@ impl FormFactors {
     pub fn grouped(&self, groups: &[Option<u32>], count: usize) -> FormFactors {
         assert_eq!(groups.len(), self.len(), "one group for each row");
         let grouping = Grouping::new(self, groups, count);
-        let mut grouped = FormFactors {
-            exchange: grouping.exchange(&self.exchange),
-            orders: self.orders.iter().map(|o| grouping.exchange(o)).collect(),
-            areas: grouping.each(|m| m.iter().map(|&i| self.areas[i]).sum()),
-            faces: grouping.each(|m| m.first().map_or(NO_FACE, |&i| self.faces[i])),
-            materials: grouping.each(|m| m.first().map_or(0, |&i| self.materials[i])),
-            is_back: grouping.each(|m| m.first().is_some_and(|&i| self.is_back[i])),
-            rest: grouping.rest(),
-            ends: grouping.each(|m| grouping.mean(m, |i| self.ends[i])),
-            row_errors: Vec::new(),
-            // Sums over many pairs miss little, and no more than their errors.
-            unseen: if self.unseen.is_empty() {
-                Vec::new()
-            } else {
-                vec![0.0; count]
-            },
-            design_effect: DesignEffect::default(),
-            is_closed: self.is_closed,
-            closed: self.closed,
-            truncated: self.truncated,
-            rays: self.rays,
-            engine_used: self.engine_used.clone(),
+        let orders: Vec<ExchangeAreas> = self.orders.iter().map(|o| grouping.exchange(o)).collect();
+        let exchange = match orders.is_empty() {
+            true => grouping.exchange(&self.exchange),
+            false => ExchangeAreas::sum_of(&orders),
         };
-        if !grouped.orders.is_empty() {
-            grouped.exchange = ExchangeAreas::sum_of(&grouped.orders);
+        FormFactors {
+            orders,
+            ..grouping.finish(exchange, &grouping.to_nobody())
         }
-        grouped.update_row_errors();
-        grouped
+    }
+
+    /// The same where the matrix is elsewhere: `exchange` is that between groups, and `to_nobody` Σ_j S_ij
+    /// `ends`_j of each row i over the rows j without a group.
+    pub(crate) fn grouped_as(
+        &self,
+        groups: &[Option<u32>],
+        exchange: ExchangeAreas,
+        to_nobody: &[f64],
+    ) -> FormFactors {
+        Grouping::new(self, groups, exchange.len()).finish(exchange, to_nobody)
     }
 }
 
@@ -111,16 +103,51 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    fn rest(&self) -> Vec<RowRemainder> {
-        let (rest, ends) = (&self.factors.rest, &self.factors.ends);
-        let to_nobody = self.factors.exchange.sums(|i, e| {
+    /// All that is known of groups with these exchange areas.
+    fn finish(&self, exchange: ExchangeAreas, to_nobody: &[f64]) -> FormFactors {
+        let (of, count) = (self.factors, self.members.len());
+        let mut grouped = FormFactors {
+            exchange,
+            orders: Vec::new(),
+            areas: self.each(|m| m.iter().map(|&i| of.areas[i]).sum()),
+            faces: self.each(|m| m.first().map_or(NO_FACE, |&i| of.faces[i])),
+            materials: self.each(|m| m.first().map_or(0, |&i| of.materials[i])),
+            is_back: self.each(|m| m.first().is_some_and(|&i| of.is_back[i])),
+            rest: self.rest(to_nobody),
+            ends: self.each(|m| self.mean(m, |i| of.ends[i])),
+            row_errors: Vec::new(),
+            // Sums over many pairs miss little, and no more than their errors.
+            unseen: if of.unseen.is_empty() {
+                Vec::new()
+            } else {
+                vec![0.0; count]
+            },
+            design_effect: DesignEffect::default(),
+            is_closed: of.is_closed,
+            closed: of.closed,
+            truncated: of.truncated,
+            rays: of.rays,
+            engine_used: of.engine_used.clone(),
+        };
+        grouped.update_row_errors();
+        grouped
+    }
+
+    /// What each row sends to rows without a group, times its area.
+    fn to_nobody(&self) -> Vec<f64> {
+        let ends = &self.factors.ends;
+        self.factors.exchange.sums(|i, e| {
             let j = e.column as usize;
             let received = |by: usize| match self.groups[by] {
                 None => e.value * ends[by],
                 Some(_) => 0.0,
             };
             [received(j), received(i)]
-        });
+        })
+    }
+
+    fn rest(&self, to_nobody: &[f64]) -> Vec<RowRemainder> {
+        let rest = &self.factors.rest;
         self.each(|m| RowRemainder {
             sky: self.mean(m, |i| rest[i].sky),
             sky_error: self.error(m, |i| rest[i].sky_error),

@@ -5,11 +5,11 @@ use super::matrix::RowRemainder;
 use super::near::PairEstimates;
 use super::rows::{self, RowTracing};
 use super::spread::mean_and_variance;
-use crate::engine::{Engine, Estimator};
+use crate::engine::{Engine, EngineUsed, Estimator};
 use crate::proxy::PointNormal;
 use crate::row::{Columns, Row, Side};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Progress};
+use azulejo_trace::{Cancelled, Progress, REPLICATES};
 use rayon::prelude::*;
 
 /// Rows of any sides of a plan, by rays.
@@ -50,6 +50,15 @@ impl PreparedPlan<'_> {
     /// Area of each row, in square scene units.
     pub fn areas(&self) -> Vec<f64> {
         (0..self.rows()).map(|row| self.sides.area(row)).collect()
+    }
+
+    /// The engine of rows by rays, whatever the plan's own.
+    pub(crate) fn rays_used(&self) -> EngineUsed {
+        EngineUsed {
+            name: "rays".to_owned(),
+            device: self.gatherer.surfaces().tracer.kernel_name(),
+            notes: Vec::new(),
+        }
     }
 
     /// Rays per row that are asked for.
@@ -112,16 +121,34 @@ impl RowStream<'_> {
         Ok(rows.par_iter().zip(&found).map(streamed).collect())
     }
 
+    /// X x of some rows in each replicate, for each of the vectors `x`: independent estimates without bias.
+    pub fn products(
+        &self,
+        rows: &[u32],
+        x: &[Vec<f64>],
+        progress: &Progress,
+    ) -> Result<Vec<Vec<[f64; REPLICATES]>>, Cancelled> {
+        let sides = &self.plan.sides;
+        let wanted: Vec<Side> = rows.iter().map(|&i| sides.side(i as usize)).collect();
+        let found = self.estimator.rows(&wanted, progress)?;
+        let products = |row: &Row| x.iter().map(|x| self.product(row, x)).collect();
+        Ok(found.par_iter().map(products).collect())
+    }
+
+    /// Σ_j X_ij x_j of a row in each replicate.
+    fn product(&self, row: &Row, x: &[f64]) -> [f64; REPLICATES] {
+        let column = |side: Side| self.plan.sides.column(side / 2, side.is_multiple_of(2));
+        row.entries.each_ref().map(|entries| {
+            let terms = entries
+                .iter()
+                .filter_map(|e| Some(x[column(e.side)? as usize] * e.weight.mean()));
+            terms.sum()
+        })
+    }
+
     /// The share of a row that ends on columns, and its standard error.
     fn ended(&self, row: &Row) -> (f64, f64) {
-        let replicates = row.entries.each_ref().map(|entries| {
-            let column = |side: Side| self.plan.sides.column(side / 2, side.is_multiple_of(2));
-            let ended = entries
-                .iter()
-                .filter_map(|e| Some(self.ends[column(e.side)? as usize] * e.weight.mean()));
-            ended.sum()
-        });
-        let (mean, variance) = mean_and_variance(replicates);
+        let (mean, variance) = mean_and_variance(self.product(row, &self.ends));
         (mean, variance.sqrt())
     }
 }

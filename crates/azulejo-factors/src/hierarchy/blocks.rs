@@ -163,8 +163,95 @@ impl BlockPart {
         HEADER * self.blocks.len() + 4 * self.values.len() + 2 * self.layout.len()
     }
 
-    /// Adds S x, both by position, to `y`.
-    fn add_product(&self, x: &[f64], y: &mut [f64]) {
+    /// Adds S x, both by position, to `y`, for vectors of `length` numbers that follow each other. A
+    /// block is multiplied by all of them while it is near the processor.
+    fn add_products(&self, x: &[f64], y: &mut [f64], length: usize) {
+        for block in &self.blocks {
+            let lanes = x.chunks_exact(length).zip(y.chunks_exact_mut(length));
+            lanes.for_each(|(x, y)| self.add_product(block, x, y));
+        }
+    }
+
+    fn add_product(&self, block: &Block, x: &[f64], y: &mut [f64]) {
+        let values = &self.values[range(&block.values)];
+        let (rows, columns) = (range(&block.rows), range(&block.columns));
+        match block.kind {
+            BlockKind::Sparse => {
+                let layout = &self.layout[range(&block.layout)];
+                for_each_sparse(layout, values, |p, q, value| {
+                    let (p, q) = (rows.start + p, columns.start + q);
+                    y[p] += value * x[q];
+                    if p != q {
+                        y[q] += value * x[p];
+                    }
+                });
+            }
+            BlockKind::Dense => {
+                for (p, row) in rows.zip(values.chunks_exact(columns.len())) {
+                    y[p] += dot(row, &x[columns.clone()]);
+                    add(&mut y[columns.clone()], x[p], row);
+                }
+            }
+            BlockKind::LowRank { .. } => {
+                for term in values.chunks_exact(rows.len() + columns.len()) {
+                    let (u, v) = term.split_at(rows.len());
+                    let (to_rows, to_columns) =
+                        (dot(v, &x[columns.clone()]), dot(u, &x[rows.clone()]));
+                    add(&mut y[rows.clone()], to_rows, u);
+                    add(&mut y[columns.clone()], to_columns, v);
+                }
+            }
+        }
+    }
+
+    /// Visits both positions and S_pq of all pairs p ≤ q that are not 0.
+    pub fn for_each(&self, visit: &mut dyn FnMut(usize, usize, f64)) {
+        for block in &self.blocks {
+            let values = &self.values[range(&block.values)];
+            let (rows, columns) = (range(&block.rows), range(&block.columns));
+            let mut visit = |p: usize, q: usize, value: f64| {
+                if value != 0.0 {
+                    visit(rows.start + p, columns.start + q, value);
+                }
+            };
+            match block.kind {
+                BlockKind::Sparse => {
+                    for_each_sparse(&self.layout[range(&block.layout)], values, visit);
+                }
+                BlockKind::Dense => {
+                    for (p, row) in values.chunks_exact(columns.len()).enumerate() {
+                        let entries = row.iter().enumerate();
+                        entries.for_each(|(q, &value)| visit(p, q, value.into()));
+                    }
+                }
+                BlockKind::LowRank { .. } => {
+                    for p in 0..rows.len() {
+                        for q in 0..columns.len() {
+                            let terms = values.chunks_exact(rows.len() + columns.len());
+                            let value = |t: &[f32]| f64::from(t[p]) * f64::from(t[rows.len() + q]);
+                            visit(p, q, terms.map(value).sum());
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Visits position and S_pp of rows that see themselves. Blocks on the diagonal are sparse.
+    pub fn for_each_own(&self, visit: &mut dyn FnMut(usize, f64)) {
+        for block in self.blocks.iter().filter(|b| b.rows == b.columns) {
+            let layout = &self.layout[range(&block.layout)];
+            let values = &self.values[range(&block.values)];
+            for_each_sparse(layout, values, |p, q, value| {
+                if p == q {
+                    visit(block.rows.start as usize + p, value);
+                }
+            });
+        }
+    }
+
+    /// Visits pairs of positions that exchange light, enough of them to connect all that do.
+    pub fn for_each_link(&self, visit: &mut dyn FnMut(usize, usize)) {
         for block in &self.blocks {
             let values = &self.values[range(&block.values)];
             let (rows, columns) = (range(&block.rows), range(&block.columns));
@@ -172,26 +259,30 @@ impl BlockPart {
                 BlockKind::Sparse => {
                     let layout = &self.layout[range(&block.layout)];
                     for_each_sparse(layout, values, |p, q, value| {
-                        let (p, q) = (rows.start + p, columns.start + q);
-                        y[p] += value * x[q];
-                        if p != q {
-                            y[q] += value * x[p];
+                        if value > 0.0 {
+                            visit(rows.start + p, columns.start + q);
                         }
                     });
                 }
                 BlockKind::Dense => {
                     for (p, row) in rows.zip(values.chunks_exact(columns.len())) {
-                        y[p] += dot(row, &x[columns.clone()]);
-                        add(&mut y[columns.clone()], x[p], row);
+                        let seen = (0..row.len()).filter(|&q| row[q] > 0.0);
+                        seen.for_each(|q| visit(p, columns.start + q));
                     }
                 }
                 BlockKind::LowRank { .. } => {
+                    // In a product u vᵀ all rows with u exchange with all columns with v.
                     for term in values.chunks_exact(rows.len() + columns.len()) {
                         let (u, v) = term.split_at(rows.len());
-                        let (to_rows, to_columns) =
-                            (dot(v, &x[columns.clone()]), dot(u, &x[rows.clone()]));
-                        add(&mut y[rows.clone()], to_rows, u);
-                        add(&mut y[columns.clone()], to_columns, v);
+                        let seen = |of: &[f32]| -> Vec<usize> {
+                            (0..of.len()).filter(|&k| of[k] != 0.0).collect()
+                        };
+                        let (u, v) = (seen(u), seen(v));
+                        if let (Some(p), Some(q)) = (u.first(), v.first()) {
+                            let (p, q) = (rows.start + p, columns.start + q);
+                            u.iter().for_each(|u| visit(rows.start + u, q));
+                            v.iter().for_each(|v| visit(p, columns.start + v));
+                        }
                     }
                 }
             }
@@ -262,11 +353,12 @@ impl BlockPart {
     }
 }
 
-/// S x by position: the same bits for any number of threads.
-pub(super) fn product(parts: &[BlockPart], x: &[f64]) -> Vec<f64> {
+/// S x by position, for `lanes` vectors that follow each other: the same bits for any number of threads.
+pub(super) fn product(parts: &[BlockPart], x: &[f64], lanes: usize) -> Vec<f64> {
+    let length = (x.len() / lanes).max(1);
     let part = |part: &BlockPart| {
         let mut y = vec![0.0; x.len()];
-        part.add_product(x, &mut y);
+        part.add_products(x, &mut y, length);
         y
     };
     let sums: Vec<Vec<f64>> = parts.par_iter().map(part).collect();

@@ -90,25 +90,59 @@ impl Clusters {
         positions
     }
 
-    /// Of a pair of nodes the one to divide first: the larger that is no leaf.
-    pub fn to_divide(&self, a: usize, b: usize) -> DividedSide {
-        match (self.node(a).is_leaf(), self.node(b).is_leaf()) {
-            (true, true) => DividedSide::Neither,
-            (true, false) => DividedSide::Columns,
-            (false, true) => DividedSide::Rows,
-            // By numbers, so that boxes of one point are divided too.
-            (false, false) if self.node(a).len() >= self.node(b).len() => DividedSide::Rows,
-            (false, false) => DividedSide::Columns,
-        }
+    /// Divides the block of a node with itself, of which these are the pairs: `diagonal` of its first half,
+    /// `between` of both halves, `diagonal` of the second.
+    pub fn quartered<D: Send, B: Send>(
+        &self,
+        node: usize,
+        pairs: &mut [PairArea],
+        diagonal: impl Fn(usize, &mut [PairArea]) -> D + Sync,
+        between: impl FnOnce(usize, usize, &mut [PairArea]) -> B + Send,
+    ) -> (D, B, D) {
+        let [a, b] = self.children(node);
+        let middle = self.node(b).range.start;
+        let count = pairs.len();
+        let (first, rest) = divided(pairs, |e| e.q < middle);
+        let (beside, second) = divided(rest, |e| e.p < middle);
+        let ((first, second), beside) = both(
+            count,
+            || (diagonal(a, first), diagonal(b, second)),
+            || between(a, b, beside),
+        );
+        (first, beside, second)
     }
-}
 
-/// Which of the two clusters of a block is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum DividedSide {
-    Rows,
-    Columns,
-    Neither,
+    /// Divides the block between two nodes, of which these are the pairs, at the larger node that is no
+    /// leaf: its halves, and `of` each of them. `None` for two leaves.
+    pub fn halved<T: Send>(
+        &self,
+        (a, b): (usize, usize),
+        pairs: &mut [PairArea],
+        of: impl Fn(usize, usize, &mut [PairArea]) -> T + Sync,
+    ) -> Option<([(usize, usize); 2], [T; 2])> {
+        let count = pairs.len();
+        let is_leaf = |node: usize| self.node(node).is_leaf();
+        // By numbers, so that boxes of one point are divided too.
+        let divides_rows = is_leaf(b) || self.node(a).len() >= self.node(b).len();
+        let (halves, (first, second)) = if !is_leaf(a) && divides_rows {
+            let [upper, lower] = self.children(a);
+            let middle = self.node(lower).range.start;
+            ([(upper, b), (lower, b)], divided(pairs, |e| e.p < middle))
+        } else if !is_leaf(b) {
+            let [left, right] = self.children(b);
+            let middle = self.node(right).range.start;
+            ([(a, left), (a, right)], divided(pairs, |e| e.q < middle))
+        } else {
+            return None;
+        };
+        let [one, other] = halves;
+        let (one, other) = both(
+            count,
+            || of(one.0, one.1, first),
+            || of(other.0, other.1, second),
+        );
+        Some((halves, [one, other]))
+    }
 }
 
 /// The exchange area of two positions p ≤ q, or what a ray found of it.
@@ -130,7 +164,7 @@ impl PairArea {
 }
 
 /// Moves the pairs for which `is_first` holds to the front, and divides there.
-pub(super) fn divided(
+fn divided(
     pairs: &mut [PairArea],
     is_first: impl Fn(&PairArea) -> bool,
 ) -> (&mut [PairArea], &mut [PairArea]) {
@@ -145,10 +179,10 @@ pub(super) fn divided(
 }
 
 /// Pairs from which on the halves of a block are worth two threads.
-pub(super) const WORTH_THREADS: usize = 10_000;
+const WORTH_THREADS: usize = 10_000;
 
 /// Both results, computed in parallel if there is enough to do.
-pub(super) fn both<A: Send, B: Send>(
+fn both<A: Send, B: Send>(
     pairs: usize,
     a: impl FnOnce() -> A + Send,
     b: impl FnOnce() -> B + Send,

@@ -1,7 +1,7 @@
 //! Compression of a matrix that is there, from the leaves of the block tree up.
 
 use super::blocks::{BlockDraft, BlockNumbers, sparse_bytes};
-use super::clusters::{Clusters, DividedSide, PairArea, both, divided};
+use super::clusters::{Clusters, PairArea};
 use super::low_rank::LowRank;
 use azulejo_trace::{Cancelled, Progress};
 
@@ -48,19 +48,16 @@ impl Compression<'_> {
                 error: 0.0,
             });
         }
-        let [a, b] = self.clusters.children(node);
-        let middle = self.clusters.node(b).range.start;
-        let count = pairs.len();
-        let (first, rest) = divided(pairs, |e| e.q < middle);
-        let (beside, second) = divided(rest, |e| e.p < middle);
-        let (diagonal, beside) = both(
-            count,
-            || (self.diagonal(a, first), self.diagonal(b, second)),
-            || self.between(a, b, beside),
+        let (first, beside, second) = self.clusters.quartered(
+            node,
+            pairs,
+            |node, pairs| self.diagonal(node, pairs),
+            |a, b, pairs| Ok(self.finished(a, b, self.between(a, b, pairs)?)),
         );
-        let mut all = diagonal.0?;
-        all.append(self.finished(a, b, beside?));
-        all.append(diagonal.1?);
+        let mut all = first?;
+        let beside: Result<Compressed, Cancelled> = beside;
+        all.append(beside?);
+        all.append(second?);
         Ok(all)
     }
 
@@ -69,33 +66,14 @@ impl Compression<'_> {
         if pairs.is_empty() {
             return Ok(Built::One(LowRank::default(), 0.0));
         }
-        let count = pairs.len();
-        match self.clusters.to_divide(a, b) {
-            DividedSide::Neither => {
-                self.progress.advance(count as u64)?;
+        let halved = self
+            .clusters
+            .halved((a, b), pairs, |a, b, pairs| self.between(a, b, pairs));
+        match halved {
+            Some((halves, [first, second])) => Ok(self.joined((a, b), halves, [first?, second?])),
+            None => {
+                self.progress.advance(pairs.len() as u64)?;
                 Ok(self.leaf(a, b, pairs))
-            }
-            DividedSide::Rows => {
-                let [upper, lower] = self.clusters.children(a);
-                let middle = self.clusters.node(lower).range.start;
-                let (first, second) = divided(pairs, |e| e.p < middle);
-                let (first, second) = both(
-                    count,
-                    || self.between(upper, b, first),
-                    || self.between(lower, b, second),
-                );
-                Ok(self.joined((a, b), [(upper, b), (lower, b)], [first?, second?]))
-            }
-            DividedSide::Columns => {
-                let [left, right] = self.clusters.children(b);
-                let middle = self.clusters.node(right).range.start;
-                let (first, second) = divided(pairs, |e| e.q < middle);
-                let (first, second) = both(
-                    count,
-                    || self.between(a, left, first),
-                    || self.between(a, right, second),
-                );
-                Ok(self.joined((a, b), [(a, left), (a, right)], [first?, second?]))
             }
         }
     }

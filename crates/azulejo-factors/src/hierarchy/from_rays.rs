@@ -24,6 +24,21 @@ const LEAST_PILOT: u32 = 32;
 /// Entries of a block from which on equal ones are added up before it grows.
 const WORTH_SORTING: usize = 4_096;
 
+/// Bytes of each row besides its rays: patch, blocks while they grow, and what is known of the row.
+/// Measured from 5,000 to 100,000 rows, rounded up.
+const ROW_BYTES: u64 = 4_000;
+
+/// Bytes at the peak of the work by rays, about.
+pub(super) fn forecast_bytes(plan: &PreparedPlan) -> u64 {
+    let pilot = u64::from(pilot_rays(plan.requested_rays()));
+    plan.rows() as u64 * (ROW_BYTES + pilot * size_of::<PairArea>() as u64)
+}
+
+/// Rays of a row that choose blocks.
+fn pilot_rays(rays: u32) -> u32 {
+    (rays / PILOT).max(LEAST_PILOT)
+}
+
 impl CompressedFactors {
     /// Computes form factors by rays, as many for each row as the plan's options say, mirrors and glass
     /// included, without the matrix between all rows: the memory is that of the result, of the rays
@@ -90,7 +105,7 @@ fn shapes(
     progress: &Progress,
 ) -> Result<Vec<BlockShape>, Cancelled> {
     let rays = plan.requested_rays();
-    let pilot = plan.row_stream((rays / PILOT).max(LEAST_PILOT), 0);
+    let pilot = plan.row_stream(pilot_rays(rays), 0);
     let (mut pairs, light) = pilot_pairs(&pilot, clusters, progress)?;
     let partition = Partition {
         clusters,

@@ -40,19 +40,26 @@ mod blocks;
 mod clusters;
 mod compress;
 mod from_rays;
+mod grouped;
 mod low_rank;
 mod operator;
 mod partition;
+mod plan;
 mod scaling;
+mod stated;
 
 use crate::error::FactorsError;
-use crate::form_factors::{FormFactors, RowRemainder};
+use crate::form_factors::{FormFactors, PreparedPlan, RowRemainder};
 use crate::proxy::PointNormal;
 use azulejo_trace::{Cancelled, Progress};
 pub use blocks::{Block, BlockKind, BlockPart};
 use clusters::{Clusters, PairArea};
 use compress::Compression;
+pub use grouped::grouped;
+use operator::probe_vector;
 pub use operator::{FactorOperator, OperatorError, radiosities};
+pub use plan::StatedFactors;
+pub use stated::{Estimated, StatedErrors};
 use std::fmt;
 
 /// Options of compression.
@@ -218,6 +225,25 @@ impl CompressedFactors {
         Ok(found)
     }
 
+    /// What is known of the rows of these factors, which were computed from `plan` by rays: a matrix
+    /// without pairs, whose `exchange` has no rows.
+    ///
+    /// # Panics
+    /// If the plan has other rows.
+    pub fn rows_alone(&self, plan: &PreparedPlan) -> FormFactors {
+        assert_eq!(self.len(), plan.rows(), "the rows of the plan");
+        let mut rows = FormFactors {
+            rest: self.rest.clone(),
+            rays: self.rays,
+            engine_used: plan.rays_used(),
+            ..FormFactors::default()
+        };
+        plan.describe(&mut rows);
+        let sums = self.sums();
+        rows.is_closed = rows.seeing_lose_no_light(|i| sums[i] > 0.0);
+        rows
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.areas.len()
@@ -285,12 +311,25 @@ impl CompressedFactors {
         4 * self.order.len() + self.parts.iter().map(BlockPart::bytes).sum::<usize>()
     }
 
-    fn times(&self, x: &[f64]) -> Vec<f64> {
-        assert_eq!(x.len(), self.len(), "one number for each row");
-        let found = blocks::product(&self.parts, &self.by_position(x));
+    /// S x for several vectors, whose numbers of one row stand side by side.
+    fn times(&self, x: &[f64], lanes: usize) -> Vec<f64> {
+        assert_eq!(x.len(), lanes * self.len(), "lanes for each row");
+        // By position, one vector after the other, as blocks want them.
+        let lane = |lane: usize| {
+            self.order
+                .iter()
+                .map(move |&row| x[lanes * row as usize + lane])
+        };
+        let found = blocks::product(
+            &self.parts,
+            &(0..lanes).flat_map(lane).collect::<Vec<f64>>(),
+            lanes,
+        );
         let mut by_row = vec![0.0; x.len()];
-        for (&row, value) in self.order.iter().zip(found) {
-            by_row[row as usize] = value;
+        for (lane, found) in found.chunks_exact(self.len().max(1)).enumerate() {
+            for (&row, value) in self.order.iter().zip(found) {
+                by_row[lanes * row as usize + lane] = *value;
+            }
         }
         by_row
     }

@@ -1,26 +1,105 @@
 //! Form factors as a linear operator, whole or compressed.
 
 use super::CompressedFactors;
-use crate::form_factors::FormFactors;
+use crate::form_factors::{Exchange, ExchangeAreas, FormFactors};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::fmt;
 
-/// A symmetric matrix of exchange areas S = A X that can be multiplied by a vector.
+/// A symmetric matrix of exchange areas S = A X that can be multiplied by vectors: whole, in blocks, or
+/// wherever else it is.
 ///
 /// One number stands for both directions of a pair, so reciprocity holds to the last bit; products
 /// have the same bits for any number of threads.
-pub trait FactorOperator: Sync {
+pub trait FactorOperator: fmt::Debug + Send + Sync {
     /// Area of each row, in square scene units.
     fn row_areas(&self) -> &[f64];
+
+    /// S x for several vectors at once, since reading S is what takes the time. In `x` and in the
+    /// result the numbers of a row stand side by side, one for each vector: `lanes` ≥ 1 for each row.
+    /// A vector has the same bits whatever the others are.
+    ///
+    /// # Panics
+    /// If `x` has another length than `lanes` numbers for each row.
+    fn exchanged_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64>;
+
+    /// V x for several vectors at once, as [`exchanged_lanes`](FactorOperator::exchanged_lanes), with the
+    /// variances V_ij of S_ij by rays, or upper estimates of them; those that are unknown count as 0.
+    ///
+    /// # Panics
+    /// As there.
+    fn variance_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64>;
+
+    /// Visits i, j and S_ij of each pair i ≤ j that is not 0, once, in any order. For n² pairs, whatever
+    /// the operator stores: for small ones.
+    fn for_each_pair(&self, visit: &mut dyn FnMut(usize, usize, f64));
+
+    /// Numbers that a product reads, which is what it costs.
+    fn numbers(&self) -> u64;
+
+    /// Bytes of the matrix in memory.
+    fn bytes(&self) -> usize;
+
+    /// S_ii of each row.
+    fn own(&self) -> Vec<f64> {
+        let mut own = vec![0.0; self.row_areas().len()];
+        self.for_each_pair(&mut |i, j, value| {
+            if i == j {
+                own[i] = value;
+            }
+        });
+        own
+    }
+
+    /// For each row the first of those with which it exchanges light, directly or by way of others.
+    fn connected(&self) -> Vec<u32> {
+        let mut rows = ConnectedRows::new(self.row_areas().len());
+        self.for_each_pair(&mut |i, j, value| {
+            if value > 0.0 {
+                rows.join(i, j);
+            }
+        });
+        rows.firsts()
+    }
+
+    /// Variance of Σ_ij r_i S_ij x_j from those of S, as if pairs erred by themselves; what rows see of
+    /// themselves may count twice.
+    ///
+    /// # Panics
+    /// If `r` or `x` has another length than there are rows.
+    fn variance_between(&self, r: &[f64], x: &[f64]) -> f64 {
+        // Half of Σ_ij V_ij (r_i x_j + r_j x_i)²: what rows see of themselves counts twice.
+        let lanes: Vec<f64> = r.iter().zip(x).flat_map(|(r, x)| [x * x, r * x]).collect();
+        let spread = self.variance_lanes(&lanes, 2);
+        let rows = r.iter().zip(x).zip(spread.as_chunks::<2>().0);
+        let sum = rows.map(|((r, x), spread)| r * r * spread[0] + r * x * spread[1]);
+        sum.sum::<f64>().max(0.0)
+    }
+
+    /// [`variance_between`](FactorOperator::variance_between) of several pairs of vectors: at once where the
+    /// matrix has to be read from elsewhere.
+    ///
+    /// # Panics
+    /// As there.
+    fn variances_between(&self, vectors: &[(&[f64], &[f64])]) -> Vec<f64> {
+        let pairs = vectors.par_iter();
+        pairs.map(|(r, x)| self.variance_between(r, x)).collect()
+    }
+
+    /// What kept the matrix from being read, of one that is not in memory: products are not numbers from
+    /// then on.
+    fn failure(&self) -> Option<String> {
+        None
+    }
 
     /// S x.
     ///
     /// # Panics
     /// If `x` has another length than there are rows.
-    fn exchanged(&self, x: &[f64]) -> Vec<f64>;
-
-    /// Bytes of the matrix in memory.
-    fn bytes(&self) -> usize;
+    fn exchanged(&self, x: &[f64]) -> Vec<f64> {
+        self.exchanged_lanes(x, 1)
+    }
 
     /// X x: the irradiance of each row by radiosities `x`. 0 for groups without rows.
     ///
@@ -49,14 +128,127 @@ impl FactorOperator for FormFactors {
         &self.areas
     }
 
-    fn exchanged(&self, x: &[f64]) -> Vec<f64> {
-        assert_eq!(x.len(), self.len(), "one number for each row");
-        self.exchange
-            .sums(|i, e| [e.value * x[e.column as usize], e.value * x[i]])
+    fn exchanged_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64> {
+        in_lanes(&self.exchange, x, lanes, |e| e.value)
+    }
+
+    fn variance_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64> {
+        in_lanes(&self.exchange, x, lanes, |e| {
+            let variance = f64::from(e.error).powi(2);
+            if variance.is_finite() { variance } else { 0.0 }
+        })
+    }
+
+    fn for_each_pair(&self, visit: &mut dyn FnMut(usize, usize, f64)) {
+        for i in 0..self.len() {
+            let upper = self.exchange.upper(i).iter();
+            upper.for_each(|e| visit(i, e.column as usize, e.value));
+        }
+    }
+
+    fn numbers(&self) -> u64 {
+        self.exchange.pairs() as u64
     }
 
     fn bytes(&self) -> usize {
         self.exchange.bytes()
+    }
+
+    fn own(&self) -> Vec<f64> {
+        let first = |i: usize| self.exchange.upper(i).first();
+        let own = |i: usize| first(i).filter(|e| e.column as usize == i);
+        (0..self.len())
+            .map(|i| own(i).map_or(0.0, |e| e.value))
+            .collect()
+    }
+
+    fn variance_between(&self, r: &[f64], x: &[f64]) -> f64 {
+        let mut variance = 0.0;
+        for i in 0..self.len() {
+            for e in self.exchange.upper(i) {
+                let k = e.column as usize;
+                let slope = if k == i {
+                    r[i] * x[i]
+                } else {
+                    r[i] * x[k] + r[k] * x[i]
+                };
+                let error = f64::from(e.error);
+                // Errors that are unknown are left out.
+                if error.is_finite() {
+                    variance += (error * slope).powi(2);
+                }
+            }
+        }
+        variance
+    }
+}
+
+/// The matrix of `weight(S_ij)` times vectors, as many at a time as there are loops for.
+fn in_lanes(
+    exchange: &ExchangeAreas,
+    x: &[f64],
+    lanes: usize,
+    weight: impl Fn(&Exchange) -> f64 + Sync,
+) -> Vec<f64> {
+    assert_eq!(x.len(), lanes * exchange.len(), "lanes for each row");
+    match lanes {
+        1 => exchange
+            .products(x.as_chunks::<1>().0, weight)
+            .as_flattened()
+            .to_vec(),
+        2 => exchange
+            .products(x.as_chunks::<2>().0, weight)
+            .as_flattened()
+            .to_vec(),
+        4 => exchange
+            .products(x.as_chunks::<4>().0, weight)
+            .as_flattened()
+            .to_vec(),
+        8 => exchange
+            .products(x.as_chunks::<8>().0, weight)
+            .as_flattened()
+            .to_vec(),
+        _ => {
+            let mut found = vec![0.0; x.len()];
+            for lane in 0..lanes {
+                let own: Vec<[f64; 1]> = x.iter().skip(lane).step_by(lanes).map(|&x| [x]).collect();
+                let product = exchange.products(&own, &weight);
+                let places = found.iter_mut().skip(lane).step_by(lanes);
+                places.zip(product).for_each(|(to, [value])| *to = value);
+            }
+            found
+        }
+    }
+}
+
+/// Rows that exchange light with each other, directly or by way of others.
+pub(super) struct ConnectedRows(Vec<u32>);
+
+impl ConnectedRows {
+    /// So many rows that see nothing.
+    fn new(rows: usize) -> ConnectedRows {
+        ConnectedRows((0..rows as u32).collect())
+    }
+
+    /// Two rows that exchange light.
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The first row of those that are connected with this one.
+    fn first(&mut self, row: usize) -> u32 {
+        let mut i = row as u32;
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    /// For each row the first of those that are connected with it.
+    fn firsts(mut self) -> Vec<u32> {
+        (0..self.0.len()).map(|row| self.first(row)).collect()
     }
 }
 
@@ -91,10 +283,7 @@ impl OperatorError {
         seed: u32,
     ) -> OperatorError {
         let areas = exact.row_areas();
-        let probe = |k: u32| -> Vec<f64> {
-            let row = |i: usize| f64::from(uniform(&[hash(&[seed, k]), i as u32]));
-            (0..areas.len()).map(row).collect()
-        };
+        let probe = |k: u32| probe_vector(areas.len(), seed, k);
         let difference = |x: &[f64]| minus(&found.apply(x), &exact.apply(x));
         let mut product = 0.0;
         for k in 0..probes {
@@ -115,6 +304,12 @@ impl OperatorError {
             mean_of_sum: (squares / areas.len().max(1) as f64).sqrt(),
         }
     }
+}
+
+/// Independent numbers in 0..1.
+pub(super) fn probe_vector(rows: usize, seed: u32, k: u32) -> Vec<f64> {
+    let row = |i: usize| f64::from(uniform(&[hash(&[seed, k]), i as u32]));
+    (0..rows).map(row).collect()
 }
 
 /// The largest ‖M x‖ / ‖x‖, by power iteration from x.
@@ -239,11 +434,57 @@ impl FactorOperator for CompressedFactors {
         &self.areas
     }
 
-    fn exchanged(&self, x: &[f64]) -> Vec<f64> {
-        self.times(x)
+    fn exchanged_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64> {
+        self.times(x, lanes)
+    }
+
+    /// Of hits of rays, each 1/N of a row, X_ij has the variance X_ij / N; S_ij, for which the rays of
+    /// both rows are pooled, S_ij a_i a_j / (a_i + a_j) with a = A / N. Here it is S_ij (a_i + a_j) / 4, which is as
+    /// much for equal rows and otherwise more. Pairs of one block have errors in common that are not in it.
+    fn variance_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64> {
+        let rows = self.areas.iter().zip(&self.entry_noise);
+        let quarters: Vec<f64> = rows.map(|(area, noise)| 0.25 * area * noise).collect();
+        let weigh = |x: &[f64]| -> Vec<f64> {
+            let rows = x.chunks_exact(lanes).zip(&quarters);
+            rows.flat_map(|(x, a)| x.iter().map(move |x| a * x))
+                .collect()
+        };
+        let (before, after) = (self.times(&weigh(x), lanes), weigh(&self.times(x, lanes)));
+        before.iter().zip(after).map(|(a, b)| a + b).collect()
+    }
+
+    fn for_each_pair(&self, visit: &mut dyn FnMut(usize, usize, f64)) {
+        for part in &self.parts {
+            part.for_each(&mut |p, q, value| {
+                let (i, j) = (self.order[p] as usize, self.order[q] as usize);
+                visit(i.min(j), i.max(j), value);
+            });
+        }
+    }
+
+    fn numbers(&self) -> u64 {
+        self.parts.iter().map(|part| part.values.len() as u64).sum()
     }
 
     fn bytes(&self) -> usize {
         self.matrix_bytes()
+    }
+
+    fn own(&self) -> Vec<f64> {
+        let mut own = vec![0.0; self.len()];
+        for part in &self.parts {
+            part.for_each_own(&mut |p, value| own[self.order[p] as usize] = value);
+        }
+        own
+    }
+
+    fn connected(&self) -> Vec<u32> {
+        let mut rows = ConnectedRows::new(self.len());
+        for part in &self.parts {
+            part.for_each_link(&mut |p, q| {
+                rows.join(self.order[p] as usize, self.order[q] as usize);
+            });
+        }
+        rows.firsts()
     }
 }

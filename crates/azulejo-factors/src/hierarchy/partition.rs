@@ -4,7 +4,7 @@
 //! sums stay unbiased.
 
 use super::blocks::MOST_SPARSE;
-use super::clusters::{Clusters, DividedSide, PairArea, both, divided};
+use super::clusters::{Clusters, PairArea};
 use azulejo_trace::{Cancelled, Progress};
 
 /// A block between two clusters, the first before the second or the same.
@@ -52,19 +52,15 @@ impl Partition<'_> {
         if self.clusters.node(node).is_leaf() || is_sparse {
             return Ok(vec![entries(node, node)]);
         }
-        let [a, b] = self.clusters.children(node);
-        let middle = self.clusters.node(b).range.start;
-        let count = pairs.len();
-        let (first, rest) = divided(pairs, |e| e.q < middle);
-        let (beside, second) = divided(rest, |e| e.p < middle);
-        let (diagonal, beside) = both(
-            count,
-            || (self.diagonal(a, first), self.diagonal(b, second)),
-            || self.between(a, b, beside),
+        let (first, beside, second) = self.clusters.quartered(
+            node,
+            pairs,
+            |node, pairs| self.diagonal(node, pairs),
+            |a, b, pairs| self.between(a, b, pairs),
         );
-        let mut all = diagonal.0?;
+        let mut all = first?;
         all.extend(beside?);
-        all.extend(diagonal.1?);
+        all.extend(second?);
         Ok(all)
     }
 
@@ -85,29 +81,11 @@ impl Partition<'_> {
                 is_link: true,
             }]);
         }
-        let count = pairs.len();
-        let (first, second) = match self.clusters.to_divide(a, b) {
-            DividedSide::Neither => return Ok(vec![entries(a, b)]),
-            DividedSide::Rows => {
-                let [upper, lower] = self.clusters.children(a);
-                let middle = self.clusters.node(lower).range.start;
-                let (first, second) = divided(pairs, |e| e.p < middle);
-                both(
-                    count,
-                    || self.between(upper, b, first),
-                    || self.between(lower, b, second),
-                )
-            }
-            DividedSide::Columns => {
-                let [left, right] = self.clusters.children(b);
-                let middle = self.clusters.node(right).range.start;
-                let (first, second) = divided(pairs, |e| e.q < middle);
-                both(
-                    count,
-                    || self.between(a, left, first),
-                    || self.between(a, right, second),
-                )
-            }
+        let halved = self
+            .clusters
+            .halved((a, b), pairs, |a, b, pairs| self.between(a, b, pairs));
+        let Some((_, [first, second])) = halved else {
+            return Ok(vec![entries(a, b)]);
         };
         let mut all = first?;
         all.extend(second?);

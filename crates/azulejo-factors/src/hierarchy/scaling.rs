@@ -32,7 +32,7 @@ pub(super) fn scale(
     for _ in 0..SWEEPS {
         progress.advance(1)?;
         let weighted: Vec<f64> = factors.iter().zip(weights).map(|(d, k)| d * k).collect();
-        let sums = product(parts, &weighted);
+        let sums = product(parts, &weighted, 1);
         let mut worst = 0.0f64;
         for ((factor, sum), target) in factors.iter_mut().zip(sums).zip(targets) {
             let ratio = target / (*factor * sum);

@@ -2,7 +2,9 @@
 
 use crate::scenes::{add_tiles, cube, surface};
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, Plan, RowRemainder};
-use azulejo_factors::hierarchy::{CompressionError, OperatorError, radiosities};
+use azulejo_factors::hierarchy::{
+    self, CompressionError, OperatorError, StatedFactors, radiosities,
+};
 use azulejo_factors::{
     Closure, CompressedFactors, CompressionOptions, Engine, FactorOperator, FactorsError,
     FormFactorOptions, FormFactors, PatchSize, PointNormal, form_factors,
@@ -460,5 +462,157 @@ proptest! {
         let off = error(&found, &factors);
         prop_assert!(found.bound <= tolerance, "{} {tolerance}", found.bound);
         prop_assert!(off <= found.bound + 1e-6 || off.is_nan(), "{off} {}", found.bound);
+    }
+}
+
+/// All that an operator says of its pairs is what its products say.
+fn check_operator(name: &str, operator: &dyn FactorOperator) {
+    let n = operator.row_areas().len();
+    let columns = dense(operator);
+    let mut pairs = vec![vec![0.0; n]; n];
+    operator.for_each_pair(&mut |i, j, value| {
+        assert!(i <= j && pairs[i][j] == 0.0, "{name}: {i} {j} twice");
+        pairs[i][j] = value;
+    });
+    let own = operator.own();
+    for i in 0..n {
+        for j in i..n {
+            let (pair, product) = (pairs[i][j], columns[j][i]);
+            let close = (pair - product).abs() <= 1e-15 + 1e-12 * product.abs();
+            assert!(close, "{name}: {i} {j}: {pair} {product}");
+        }
+        assert!((own[i] - columns[i][i]).abs() <= 1e-15, "{name}: {i}");
+    }
+    for lanes in [1, 2, 3, 4, 8, 9] {
+        let x: Vec<f64> = (0..n * lanes).map(|k| ((k * 7) % 11) as f64).collect();
+        let together = operator.exchanged_lanes(&x, lanes);
+        for lane in 0..lanes {
+            let of = |all: &[f64]| all.iter().skip(lane).step_by(lanes).copied().collect();
+            let (one, found): (Vec<f64>, Vec<f64>) = (of(&x), of(&together));
+            assert_eq!(operator.exchanged(&one), found, "{name}: {lane} of {lanes}");
+        }
+    }
+}
+
+#[test]
+fn operators_are_what_their_products_are() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let matrix = whole(&scene, &rays(300, 512));
+    check_operator("whole", &matrix.0);
+    for tolerance in [0.0, 1e-2] {
+        check_operator("compressed", &compressed(&matrix, &with(tolerance, false)));
+        check_operator("by rays", &by_rays(&scene, &rays(300, 512), tolerance));
+    }
+}
+
+#[test]
+fn groups_of_blocks_are_those_of_the_matrix() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let matrix = whole(&scene, &rays(400, 1_024));
+    let found = compressed(&matrix, &with(0.0, false));
+    // Every fifth row belongs to no group.
+    let group = |i: usize| (i % 5 > 0).then_some((i % 11) as u32);
+    let groups: Vec<Option<u32>> = (0..found.len()).map(group).collect();
+    let truth = matrix.0.grouped(&groups, 11);
+    let mut rows = matrix.0.clone();
+    rows.exchange = ExchangeAreas::new();
+    let grouped = hierarchy::grouped(&found, &rows, &groups, 11, &Progress::new()).unwrap();
+    assert_eq!(grouped.areas, truth.areas);
+    for a in 0..11 {
+        assert!((grouped.rest[a].hidden - truth.rest[a].hidden).abs() < 1e-6);
+        for b in 0..11 {
+            let (x, y) = (grouped.get(a, b), truth.get(a, b));
+            assert!((x.0 - y.0).abs() < 1e-6 * y.0, "{a} {b}: {x:?} {y:?}");
+            // Blocks know the noise of rows, not that of pairs.
+            let ratio = x.1 / y.1;
+            assert!((0.5..2.0).contains(&ratio), "{a} {b}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn rows_that_see_each_other_are_connected() {
+    // Two rooms, one in the other's outside.
+    let mut scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let mut other = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    for mut object in other.objects.drain(..) {
+        if let azulejo_scene::Shape::Mesh(mesh) = &mut object.shape {
+            mesh.positions.iter_mut().for_each(|p| *p += 3.0 * DVec3::X);
+        }
+        scene.objects.push(object);
+    }
+    let matrix = whole(&scene, &exact(600));
+    let truth = matrix.0.connected();
+    let mut kinds = truth.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    assert_eq!(kinds.len(), 2);
+    for tolerance in [0.0, 1e-2] {
+        let found = compressed(&matrix, &with(tolerance, true));
+        assert_eq!(found.connected(), truth, "{tolerance}");
+    }
+    assert_eq!(by_rays(&scene, &exact(600), 1e-2).connected(), truth);
+}
+
+/// Errors that rays estimate are those against formulas, which rays do not know.
+#[test]
+fn stated_errors_are_the_errors() {
+    let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let (truth, _) = whole(&scene, &exact(2_400));
+    let tracer = Tracer::new(&scene);
+    for count in [256, 2_048] {
+        let options = rays(2_400, count);
+        let plan = Plan::new(&scene, &tracer, &options).unwrap();
+        let compression = with(1e-2, true);
+        let progress = Progress::new();
+        let found = StatedFactors::of(&plan.prepare(), &compression, &progress).unwrap();
+        assert!(found.stated.rows == 1_024 && found.factors.kinds()[2] > 0);
+        assert!(found.whole_bytes as usize > found.factors.bytes());
+        let off = OperatorError::of(&found.factors, &truth, 4, 0);
+        let stated = found.stated.product;
+        eprintln!("{count}: {off:?}, {:?}", found.stated);
+        assert!(
+            (stated.value - off.product).abs() <= 3.0 * stated.error,
+            "{stated:?} {off:?}"
+        );
+        assert!(stated.error < 0.2 * stated.value, "{stated:?}");
+        assert!(found.stated.sums.value < 1e-3);
+    }
+    // Formulas are compressed as a whole, with errors against the whole.
+    let options = exact(600);
+    let plan = Plan::new(&scene, &tracer, &options).unwrap();
+    let found = StatedFactors::of(&plan.prepare(), &with(1e-3, true), &Progress::new()).unwrap();
+    assert!(found.stated.rows == 0 && found.stated.product.value < 1e-3);
+    assert!(found.rows.exchange.is_empty() && found.rows.len() == found.factors.len());
+}
+
+#[test]
+fn what_does_not_fit_is_by_rays_or_refused() {
+    let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
+    let tracer = Tracer::new(&scene);
+    let of = |engine: Engine, memory: u64| {
+        let options = FormFactorOptions {
+            engine,
+            memory,
+            ..rays(1_500, 256)
+        };
+        let plan = Plan::new(&scene, &tracer, &options).unwrap();
+        StatedFactors::of(&plan.prepare(), &with(1e-2, true), &Progress::new())
+    };
+    // The matrix alone would fit.
+    let options = exact(1_500);
+    let plan = Plan::new(&scene, &tracer, &options).unwrap();
+    let whole = plan.prepare().forecast(&Progress::new()).unwrap();
+    let found = of(Engine::Auto, whole.bytes + 6 * whole.pairs).unwrap();
+    assert!(found.stated.rows > 0);
+    let notes = found.rows.engine_used.notes.concat();
+    assert!(notes.contains("more than the memory"), "{notes}");
+    for (engine, memory) in [(Engine::Analytic, 12 << 20), (Engine::Rays, 2 << 20)] {
+        let refused = of(engine, memory).unwrap_err();
+        let is_too_large = matches!(
+            refused,
+            CompressionError::Factors(FactorsError::TooLarge { .. })
+        );
+        assert!(is_too_large, "{refused}");
     }
 }

@@ -5,6 +5,7 @@
 //! are 1 January 1980.
 
 use super::npy::StoredArray;
+use super::{ArrayCompression, ArraySink};
 use std::io::{self, BufWriter, Read, Seek, Write};
 use zip::result::ZipError;
 use zip::write::{SimpleFileOptions, StreamWriter};
@@ -13,23 +14,27 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 /// Bytes gathered before they are compressed.
 const BUFFER: usize = 1 << 16;
 
-/// Level of compression, 1 to 9: the fastest, because higher ones gain little on numbers.
-const LEVEL: i64 = 1;
-
 /// Writes archive members one after the other; [`finish`](NpzWriter::finish) writes the directory.
 pub struct NpzWriter<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
+    compression: ArrayCompression,
 }
 
 impl<W: Write> NpzWriter<W> {
-    /// An archive without members.
+    /// An archive without members, which will be compressed.
     pub fn new(out: W) -> NpzWriter<W> {
+        NpzWriter::with(ArrayCompression::Fast, out)
+    }
+
+    /// An archive without members, which will be compressed or not.
+    pub fn with(compression: ArrayCompression, out: W) -> NpzWriter<W> {
         NpzWriter {
             zip: ZipWriter::new_stream(out),
+            compression,
         }
     }
 
-    /// Adds the member `name.npy` with the content that `write` writes, compressed.
+    /// Adds the member `name.npy` with the content that `write` writes.
     ///
     /// # Errors
     /// Those of writing.
@@ -38,9 +43,13 @@ impl<W: Write> NpzWriter<W> {
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
+        let (method, level) = match self.compression {
+            ArrayCompression::None => (CompressionMethod::Stored, None),
+            ArrayCompression::Fast => (CompressionMethod::Deflated, Some(i64::from(super::LEVEL))),
+        };
         let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
-            .compression_level(Some(LEVEL))
+            .compression_method(method)
+            .compression_level(level)
             .large_file(true);
         self.zip.start_file(format!("{name}.npy"), options)?;
         let mut out = BufWriter::with_capacity(BUFFER, &mut self.zip);
@@ -54,6 +63,16 @@ impl<W: Write> NpzWriter<W> {
     /// Those of writing.
     pub fn finish(self) -> io::Result<W> {
         Ok(self.zip.finish()?.into_inner())
+    }
+}
+
+impl<W: Write> ArraySink for NpzWriter<W> {
+    fn add_array(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.add(name, write)
     }
 }
 

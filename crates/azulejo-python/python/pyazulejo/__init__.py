@@ -15,6 +15,7 @@ the command ``azulejo``. Long calls release the interpreter, end on Ctrl-C, and 
 """
 
 from ._brdf import brdf, directions
+from ._compressed import CompressedFactors
 from ._exchange import Exchange, band_fraction, exchange
 from ._form_factors import Factor, FormFactors, form_factors
 from ._light import Irradiance, probe, render, solve_light, tone_map
@@ -26,6 +27,7 @@ from ._scene import MeshArrays, Scene, load
 
 __all__ = [
     "AzulejoError",
+    "CompressedFactors",
     "Exchange",
     "Factor",
     "FormFactors",

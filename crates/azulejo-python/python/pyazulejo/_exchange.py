@@ -16,7 +16,7 @@ from ._checks import listed, numbers, whole
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
-from ._form_factors import Factor, FormFactors
+from ._form_factors import Factor
 from ._materials import Materials, material_table
 from ._progress import Progress, watching
 from ._pyazulejo import (
@@ -26,6 +26,7 @@ from ._pyazulejo import (
     band_fractions,
     solve_exchange,
 )
+from ._rows import MatrixRows
 from ._scene import _read_only
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 
 def exchange(
-    factors: FormFactors | Sequence[FormFactors],
+    factors: MatrixRows | Sequence[MatrixRows],
     materials: Materials | None = None,
     *,
     by: str = "object",
@@ -49,7 +50,7 @@ def exchange(
 
     Parameters
     ----------
-    factors : FormFactors, or several
+    factors : FormFactors or CompressedFactors, or several
         Factors of the same rows; several if bands have other mirrors, of which each band takes the
         first that was computed with its own.
     materials : path, Material, float, or mapping of str to Material, optional
@@ -120,7 +121,7 @@ def band_fraction(product: npt.ArrayLike) -> Any:
 
 
 def solved(
-    factors: FormFactors | Sequence[FormFactors],
+    factors: MatrixRows | Sequence[MatrixRows],
     materials: Materials | None,
     conditions: dict[str, Any] | None,
     by: str,
@@ -130,11 +131,11 @@ def solved(
     threads: int | None,
     progress: Progress,
 ) -> NativeThermalSolution:
-    if not isinstance(factors, (FormFactors, Sequence)):
+    if not isinstance(factors, (MatrixRows, Sequence)):
         raise TypeError(f"factors is a {type(factors).__name__}, expected FormFactors")
-    several = [factors] if isinstance(factors, FormFactors) else list(factors)
+    several = [factors] if isinstance(factors, MatrixRows) else list(factors)
     for item in several:
-        if not isinstance(item, FormFactors):
+        if not isinstance(item, MatrixRows):
             raise TypeError(f"factors has a {type(item).__name__}, expected FormFactors")
     if not several:
         raise AzulejoError("there are no form factors")
@@ -153,7 +154,7 @@ def solved(
     return native
 
 
-def _table(factors: list[FormFactors], materials: Materials | None) -> NativeMaterials:
+def _table(factors: list[MatrixRows], materials: Materials | None) -> NativeMaterials:
     if materials is not None:
         return material_table(materials)
     table = next((f._table for f in factors if f._table is not None), None)

@@ -6,7 +6,7 @@ import warnings as _warnings
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,17 +15,20 @@ from ._checks import division, hemicubes, listed, optional_whole, periods, posit
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
+from ._compressed import CompressedFactors
 from ._foreign import check_sums, compressed, row_list, row_names
 from ._progress import Progress, watching
 from ._pyazulejo import (
     AzulejoError,
     NativeFormFactors,
     NativeMaterials,
+    compute_compressed_factors,
     compute_form_factors,
     foreign_form_factors,
     load_form_factors,
     save_form_factors,
 )
+from ._rows import MatrixRows
 from ._scene import Scene, _read_only
 from ._scene import _unit as _metres
 
@@ -51,6 +54,7 @@ class Factor(float):
         return float(self), self.std_error
 
 
+@overload
 def form_factors(
     scene: Scene,
     by: str = "patch",
@@ -67,11 +71,57 @@ def form_factors(
     resolution: int | None = None,
     patch_points: int | None = None,
     periodic: str | Mapping[str, float | None] | None = None,
+    compress: None = None,
     seed: int = 0,
     memory: int | str | None = None,
     threads: int | None = None,
     progress: Progress = None,
-) -> FormFactors:
+) -> FormFactors: ...
+@overload
+def form_factors(
+    scene: Scene,
+    by: str = "patch",
+    *,
+    patches: int | None = None,
+    patch_size: float | None = None,
+    rays: int | None = None,
+    engine: str = "auto",
+    two_sided: bool = False,
+    closure: bool | str | None = None,
+    separate: bool = False,
+    formulas: bool = True,
+    tolerance: float | None = None,
+    resolution: int | None = None,
+    patch_points: int | None = None,
+    periodic: str | Mapping[str, float | None] | None = None,
+    compress: float,
+    seed: int = 0,
+    memory: int | str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> CompressedFactors: ...
+def form_factors(
+    scene: Scene,
+    by: str = "patch",
+    *,
+    patches: int | None = None,
+    patch_size: float | None = None,
+    rays: int | None = None,
+    engine: str = "auto",
+    two_sided: bool = False,
+    closure: bool | str | None = None,
+    separate: bool = False,
+    formulas: bool = True,
+    tolerance: float | None = None,
+    resolution: int | None = None,
+    patch_points: int | None = None,
+    periodic: str | Mapping[str, float | None] | None = None,
+    compress: float | None = None,
+    seed: int = 0,
+    memory: int | str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> FormFactors | CompressedFactors:
     """Compute the form factors (view factors) between all surfaces of a scene.
 
     The entry in row i, column j is the share of the light leaving i diffusely that arrives at j,
@@ -108,6 +158,10 @@ def form_factors(
         Axes along which the scene repeats itself without end: ``"x,y"``, or with the distances from
         copy to copy, scene units, where these are not its size: ``{"x": 96.0, "y": None}``. Rays take
         the place of other engines.
+    compress : float, optional
+        The matrix in blocks between clusters of patches, for 100,000 of them and more: the error of
+        products with it, relative to the largest that there could be, such as 1e-3. By rays, and
+        where it would not fit in `memory`, the whole matrix never exists.
     seed : int, optional
         Seed of the random numbers.
     memory : int or str, optional
@@ -120,7 +174,7 @@ def form_factors(
 
     Returns
     -------
-    FormFactors
+    FormFactors, or CompressedFactors with `compress`
 
     Warns
     -----
@@ -150,13 +204,35 @@ def form_factors(
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }
+    tolerance_of_blocks = _compression(compress, by, bool(separate))
+    found: FormFactors | CompressedFactors
     with watching(progress) as callback:
-        native, flaws = compute_form_factors(
-            scene._native, by, options, _threads(threads), callback
-        )
+        if tolerance_of_blocks is None:
+            native, flaws = compute_form_factors(
+                scene._native, by, options, _threads(threads), callback
+            )
+            found = FormFactors._of(native, scene._table)
+        else:
+            blocks, flaws = compute_compressed_factors(
+                scene._native, tolerance_of_blocks, options, _threads(threads), callback
+            )
+            found = CompressedFactors(blocks, scene._table)
     for flaw in flaws:
         _warnings.warn(flaw, UserWarning, stacklevel=2)
-    return FormFactors._of(native, scene._table)
+    return found
+
+
+def _compression(compress: float | None, by: str, separate: bool) -> float | None:
+    if compress is None:
+        return None
+    tolerance = real("compress", compress)
+    if not 0 < tolerance < 1:
+        raise AzulejoError(f"compress is {tolerance}, expected more than 0 and less than 1, as 1e-3")
+    if by != "patch":
+        raise AzulejoError(f'compress: rows are patches, but by="{by}": group() the result')
+    if separate:
+        raise AzulejoError("compress: blocks hold the sum of all orders, but separate=True")
+    return tolerance
 
 
 def _closure(closure: bool | str | None) -> str | None:
@@ -165,7 +241,7 @@ def _closure(closure: bool | str | None) -> str | None:
     return closure
 
 
-class FormFactors:
+class FormFactors(MatrixRows):
     """A matrix of form factors with what is known of its rows.
 
     It never changes: :meth:`close`, :meth:`truncate` and :meth:`group` return others, and all arrays
@@ -205,8 +281,6 @@ class FormFactors:
     1.0
     """
 
-    _native: NativeFormFactors
-    _table: NativeMaterials | None
     _asymmetry: float
 
     def __init__(
@@ -338,14 +412,6 @@ class FormFactors:
         labels = list(self.names) if self.names is not None else list(range(len(self)))
         return DataFrame(self.matrix.toarray(), index=labels, columns=labels)
 
-    def __len__(self) -> int:
-        return len(self._native)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(n, n)"""
-        return len(self), len(self)
-
     @cached_property
     def _buffers(self) -> tuple[npt.NDArray[Any], ...]:
         """Data, standard errors, columns and starts of rows: made once, owned by compiled code."""
@@ -384,152 +450,9 @@ class FormFactors:
         return first, second, third
 
     @cached_property
-    def areas(self) -> Floats:
-        """(n,), square scene units."""
-        return _read_only(self._native.areas)
-
-    def _rest(self, name: str) -> Floats:
-        return _read_only(self._native.share(name))
-
-    @cached_property
-    def sky(self) -> Floats:
-        """(n,): share that leaves the scene upwards, the sky view factor."""
-        return self._rest("sky")
-
-    @cached_property
-    def sky_error(self) -> Floats:
-        """(n,): standard error of `sky`."""
-        return self._rest("sky_error")
-
-    @cached_property
-    def ground(self) -> Floats:
-        """(n,): share that leaves the scene downwards."""
-        return self._rest("ground")
-
-    @cached_property
-    def ground_error(self) -> Floats:
-        """(n,): standard error of `ground`."""
-        return self._rest("ground_error")
-
-    @cached_property
-    def hidden(self) -> Floats:
-        """(n,): share that ends on sides without a row: backs, without ``two_sided``."""
-        return self._rest("hidden")
-
-    @cached_property
-    def cut(self) -> Floats:
-        """(n,): share that is cut off between mirrors as too weak."""
-        return self._rest("cut")
-
-    @cached_property
-    def lost(self) -> Floats:
-        """(n,): share that is absorbed where there is no row, in coloured glass."""
-        return self._rest("lost")
-
-    @cached_property
-    def irradiance(self) -> Floats | None:
-        """(n, 3): light of the scene's sun, sky and pictures of the surroundings on each row, W/m²,
-        red, green and blue, straight and by way of one mirror; None if there is none."""
-        outside = self._native.outside
-        return None if outside is None else _read_only(outside[0])
-
-    @cached_property
-    def irradiance_error(self) -> Floats | None:
-        """(n, 3): standard error of `irradiance`."""
-        outside = self._native.outside
-        return None if outside is None else _read_only(outside[1])
-
-    @cached_property
     def row_error(self) -> Floats:
         """(n,): expected sum of the errors of a row, sky and ground included."""
         return _read_only(self._native.row_error)
-
-    @cached_property
-    def ends(self) -> Floats:
-        """(n,): share of the light arriving at each column that ends there, 1 − ρ_s. Rows close:
-        ``f @ f.ends + f.sky + f.ground + f.hidden + f.cut + f.lost`` is 1 but for noise."""
-        return _read_only(self._native.ends)
-
-    @cached_property
-    def names(self) -> tuple[str, ...] | None:
-        """Names of the rows if they are groups, else None. Backs are groups of their own."""
-        names = self._native.names
-        return None if names is None else tuple(names)
-
-    @cached_property
-    def _pieces(self) -> list[npt.NDArray[Any]]:
-        return [_read_only(array) for array in self._native.pieces]
-
-    @property
-    def object(self) -> npt.NDArray[np.int32]:
-        """(n,): the number of each row's object in the scene; of a group, that of its first patch."""
-        return self._pieces[0]
-
-    @property
-    def face(self) -> npt.NDArray[np.int32]:
-        """(n,): the number of each row's face in its object."""
-        return self._pieces[1]
-
-    @property
-    def material(self) -> npt.NDArray[np.int32]:
-        """(n,): the number of each row's material in the scene."""
-        return self._pieces[2]
-
-    @property
-    def is_back(self) -> npt.NDArray[np.bool_]:
-        """(n,): whether each row is the back of its patch."""
-        return self._pieces[3]
-
-    @cached_property
-    def _geometry(self) -> tuple[npt.NDArray[Any], ...]:
-        geometry = self._native.geometry
-        if geometry is None:
-            if self.engine == "given":
-                raise AzulejoError(
-                    "the matrix was given without geometry, so its rows have no corners"
-                )
-            raise AzulejoError('rows are groups, which have no corners: ask for by="patch"')
-        return tuple(_read_only(array) for array in geometry)
-
-    @property
-    def corners(self) -> Floats:
-        """(c, 3): corners of all patches, counter-clockwise from the front, scene units."""
-        return self._geometry[0]
-
-    @property
-    def corner_offsets(self) -> npt.NDArray[np.int64]:
-        """(n + 1,): row i has ``corners[corner_offsets[i]:corner_offsets[i + 1]]``, three or four."""
-        return self._geometry[1]
-
-    @property
-    def centroids(self) -> Floats:
-        """(n, 3), scene units."""
-        return self._geometry[2]
-
-    @property
-    def normals(self) -> Floats:
-        """(n, 3): unit normals."""
-        return self._geometry[3]
-
-    @property
-    def engine(self) -> str:
-        """The engine that ran."""
-        return self._native.engine[0]
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Why that engine ran, and deviations from what was asked for."""
-        return tuple(self._native.engine[2])
-
-    @property
-    def rays(self) -> int:
-        """Rays traced from patches."""
-        return self._native.rays
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether no row loses light to the outside."""
-        return self._native.is_closed
 
     @property
     def closed(self) -> Mapping[str, float] | None:
@@ -576,24 +499,7 @@ class FormFactors:
         FormFactors
             Its names are the labels as text, in the order of their first row.
         """
-        if isinstance(labels, str):
-            return self._changed(self._native.grouped_by(labels))
-        if isinstance(labels, Mapping):
-            labels = self._labels_of_names(labels)
-        listed_labels = labels.tolist() if isinstance(labels, np.ndarray) else list(labels)
-        if len(listed_labels) != len(self):
-            raise AzulejoError(f"{len(listed_labels)} labels for {len(self)} rows")
-        numbers: dict[Hashable, int] = {}
-        groups = [
-            -1 if label is None else numbers.setdefault(label, len(numbers))
-            for label in listed_labels
-        ]
-        names = [str(label) for label in numbers]
-        if not names:
-            raise AzulejoError("no row has a label")
-        if len(set(names)) < len(names):
-            raise AzulejoError("two labels are the same as text")
-        return self._changed(self._native.grouped(np.asarray(groups, dtype=np.int64), names))
+        return self._changed(self._grouped(labels))
 
     def cluster(
         self, count: int, *, angle: float = 30.0, whole_faces: bool = False
@@ -634,14 +540,6 @@ class FormFactors:
 
     def _changed(self, native: NativeFormFactors) -> FormFactors:
         return FormFactors._of(native, self._table, self._asymmetry)
-
-    def _labels_of_names(self, labels: Mapping[str, Hashable]) -> list[Hashable]:
-        if self.names is None:
-            raise AzulejoError("rows are patches, which have no names: pass a label for each row")
-        missing = [name for name in self.names if name not in labels]
-        if missing:
-            raise AzulejoError(f"no label for {listed(missing)}")
-        return [labels[name] for name in self.names]
 
     def __getitem__(self, key: tuple[str | int, str | int]) -> Factor:
         if not isinstance(key, tuple) or len(key) != 2:

@@ -8,16 +8,19 @@ from numpy.typing import NDArray
 
 __all__ = [
     "AzulejoError",
+    "NativeCompressedFactors",
     "NativeFormFactors",
     "NativeMaterials",
     "NativeScene",
     "NativeThermalSolution",
     "__version__",
     "band_fractions",
+    "compute_compressed_factors",
     "compute_form_factors",
     "compute_point_factors",
     "evaluate_brdf",
     "foreign_form_factors",
+    "load_compressed_factors",
     "load_form_factors",
     "load_scene",
     "probe_irradiance",
@@ -107,6 +110,23 @@ class NativeFormFactors:
     def rays(self) -> int: ...
 
 @final
+class NativeCompressedFactors:
+    def __len__(self) -> int: ...
+    @property
+    def rows(self) -> NativeFormFactors: ...
+    def products(self, x: _Floats, transposed: bool) -> _Floats: ...
+    def product_with_errors(self, x: list[float]) -> tuple[_Floats, _Floats]: ...
+    @property
+    def stated(self) -> list[float]: ...
+    @property
+    def traced_again(self) -> int: ...
+    @property
+    def bytes(self) -> tuple[int, int]: ...
+    @property
+    def blocks(self) -> list[int]: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+
+@final
 class NativeMaterials:
     @staticmethod
     def read(path: str | PathLike[str]) -> NativeMaterials: ...
@@ -157,6 +177,9 @@ def band_fractions(products: _Floats) -> _Floats: ...
 def save_form_factors(
     factors: NativeFormFactors, path: str | PathLike[str], options: dict[str, Any]
 ) -> tuple[list[str], list[str]]: ...
+def load_compressed_factors(
+    path: str | PathLike[str], memory: int | None
+) -> NativeCompressedFactors: ...
 def load_form_factors(
     path: str | PathLike[str], memory: int | None
 ) -> tuple[NativeFormFactors, float]: ...
@@ -194,6 +217,13 @@ def load_scene(
     threads: int | None,
     progress: Any,
 ) -> NativeScene: ...
+def compute_compressed_factors(
+    scene: NativeScene,
+    compress: float,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> tuple[NativeCompressedFactors, list[str]]: ...
 def compute_form_factors(
     scene: NativeScene,
     by: str,

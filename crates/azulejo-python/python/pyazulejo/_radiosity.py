@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from ._checks import numbers, real
 from ._exchange import Exchange, node_index, solved
-from ._form_factors import Factor, FormFactors
+from ._form_factors import Factor
 from ._materials import Materials
 from ._progress import Progress
 from ._pyazulejo import AzulejoError, NativeThermalSolution
+from ._rows import MatrixRows
 from ._scene import _read_only
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ RowValues = Union[float, Mapping[str, float], "npt.ArrayLike"]
 
 
 def radiosity(
-    factors: FormFactors | Sequence[FormFactors],
+    factors: MatrixRows | Sequence[MatrixRows],
     materials: Materials | None = None,
     T: RowValues | None = None,
     q: RowValues | None = None,
@@ -82,7 +83,7 @@ def radiosity(
         whole if value is None else _kelvin(name, value)
         for name, value in (("sky", sky), ("ground", ground))
     ]
-    count = len(factors) if isinstance(factors, FormFactors) else None
+    count = len(factors) if isinstance(factors, MatrixRows) else None
     conditions = {
         "temperatures": _values("T", T, count),
         "fluxes": _values("q", q, count),
