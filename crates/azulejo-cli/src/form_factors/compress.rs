@@ -35,7 +35,7 @@ pub fn run(
         room: None,
         journal: FactorJournal::None,
     };
-    let setup = FactorSetup::new(&scene, how)?;
+    let setup = FactorSetup::new(&scene, how, session)?;
     let plan = setup.plan(&scene, how, session)?;
     let prepared = plan.prepare();
     let options = CompressionOptions {
