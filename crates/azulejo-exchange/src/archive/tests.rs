@@ -317,9 +317,12 @@ fn damaged_blocks_are_named() {
             let array = npz.array(&known).unwrap().unwrap();
             if let Some(texts) = array.texts() {
                 let scalar = array.shape().is_empty();
-                let write = |w: &mut dyn std::io::Write| match scalar {
-                    true => npy::write_bytes(texts[0].as_bytes(), w),
-                    false => npy::write_texts(&texts, w),
+                let write = |w: &mut dyn std::io::Write| {
+                    if scalar {
+                        npy::write_bytes(texts[0].as_bytes(), w)
+                    } else {
+                        npy::write_texts(&texts, w)
+                    }
                 };
                 out.add(&known, write).unwrap();
                 continue;
