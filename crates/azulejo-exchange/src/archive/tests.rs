@@ -4,6 +4,7 @@ use super::*;
 use crate::enclosure::Enclosure;
 use crate::enclosure::OutsideLight;
 use crate::enclosure::tests::two_squares;
+use crate::files::{FactorFileError, FactorFormat, FileOptions};
 use azulejo_factors::form_factors::{ExchangeAreas, Plan};
 use azulejo_factors::hierarchy::{FactorOperator, StatedFactors};
 use azulejo_factors::{
@@ -301,6 +302,9 @@ fn blocks_come_back() {
         .unwrap_err()
         .to_string();
     assert!(refused.contains("no single entries"), "{refused}");
+    let options = FileOptions::default();
+    let files = FactorFormat::Csv.prepare(&read.enclosure, &options);
+    assert!(matches!(files, Err(FactorFileError::Elsewhere)));
 }
 
 #[test]

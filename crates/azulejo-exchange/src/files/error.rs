@@ -53,6 +53,8 @@ pub enum FactorFileError {
         /// What is missing, and how to give it.
         message: &'static str,
     },
+    /// The matrix is not among its factors, and has no single entries.
+    Elsewhere,
     /// A format of several files cannot be written to one.
     SeveralFiles {
         /// The format.
@@ -100,6 +102,9 @@ impl fmt::Display for FactorFileError {
                  .npz that was",
             ),
             E::Missing { format, message } => write!(f, "{format}: {message}"),
+            E::Elsewhere => f.write_str(
+                "the matrix is in blocks, which have no single entries: write that between groups of its rows",
+            ),
             E::SeveralFiles { format } => {
                 write!(f, "{format} consists of several files, which need a folder")
             }

@@ -132,13 +132,16 @@ impl FactorFormat {
     /// Checks that a matrix can be written in this format, and prepares its files.
     ///
     /// # Errors
-    /// [`FactorFileError`]: rows that the program does not have, names that it cannot read, mirrors.
+    /// [`FactorFileError`]: rows that the program does not have, names that it cannot read, mirrors, blocks.
     pub fn prepare<'a>(
         self,
         enclosure: &'a Enclosure,
         options: &'a FileOptions,
     ) -> Result<FactorFiles<'a>, FactorFileError> {
         use FactorFormat as F;
+        if enclosure.elsewhere.is_some() {
+            return Err(FactorFileError::Elsewhere);
+        }
         match self {
             F::Npz => Ok(FactorFiles::single(|out| {
                 archive::write(enclosure, options.archive(), out)

@@ -23,9 +23,10 @@ impl FormFactors {
         assert_eq!(groups.len(), self.len(), "one group for each row");
         let grouping = Grouping::new(self, groups, count);
         let orders: Vec<ExchangeAreas> = self.orders.iter().map(|o| grouping.exchange(o)).collect();
-        let exchange = match orders.is_empty() {
-            true => grouping.exchange(&self.exchange),
-            false => ExchangeAreas::sum_of(&orders),
+        let exchange = if orders.is_empty() {
+            grouping.exchange(&self.exchange)
+        } else {
+            ExchangeAreas::sum_of(&orders)
         };
         FormFactors {
             orders,

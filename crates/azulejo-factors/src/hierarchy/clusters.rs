@@ -5,6 +5,9 @@ use crate::proxy::PointNormal;
 use azulejo_scene::math::Aabb;
 use std::ops::Range;
 
+/// The nodes of rows and columns of a block.
+pub(super) type NodePair = (usize, usize);
+
 /// A tree over rows; *positions* are places in its order.
 pub(super) struct Clusters {
     pub tree: ClusterTree,
@@ -116,10 +119,10 @@ impl Clusters {
     /// leaf: its halves, and `of` each of them. `None` for two leaves.
     pub fn halved<T: Send>(
         &self,
-        (a, b): (usize, usize),
+        (a, b): NodePair,
         pairs: &mut [PairArea],
         of: impl Fn(usize, usize, &mut [PairArea]) -> T + Sync,
-    ) -> Option<([(usize, usize); 2], [T; 2])> {
+    ) -> Option<[(NodePair, T); 2]> {
         let count = pairs.len();
         let is_leaf = |node: usize| self.node(node).is_leaf();
         // By numbers, so that boxes of one point are divided too.
@@ -135,13 +138,9 @@ impl Clusters {
         } else {
             return None;
         };
-        let [one, other] = halves;
-        let (one, other) = both(
-            count,
-            || of(one.0, one.1, first),
-            || of(other.0, other.1, second),
-        );
-        Some((halves, [one, other]))
+        let of = |(a, b): NodePair, pairs: &mut [PairArea]| of(a, b, pairs);
+        let (one, other) = both(count, || of(halves[0], first), || of(halves[1], second));
+        Some([(halves[0], one), (halves[1], other)])
     }
 }
 

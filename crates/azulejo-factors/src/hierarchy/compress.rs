@@ -70,7 +70,9 @@ impl Compression<'_> {
             .clusters
             .halved((a, b), pairs, |a, b, pairs| self.between(a, b, pairs));
         match halved {
-            Some((halves, [first, second])) => Ok(self.joined((a, b), halves, [first?, second?])),
+            Some([(one, first), (other, second)]) => {
+                Ok(self.joined((a, b), [one, other], [first?, second?]))
+            }
             None => {
                 self.progress.advance(pairs.len() as u64)?;
                 Ok(self.leaf(a, b, pairs))

@@ -24,14 +24,22 @@ const LEAST_PILOT: u32 = 32;
 /// Entries of a block from which on equal ones are added up before it grows.
 const WORTH_SORTING: usize = 4_096;
 
-/// Bytes of each row besides its rays: patch, blocks while they grow, and what is known of the row.
-/// Measured from 5,000 to 100,000 rows, rounded up.
-const ROW_BYTES: u64 = 4_000;
+/// Bytes of a process before it reads a model, and of each patch, about.
+const PROCESS_BYTES: f64 = 8e6;
+const PATCH_BYTES: f64 = 700.0;
 
-/// Bytes at the peak of the work by rays, about.
+/// Bytes per row of blocks while they grow, for 1,024 rays a row and 100,000 rows of a closed room, and the
+/// power of the number of rows with which they grow. In an open city 0.3 to 0.7 of it from 5,000 to
+/// 100,000 rows.
+const BLOCK_BYTES: f64 = 3_750.0;
+const BLOCK_GROWTH: f64 = 0.4;
+
+/// Bytes at the peak of the work by rays: an upper estimate.
 pub(super) fn forecast_bytes(plan: &PreparedPlan) -> u64 {
-    let pilot = u64::from(pilot_rays(plan.requested_rays()));
-    plan.rows() as u64 * (ROW_BYTES + pilot * size_of::<PairArea>() as u64)
+    let (rows, rays) = (plan.rows() as f64, f64::from(plan.requested_rays()));
+    let pilot = f64::from(pilot_rays(plan.requested_rays())) * size_of::<PairArea>() as f64;
+    let blocks = BLOCK_BYTES * (rays / 1_024.0) * (rows / 1e5).powf(BLOCK_GROWTH);
+    (PROCESS_BYTES + rows * (PATCH_BYTES + pilot + blocks)) as u64
 }
 
 /// Rays of a row that choose blocks.

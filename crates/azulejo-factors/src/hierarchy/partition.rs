@@ -84,7 +84,7 @@ impl Partition<'_> {
         let halved = self
             .clusters
             .halved((a, b), pairs, |a, b, pairs| self.between(a, b, pairs));
-        let Some((_, [first, second])) = halved else {
+        let Some([(_, first), (_, second)]) = halved else {
             return Ok(vec![entries(a, b)]);
         };
         let mut all = first?;
