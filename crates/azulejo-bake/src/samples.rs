@@ -6,6 +6,7 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
+use crate::batches::Work;
 use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
@@ -68,7 +69,8 @@ impl Samples {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn new(atlas: &Atlas, tracer: &Tracer, progress: &Progress) -> Result<Samples, Cancelled> {
+    pub fn new(atlas: &Atlas, tracer: &Tracer, work: Work) -> Result<Samples, Cancelled> {
+        let (_, progress) = work;
         let mut all = Samples::default();
         for page in 0..atlas.layout.pages.len() as u32 {
             let coverage = Coverage::new(&atlas.receivers, &atlas.layout, page, progress)?;
