@@ -26,7 +26,7 @@ pub(crate) fn in_batches<I: Sync, T: Record + Send>(
 }
 
 /// The same with blocks of so many batches.
-fn in_blocks<I: Sync, T: Record + Send>(
+pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
     items: &[I],
     (size, block): (usize, usize),
     (journal, progress): Work,

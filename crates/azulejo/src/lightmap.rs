@@ -26,7 +26,7 @@ use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::journal::digest;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Journal, NoJournal, Progress, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer};
 use indirect::IndirectLight;
 use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;
@@ -223,7 +223,7 @@ pub fn bake_in_blocks(
     options: &BakeOptions,
     work: Work,
 ) -> Result<Baked, BakeError> {
-    let (journal, progress) = work;
+    let (_, progress) = work;
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
     let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
     let fronts = receivers.len();

@@ -97,17 +97,25 @@ fn processes_do_not_matter() {
         ..pass()
     };
     for pass in [&pass(), &by_error, &limited, &shooting] {
+        // Each of several processes keeps a part of the matrix.
+        let without_bytes = |mut found: LightSolution| {
+            found.report.bytes = 0;
+            found
+        };
         let whole = solve(&scene, &tracer, pass, &Progress::new()).unwrap();
+        let whole = without_bytes(whole);
         check_shared(&format!("{pass:?}"), &whole, |journal| {
-            solve_in_blocks(&scene, &tracer, pass, journal, &Progress::new()).unwrap()
+            let found = solve_in_blocks(&scene, &tracer, pass, journal, &Progress::new());
+            without_bytes(found.unwrap())
         });
     }
     let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
     let (tracer, points) = (Tracer::new(&scene), points_on_cube(500));
     let whole = probe(&scene, &tracer, &points, &by_error, &Progress::new()).unwrap();
-    check_shared("points", &whole, |journal| {
-        let progress = Progress::new();
-        probe_in_blocks(&scene, &tracer, &points, &by_error, (journal, &progress)).unwrap()
+    check_shared("points", &whole.estimates, |journal| {
+        let work = (journal, &Progress::new());
+        let found = probe_in_blocks(&scene, &tracer, &points, &by_error, work);
+        found.unwrap().estimates
     });
 }
 
