@@ -107,8 +107,8 @@ impl Transport for MpiTransport {
     }
 
     fn receive(&self) -> Option<(usize, Vec<u8>)> {
-        let (message, status) = self.0.any_process().immediate_matched_probe()?;
-        let (bytes, _) = message.matched_receive_vec::<u8>();
+        let found = self.0.any_process().immediate_matched_probe()?;
+        let (bytes, status) = found.matched_receive_vec::<u8>();
         Some((status.source_rank() as usize, bytes))
     }
 
