@@ -7,17 +7,25 @@
 //! (Glasserman, *Monte Carlo Methods in Financial Engineering*, 2004, section 4.1). In a cavity that no
 //! light reaches it is 0, and paths alone count.
 
+use crate::batches::{Work, in_batches};
 use crate::lattice::{Lattice, place};
 use crate::light::{NodeLight, NodePair, PairRays};
+use crate::nodes::Nodes;
 use crate::rays::READ_RATE;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{Gathered, REPLICATES};
-use rayon::prelude::*;
+use azulejo_trace::journal::{Record, RecordReader};
+use azulejo_trace::{Cancelled, Gathered, REPLICATES};
 
 /// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
 /// what changes from place to place is blurred.
 const NEIGHBOURS: [usize; 4] = [6, 12, 24, 48];
+
+/// The most of them.
+pub(crate) const MOST_NEIGHBOURS: usize = NEIGHBOURS[NEIGHBOURS.len() - 1];
+
+/// Cells that are worked on together.
+const BATCH: usize = 64;
 
 /// Standard errors by which the coefficient must differ from 1.
 const SURE: f64 = 2.0;
@@ -32,15 +40,19 @@ const LEAST_SHARE: f64 = 0.1;
 const STRATA: usize = 16;
 
 /// The light of every node of a lattice.
+///
+/// # Errors
+/// The caller cancelled.
 pub(crate) fn corrected(
-    samples: &Samples,
-    lattice: &Lattice,
+    nodes: &Nodes,
     pairs: &[NodePair],
     rays: &[PairRays],
-) -> Vec<NodeLight> {
-    let around = lattice.nodes_around(samples, NEIGHBOURS[NEIGHBOURS.len() - 1]);
-    let smooth = |count| Smoothed::new(samples, lattice, (pairs, rays), &around, count);
-    let nearest = smooth(NEIGHBOURS[0]);
+    work: Work,
+) -> Result<Vec<NodeLight>, Cancelled> {
+    let (samples, lattice) = (nodes.samples, nodes.lattice());
+    let around = nodes.far_around(work)?;
+    let smooth = |count| Smoothed::new(nodes, (pairs, rays), around, count, work);
+    let nearest = smooth(NEIGHBOURS[0])?;
     let strata = nearest.strata();
     // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
     // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone.
@@ -50,14 +62,14 @@ pub(crate) fn corrected(
         let smoothed = if count == NEIGHBOURS[0] {
             nearest.clone()
         } else {
-            smooth(count)
+            smooth(count)?
         };
         let (error, light) = smoothed.stated(samples, lattice, &strata, &scales);
         if best.as_ref().is_none_or(|(least, _)| error < *least) {
             best = Some((error, light));
         }
     }
-    best.map_or(Vec::new(), |(_, light)| light)
+    Ok(best.map_or(Vec::new(), |(_, light)| light))
 }
 
 /// The light of all nodes with corrections over so many of them.
@@ -73,34 +85,35 @@ struct Smoothed {
 
 impl Smoothed {
     fn new(
-        samples: &Samples,
-        lattice: &Lattice,
+        nodes: &Nodes,
         (pairs, rays): (&[NodePair], &[PairRays]),
         around: &[Vec<u32>],
         count: usize,
-    ) -> Smoothed {
-        let found: Vec<(u32, FoundLight)> = (0..lattice.len())
-            .into_par_iter()
-            .map(|cell| {
-                let node = lattice.node(cell);
-                let near = &around[cell][..around[cell].len().min(count + 1)];
-                (
-                    node,
-                    node_light(samples, lattice, (pairs, rays), node, near),
-                )
-            })
-            .collect();
+        work: Work,
+    ) -> Result<Smoothed, Cancelled> {
+        let (samples, lattice) = (nodes.samples, nodes.lattice());
+        let cells: Vec<u32> = (0..lattice.len() as u32).collect();
+        let of_cell = |&cell: &u32| {
+            let around = &around[cell as usize];
+            let near = &around[..around.len().min(count + 1)];
+            let node = lattice.node(cell as usize);
+            node_light(samples, lattice, (pairs, rays), node, near)
+        };
+        let found = in_batches(&cells, BATCH, work, |batch| {
+            Ok(batch.iter().map(of_cell).collect())
+        })?;
         let mut smoothed = Smoothed {
             light: vec![NodeLight::default(); pairs.len()],
             differences: vec![[0.0; 2]; pairs.len()],
             left_out: vec![Gathered::default(); pairs.len()],
         };
-        for (node, (light, differences, left_out)) in found {
-            smoothed.light[node as usize] = light;
-            smoothed.differences[node as usize] = differences;
-            smoothed.left_out[node as usize] = left_out;
+        for (cell, found) in found.into_iter().enumerate() {
+            let node = lattice.node(cell) as usize;
+            smoothed.light[node] = found.light;
+            smoothed.differences[node] = found.differences;
+            smoothed.left_out[node] = found.left_out;
         }
-        smoothed
+        Ok(smoothed)
     }
 
     /// The nodes by brightness.
@@ -193,11 +206,33 @@ impl Smoothed {
     }
 }
 
-/// The light of a node; the mean square by which the corrections of single nodes around differ from their mean,
-/// and what that would be by the noise of their replicates; and what was left out of the correction.
-type FoundLight = (NodeLight, [f64; 2], Gathered);
+/// The light of a node, with what is known of its correction.
+struct FoundLight {
+    light: NodeLight,
+    /// The mean square by which the corrections of single nodes around differ from their mean, and what that would
+    /// be by the noise of their replicates, (W/m²)².
+    differences: [f64; 2],
+    /// What was left out of the correction.
+    left_out: Gathered,
+}
 
-/// Finds them.
+impl Record for FoundLight {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.light.write(bytes);
+        self.differences.write(bytes);
+        self.left_out.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<FoundLight> {
+        Some(FoundLight {
+            light: Record::read(bytes)?,
+            differences: Record::read(bytes)?,
+            left_out: Record::read(bytes)?,
+        })
+    }
+}
+
+/// The light of a node from its pair and those around.
 fn node_light(
     samples: &Samples,
     lattice: &Lattice,
@@ -252,7 +287,11 @@ fn node_light(
     let left_out = Gathered {
         replicates: whole.replicates.map(|r| r * (1.0 - share)),
     };
-    (light, differences, left_out)
+    FoundLight {
+        light,
+        differences,
+        left_out,
+    }
 }
 
 /// What paths have beyond `coefficient` times what is read along the same rays.

@@ -2,18 +2,22 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
+use crate::batches::{BLOCK, Work, in_counted_batches};
 use crate::lattice::Lattice;
 use crate::light::{NodeLight, TexelLight};
 use crate::nodes::Nodes;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer};
 use glam::DVec2;
 use rayon::prelude::*;
 
 /// Samples that are gathered together.
 const BATCH: usize = 64;
+
+/// Uneven texels of a batch: each takes as long as many samples.
+const UNEVEN_BATCH: usize = 4;
 
 /// Where there is a deadline, light is gathered first at one sample of a square of so many texels along a side, as
 /// a power of two.
@@ -83,11 +87,12 @@ impl SampleDirect {
         lattice: Lattice,
         of_nodes: Vec<Gathered>,
         missing: &[u32],
-    ) {
+        work: Work,
+    ) -> Result<(), Cancelled> {
         let none = SampleDirect::none(samples.samples.len());
         let mut nodes = Nodes::new(samples, &none, lattice);
         nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
-        let light = nodes.interpolated(&nodes.interpolation_errors());
+        let light = nodes.interpolated(&nodes.interpolation_errors(work)?, work)?;
         for &sample in missing {
             let TexelLight {
                 irradiance,
@@ -96,6 +101,7 @@ impl SampleDirect {
             self.irradiance[sample as usize] = irradiance;
             self.variance[sample as usize] = standard_error.map(|e| e * e);
         }
+        Ok(())
     }
 
     fn mean(&self, sample: usize) -> Rgb {
@@ -104,7 +110,7 @@ impl SampleDirect {
 }
 
 /// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
-/// the mean of the whole. Once the deadline of `progress` has passed, it is interpolated between one sample of
+/// the mean of the whole. Once the deadline of the progress has passed, it is interpolated between one sample of
 /// each few, with what that misses in its variance.
 ///
 /// # Errors
@@ -115,9 +121,10 @@ pub fn direct(
     gatherer: &Gatherer,
     error: f64,
     seed: u32,
-    progress: &Progress,
+    work: Work,
 ) -> Result<SampleDirect, Cancelled> {
-    let mut found = at_centres(samples, gatherer, seed, progress)?;
+    let (_, progress) = work;
+    let mut found = at_centres(samples, gatherer, seed, work)?;
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
         if progress.out_of_time() {
@@ -125,8 +132,7 @@ pub fn direct(
         }
         let uneven = uneven(samples, &found, error * mean, round);
         progress.begin("shadow edges", uneven.len() as u64);
-        let fine = in_batches(&uneven, |batch| {
-            progress.advance(batch.len() as u64)?;
+        let fine = in_counted_batches(&uneven, (UNEVEN_BATCH, BLOCK), work, |batch| {
             let light = |&s: &u32| {
                 (!progress.out_of_time())
                     .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
@@ -148,8 +154,9 @@ fn at_centres(
     samples: &Samples,
     gatherer: &Gatherer,
     seed: u32,
-    progress: &Progress,
+    work: Work,
 ) -> Result<SampleDirect, Cancelled> {
+    let (_, progress) = work;
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
     let mut found = SampleDirect::none(count);
@@ -163,8 +170,7 @@ fn at_centres(
     let mut sparse = None;
     if progress.has_deadline() {
         let lattice = Lattice::new(samples, SPARSE);
-        let light = in_batches(&lattice.nodes, |batch| {
-            progress.advance(batch.len() as u64)?;
+        let light = in_counted_batches(&lattice.nodes, (BATCH, BLOCK), work, |batch| {
             Ok(gather(batch))
         })?;
         for (&sample, light) in lattice.nodes.iter().zip(&light) {
@@ -178,8 +184,7 @@ fn at_centres(
         left.retain(|&s| is_left[s as usize]);
         sparse = Some((lattice, light));
     }
-    let light = in_batches(&left, |batch| {
-        progress.advance(batch.len() as u64)?;
+    let light = in_counted_batches(&left, (BATCH, BLOCK), work, |batch| {
         Ok(if progress.out_of_time() {
             vec![None; batch.len()]
         } else {
@@ -194,17 +199,9 @@ fn at_centres(
         }
     }
     if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
-        found.interpolate(samples, lattice, light, &missing);
+        found.interpolate(samples, lattice, light, &missing, work)?;
     }
     Ok(found)
-}
-
-fn in_batches<T: Clone + Send>(
-    samples: &[u32],
-    gather: impl Fn(&[u32]) -> Result<Vec<T>, Cancelled> + Sync + Send,
-) -> Result<Vec<T>, Cancelled> {
-    let found: Result<Vec<Vec<T>>, Cancelled> = samples.par_chunks(BATCH).map(gather).collect();
-    Ok(found?.concat())
 }
 
 pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {

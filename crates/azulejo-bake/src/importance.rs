@@ -6,11 +6,12 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
+use crate::batches::Work;
 use crate::direct::direct;
 use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::samples::{Rows, Samples};
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, Gatherer, Progress};
+use azulejo_trace::{Cancelled, Gatherer};
 
 /// Width of the texels with which edges are looked for, relative to that of the lightmap's.
 const COARSER: u32 = 4;
@@ -69,15 +70,15 @@ pub fn chart_importance(
     gatherer: &Gatherer,
     error: f64,
     seed: u32,
-    progress: &Progress,
+    work: Work,
 ) -> Result<ChartImportance, Cancelled> {
     let mut coarse = atlas.clone();
     for size in coarse.layout.pages.iter_mut().flatten() {
         *size = (*size / COARSER).max(LEAST_PAGE);
     }
-    let samples = Samples::new(&coarse, gatherer.surfaces().tracer, progress)?;
+    let samples = Samples::new(&coarse, gatherer.surfaces().tracer, work)?;
     let error = COARSER_ERROR * error;
-    let light = direct(&samples, &coarse, gatherer, error, seed, progress)?;
+    let light = direct(&samples, &coarse, gatherer, error, seed, work)?;
     let mut charts = vec![ChartEdges::default(); atlas.layout.charts as usize];
     let mut first = 0;
     for (page, coverage) in samples.pages.iter().enumerate() {

@@ -5,6 +5,7 @@
 //! neither what patches leak nor what they miss; and the last, with as many rays as the requested error takes,
 //! reads that.
 
+use crate::batches::Work;
 use crate::correction::corrected;
 use crate::direct::SampleDirect;
 use crate::lattice::Lattice;
@@ -13,7 +14,7 @@ use crate::nodes::Nodes;
 use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{GatherPoint, Gathered, Progress, REPLICATES, sequence_gain};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, sequence_gain};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -108,15 +109,15 @@ pub struct TexelStatistics {
 }
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at some of them, so many that interpolation is off by a few times `goal`; and the nodes at which it was found. Nodes are not added once the deadline of `progress` has passed.
+/// `gather` finds at some of them, so many that interpolation is off by a few times `goal`; and the nodes at which it was found. Nodes are not added once the deadline of the progress has passed.
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn first_look<E>(
+pub fn first_look<E: From<Cancelled>>(
     samples: &Samples,
     direct: &SampleDirect,
     goal: IndirectGoal,
-    progress: &Progress,
+    work: Work,
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<TexelLight>, NodeLattice), E> {
     let mut nodes = Nodes::new(samples, direct, first_lattice(samples));
@@ -124,10 +125,10 @@ pub fn first_look<E>(
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
-            if !coarse.contains(&true) || progress.out_of_time() {
+            if !coarse.contains(&true) || work.1.out_of_time() {
                 break;
             }
-            nodes.lattice.divide(samples, &coarse);
+            nodes.divide(&coarse);
         }
         let (points, _) = nodes.targets();
         let found = gather(&LookRequest {
@@ -136,9 +137,10 @@ pub fn first_look<E>(
         })?;
         nodes.light.extend(found.into_iter().map(NodeLight::from));
         nodes.measure_mean();
-        errors = nodes.interpolation_errors();
+        errors = nodes.interpolation_errors(work)?;
     }
-    Ok((nodes.interpolated(&errors), NodeLattice(nodes.lattice)))
+    let light = nodes.interpolated(&errors, work)?;
+    Ok((light, NodeLattice(nodes.into_lattice())))
 }
 
 /// Where a first look found light to change.
@@ -149,61 +151,61 @@ pub struct NodeLattice(Lattice);
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn look_again<E>(
+pub fn look_again<E: From<Cancelled>>(
     samples: &Samples,
     direct: &SampleDirect,
     nodes: &NodeLattice,
-    progress: &Progress,
+    work: Work,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<Vec<TexelLight>, E> {
-    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), progress);
+    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), work);
     paired.gather_new(gather)?;
-    let errors = vec![0.0; paired.nodes.lattice.len()];
-    Ok(paired.nodes.interpolated(&errors))
+    let errors = vec![0.0; paired.nodes.lattice().len()];
+    Ok(paired.nodes.interpolated(&errors, work)?)
 }
 
 /// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
 /// look and more, with as many rays as bring its error to `error`, a share of the mean. `is_final` says that
 /// `gather` has brought its light to that error itself. No nodes or rays are added once the deadline of
-/// `progress` has passed: the errors of the light say what that leaves.
+/// the progress has passed: the errors of the light say what that leaves.
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn with_indirect<E>(
+pub fn with_indirect<E: From<Cancelled>>(
     samples: &Samples,
     direct: &SampleDirect,
     start: NodeLattice,
     goal: IndirectGoal,
     is_final: bool,
-    progress: &Progress,
+    work: Work,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut paired = PairedNodes::new(samples, direct, start.0, progress);
+    let mut paired = PairedNodes::new(samples, direct, start.0, work);
     paired.gather_new(gather)?;
     if !is_final {
         paired.quieten(goal, gather)?;
     }
-    let mut errors = paired.nodes.interpolation_errors();
+    let mut errors = paired.nodes.interpolation_errors(work)?;
     for _ in 1..=MOST_ROUNDS {
         let permitted = goal.permitted(paired.nodes.mean);
         let coarse = paired.nodes.coarse_cells(&errors, permitted);
-        if !coarse.contains(&true) || progress.out_of_time() {
+        if !coarse.contains(&true) || work.1.out_of_time() {
             break;
         }
-        paired.nodes.lattice.divide(samples, &coarse);
+        paired.nodes.divide(&coarse);
         paired.gather_new(gather)?;
-        errors = paired.nodes.interpolation_errors();
+        errors = paired.nodes.interpolation_errors(work)?;
     }
     if !is_final {
         for _ in 0..MOST_RAISES {
-            let Some(rays) = paired.wanted(&errors, goal) else {
+            let Some(rays) = paired.wanted(&errors, goal)? else {
                 break;
             };
-            if progress.out_of_time() {
+            if work.1.out_of_time() {
                 break;
             }
             paired.raise(&rays, gather)?;
-            errors = paired.nodes.interpolation_errors();
+            errors = paired.nodes.interpolation_errors(work)?;
         }
     }
     let nodes = &paired.nodes;
@@ -214,7 +216,7 @@ pub fn with_indirect<E>(
         nodes: nodes.light.len(),
         interpolation: (squares.max(0.0) / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
     };
-    Ok((nodes.interpolated(&errors), statistics))
+    Ok((nodes.interpolated(&errors, work)?, statistics))
 }
 
 /// Cells as large as leaves enough of them.
@@ -249,7 +251,7 @@ struct PairedNodes<'a> {
     pairs: Vec<NodePair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
-    progress: &'a Progress,
+    work: Work<'a>,
 }
 
 type PairGather<'g, E> = dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E> + 'g;
@@ -259,10 +261,10 @@ impl<'a> PairedNodes<'a> {
         samples: &'a Samples,
         direct: &'a SampleDirect,
         lattice: Lattice,
-        progress: &'a Progress,
+        work: Work<'a>,
     ) -> PairedNodes<'a> {
         PairedNodes {
-            progress,
+            work,
             nodes: Nodes::new(samples, direct, lattice),
             pairs: Vec::new(),
             rays: Vec::new(),
@@ -270,11 +272,11 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Gathers at the nodes that have no light yet.
-    fn gather_new<E>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn gather_new<E: From<Cancelled>>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.lattice.len(), self.progress);
+            let rays = first_rays(self.nodes.lattice().len(), self.work.1);
             self.rays.resize(self.rays.len() + points.len(), rays);
             self.pairs.extend(gather(&PairRequest {
                 points: &points,
@@ -283,23 +285,28 @@ impl<'a> PairedNodes<'a> {
                 traced: 0..rays.traced,
             })?);
         }
-        self.update();
+        self.update()?;
         Ok(())
     }
 
-    fn update(&mut self) {
+    fn update(&mut self) -> Result<(), Cancelled> {
         let nodes = &mut self.nodes;
-        nodes.light = corrected(nodes.samples, &nodes.lattice, &self.pairs, &self.rays);
+        nodes.light = corrected(nodes, &self.pairs, &self.rays, self.work)?;
         let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
         nodes
             .light
             .iter_mut()
             .for_each(|light| light.noise *= gain.sqrt());
         nodes.measure_mean();
+        Ok(())
     }
 
     /// Brings nodes to more rays, as many of them as there is time for.
-    fn raise<E>(&mut self, rays: &[PairRays], gather: &mut PairGather<E>) -> Result<(), E> {
+    fn raise<E: From<Cancelled>>(
+        &mut self,
+        rays: &[PairRays],
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         self.nodes.light.clear();
         let (points, areas) = self.nodes.targets();
         // Nodes that get the same rays are gathered together.
@@ -311,7 +318,7 @@ impl<'a> PairedNodes<'a> {
             }
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
-        let together = if self.progress.has_deadline() {
+        let together = if self.work.1.has_deadline() {
             BETWEEN_LOOKS
         } else {
             usize::MAX
@@ -321,7 +328,7 @@ impl<'a> PairedNodes<'a> {
             parts.map(move |members| (*range, members))
         });
         for ([read, to_read, traced, to_traced], members) in parts {
-            if self.progress.out_of_time() {
+            if self.work.1.out_of_time() {
                 break;
             }
             let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
@@ -341,16 +348,20 @@ impl<'a> PairedNodes<'a> {
                 pair.traced = pair.traced.blend(&more.traced, traced);
             }
         }
-        self.update();
+        self.update()?;
         Ok(())
     }
 
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
-    fn quieten<E>(&mut self, goal: IndirectGoal, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn quieten<E: From<Cancelled>>(
+        &mut self,
+        goal: IndirectGoal,
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
             let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
-            if noise <= permitted || self.progress.out_of_time() {
+            if noise <= permitted || self.work.1.out_of_time() {
                 break;
             }
             let rays = self.allocated([1.0, 0.0], permitted);
@@ -363,25 +374,29 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Rays that bring the error to `goal`, at least cost; `None` if there are enough, or no more.
-    fn wanted(&self, errors: &[f64], goal: IndirectGoal) -> Option<Vec<PairRays>> {
-        let (read, shared, rest) = self.nodes.texel_noise(errors);
+    fn wanted(
+        &self,
+        errors: &[f64],
+        goal: IndirectGoal,
+    ) -> Result<Option<Vec<PairRays>>, Cancelled> {
+        let (read, shared, rest) = self.nodes.texel_noise(errors, self.work)?;
         let permitted = (MARGIN * goal.permitted(self.nodes.mean)).powi(2);
         let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
         if read + shared <= budget {
-            return None;
+            return Ok(None);
         }
         // Interpolation averages the noise of nodes.
         let averaged = read / self.nodes.node_noise().0.max(f64::MIN_POSITIVE);
         let rays = self.allocated([averaged, 1.0], budget);
-        (rays != self.rays).then_some(rays)
+        Ok((rays != self.rays).then_some(rays))
     }
 
     /// Rays with which the mean square noise is as permitted, if that of read light and of corrections counts by
     /// these factors.
     fn allocated(&self, factors: [f64; 2], permitted: f64) -> Vec<PairRays> {
         let (mut noise, mut area) = (vec![NodeNoise::default(); self.rays.len()], 0.0);
-        for cell in 0..self.nodes.lattice.len() {
-            let node = self.nodes.lattice.node(cell) as usize;
+        for cell in 0..self.nodes.lattice().len() {
+            let node = self.nodes.lattice().node(cell) as usize;
             let light = &self.nodes.light[node];
             let of_cell = self.nodes.cell_area(cell);
             let square = |noise: Rgb| of_cell * (noise * noise).mean();

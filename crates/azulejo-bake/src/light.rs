@@ -2,6 +2,7 @@
 
 use azulejo_scene::Rgb;
 use azulejo_trace::Gathered;
+use azulejo_trace::journal::{Record, RecordReader};
 
 /// Irradiance with its standard error, W/m² (lx in photometric scenes): in single precision, because there is one
 /// for each of millions of texels.
@@ -20,6 +21,20 @@ impl TexelLight {
     }
 }
 
+impl Record for TexelLight {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.irradiance.write(bytes);
+        self.standard_error.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<TexelLight> {
+        Some(TexelLight {
+            irradiance: Record::read(bytes)?,
+            standard_error: Record::read(bytes)?,
+        })
+    }
+}
+
 /// Indirect light of a node, W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NodeLight {
@@ -31,6 +46,24 @@ pub(crate) struct NodeLight {
     pub shared_noise: Rgb,
     /// Root mean square of what the correction misses, because it is a mean over many nodes.
     pub bias: f64,
+}
+
+impl Record for NodeLight {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.irradiance.write(bytes);
+        self.noise.write(bytes);
+        self.shared_noise.write(bytes);
+        self.bias.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<NodeLight> {
+        Some(NodeLight {
+            irradiance: Record::read(bytes)?,
+            noise: Record::read(bytes)?,
+            shared_noise: Record::read(bytes)?,
+            bias: Record::read(bytes)?,
+        })
+    }
 }
 
 impl From<Gathered> for NodeLight {

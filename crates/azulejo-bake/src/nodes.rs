@@ -3,14 +3,17 @@
 //! Leaving out a node and interpolating it from the others measures the error of interpolation, beyond the
 //! noise of both; cells are divided where it is largest, until it is a small part of what is permitted.
 
+use crate::batches::{Work, in_batches};
+use crate::correction::MOST_NEIGHBOURS;
 use crate::direct::{SampleDirect, gather_point};
 use crate::lattice::{Lattice, place, weights};
 use crate::light::{NodeLight, TexelLight};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::GatherPoint;
+use azulejo_trace::journal::Record;
+use azulejo_trace::{Cancelled, GatherPoint};
 use glam::DVec2;
-use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Part of the permitted mean square error that interpolation may make.
 const SHARE: f64 = 0.25;
@@ -26,13 +29,18 @@ const DIVIDED: f64 = 0.25;
 const NEIGHBOURS: usize = 12;
 
 /// Cells that are worked on together.
-const BATCH: usize = 4096;
+const BATCH: usize = 32;
+
+/// Cells whose samples get their light at once: that of all would be as much again as the result.
+const AT_ONCE: usize = 1 << 16;
 
 /// The nodes of a lattice with their light.
 pub(crate) struct Nodes<'a> {
     pub samples: &'a Samples,
     direct: &'a SampleDirect,
-    pub lattice: Lattice,
+    lattice: Lattice,
+    /// For each cell the nodes around, once they are known: those of one interpolation, and those of a correction.
+    around: [OnceLock<Vec<Vec<u32>>>; 2],
     /// Of the first nodes; those behind have none yet.
     pub light: Vec<NodeLight>,
     /// Mean irradiance of all samples, W/m².
@@ -45,9 +53,62 @@ impl<'a> Nodes<'a> {
             samples,
             direct,
             lattice,
+            around: Default::default(),
             light: Vec::new(),
             mean: 0.0,
         }
+    }
+
+    /// Where the nodes are.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The same, when the nodes are no longer needed.
+    pub fn into_lattice(self) -> Lattice {
+        self.lattice
+    }
+
+    /// Divides cells in four.
+    pub fn divide(&mut self, is_divided: &[bool]) {
+        self.lattice.divide(self.samples, is_divided);
+        self.around = Default::default();
+    }
+
+    /// For each cell its own node and those of one interpolation.
+    fn near_around(&self, work: Work) -> Result<&[Vec<u32>], Cancelled> {
+        self.nodes_around(0, NEIGHBOURS, work)
+    }
+
+    /// For each cell its own node and those that a correction may be averaged over, nearest first.
+    pub fn far_around(&self, work: Work) -> Result<&[Vec<u32>], Cancelled> {
+        self.nodes_around(1, MOST_NEIGHBOURS, work)
+    }
+
+    fn nodes_around(
+        &self,
+        which: usize,
+        count: usize,
+        work: Work,
+    ) -> Result<&[Vec<u32>], Cancelled> {
+        let known = &self.around[which];
+        if known.get().is_none() {
+            let found = self.lattice.nodes_around(self.samples, count, work)?;
+            return Ok(known.get_or_init(|| found));
+        }
+        Ok(known.get().map_or(&[], Vec::as_slice))
+    }
+
+    /// What `of_cell` finds for all cells in their order.
+    fn of_cells<T: Record + Send>(
+        &self,
+        work: Work,
+        of_cell: impl Fn(usize) -> T + Sync,
+    ) -> Result<Vec<T>, Cancelled> {
+        let cells: Vec<u32> = (0..self.lattice.len() as u32).collect();
+        in_batches(&cells, BATCH, work, |batch| {
+            Ok(batch.iter().map(|&cell| of_cell(cell as usize)).collect())
+        })
     }
 
     /// Points and areas of the nodes that have no light yet.
@@ -111,31 +172,31 @@ impl<'a> Nodes<'a> {
 
     /// Mean squares of the errors of texels, (W/m²)²: noise of nodes, averaged by interpolation; noise that
     /// nodes share; and the rest, of interpolation with `errors` by cell, corrections and direct light.
-    pub fn texel_noise(&self, errors: &[f64]) -> (f64, f64, f64) {
-        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
-        let own: Vec<f64> = (0..self.lattice.len())
-            .into_par_iter()
-            .map(|cell| {
-                // The middle of a cell and its rim: a node and a texel between.
-                let places = self.places(&around[cell]);
-                let mut shares = Vec::new();
-                let of_cell = self.lattice.samples(cell);
-                let some = [
-                    of_cell[0],
-                    of_cell[of_cell.len() / 2],
-                    of_cell[of_cell.len() - 1],
-                ];
-                let noise = some.map(|s| {
-                    weights(place(self.samples, s), &places, &mut shares);
-                    let square = |(&n, w): (&u32, &f64)| {
-                        let noise = self.light[n as usize].noise * *w;
-                        (noise * noise).mean()
-                    };
-                    around[cell].iter().zip(&shares).map(square).sum::<f64>()
-                });
-                noise.iter().sum::<f64>() / 3.0
-            })
-            .collect();
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn texel_noise(&self, errors: &[f64], work: Work) -> Result<(f64, f64, f64), Cancelled> {
+        let around = self.near_around(work)?;
+        let own = self.of_cells(work, |cell| {
+            // The middle of a cell and its rim: a node and a texel between.
+            let places = self.places(&around[cell]);
+            let mut shares = Vec::new();
+            let of_cell = self.lattice.samples(cell);
+            let some = [
+                of_cell[0],
+                of_cell[of_cell.len() / 2],
+                of_cell[of_cell.len() - 1],
+            ];
+            let noise = some.map(|s| {
+                weights(place(self.samples, s), &places, &mut shares);
+                let square = |(&n, w): (&u32, &f64)| {
+                    let noise = self.light[n as usize].noise * *w;
+                    (noise * noise).mean()
+                };
+                around[cell].iter().zip(&shares).map(square).sum::<f64>()
+            });
+            noise.iter().sum::<f64>() / 3.0
+        })?;
         let of_node = |cell: usize| &self.light[self.lattice.node(cell) as usize];
         let rest = |cell: usize| errors[cell] + of_node(cell).bias.powi(2);
         let rest: Vec<f64> = (0..self.lattice.len()).map(rest).collect();
@@ -144,20 +205,20 @@ impl<'a> Nodes<'a> {
             direct += f64::from(s.area) * Rgb::from(variance.map(f64::from)).mean();
             area += f64::from(s.area);
         }
-        (
+        Ok((
             self.mean_of_cells(&own),
             self.node_noise().1,
             self.mean_of_cells(&rest) + direct / f64::max(area, f64::MIN_POSITIVE),
-        )
+        ))
     }
 
     /// For each cell the mean square error of interpolating in it, (W/m²)², mean of the channels.
-    pub fn interpolation_errors(&self) -> Vec<f64> {
-        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
-        let own: Vec<f64> = (0..self.lattice.len())
-            .into_par_iter()
-            .map(|cell| self.left_out(cell, &around[cell]))
-            .collect();
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn interpolation_errors(&self, work: Work) -> Result<Vec<f64>, Cancelled> {
+        let around = self.near_around(work)?;
+        let own = self.of_cells(work, |cell| self.left_out(cell, &around[cell]))?;
         let mut of_node = vec![0.0; self.light.len()];
         for (cell, &error) in own.iter().enumerate() {
             of_node[self.lattice.node(cell) as usize] = error;
@@ -172,7 +233,7 @@ impl<'a> Nodes<'a> {
             1 => 0.0,
             _ => pooled(nodes),
         };
-        around.iter().enumerate().map(of_cell).collect()
+        Ok(around.iter().enumerate().map(of_cell).collect())
     }
 
     /// The squared difference between a cell's node and what those around it give, less its noise.
@@ -224,28 +285,35 @@ impl<'a> Nodes<'a> {
     }
 
     /// The light of every sample.
-    pub fn interpolated(&self, errors: &[f64]) -> Vec<TexelLight> {
-        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn interpolated(&self, errors: &[f64], work: Work) -> Result<Vec<TexelLight>, Cancelled> {
+        let around = self.near_around(work)?;
         let mut light = vec![TexelLight::default(); self.samples.samples.len()];
-        let of_cell = |cell: usize| -> Vec<(u32, TexelLight)> {
+        let of_cell = |cell: usize| -> Vec<TexelLight> {
             let places = self.places(&around[cell]);
             let mut shares = Vec::new();
             let of_sample = |&s: &u32| {
                 weights(place(self.samples, s), &places, &mut shares);
-                let found = self.sample_light(s, &around[cell], &shares, errors[cell]);
-                (s, found)
+                self.sample_light(s, &around[cell], &shares, errors[cell])
             };
             self.lattice.samples(cell).iter().map(of_sample).collect()
         };
-        // Not all at once: that would be as much again as the result.
-        for first in (0..self.lattice.len()).step_by(BATCH) {
-            let cells = first..(first + BATCH).min(self.lattice.len());
-            let found: Vec<Vec<(u32, TexelLight)>> = cells.into_par_iter().map(of_cell).collect();
-            for (sample, of_sample) in found.into_iter().flatten() {
+        let cells: Vec<u32> = (0..self.lattice.len() as u32).collect();
+        for cells in cells.chunks(AT_ONCE) {
+            let found = in_batches(cells, BATCH, work, |batch| {
+                let of_cells = batch.iter().flat_map(|&cell| of_cell(cell as usize));
+                Ok(of_cells.collect())
+            })?;
+            let samples = cells
+                .iter()
+                .flat_map(|&cell| self.lattice.samples(cell as usize));
+            for (&sample, of_sample) in samples.zip(found) {
                 light[sample as usize] = of_sample;
             }
         }
-        light
+        Ok(light)
     }
 
     fn sample_light(

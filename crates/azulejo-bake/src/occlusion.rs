@@ -1,13 +1,13 @@
 //! Which share of the hemispheres over points is free of things that are near.
 
 use crate::atlas::Atlas;
+use crate::batches::{SHORT_BLOCK, Work, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelRay, Progress, REPLICATES, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelRay, REPLICATES, Tracer};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Points whose rays are traced together.
 const BATCH: usize = 32;
@@ -23,8 +23,8 @@ pub struct Hemispheres<'a> {
     pub distance: f64,
     /// Keys the rays.
     pub seed: u32,
-    /// Counts and stops.
-    pub progress: &'a Progress,
+    /// Divides, counts and stops.
+    pub work: Work<'a>,
 }
 
 impl Hemispheres<'_> {
@@ -33,9 +33,8 @@ impl Hemispheres<'_> {
     /// # Errors
     /// The caller cancelled.
     pub fn free(&self, points: &[GatherPoint], strata: u32) -> Result<Vec<Gathered>, Cancelled> {
-        self.progress.begin("occlusion", points.len() as u64);
+        self.work.1.begin("occlusion", points.len() as u64);
         let of_batch = |batch: &[GatherPoint]| {
-            self.progress.advance(batch.len() as u64)?;
             let rays: Vec<KernelRay> = batch.iter().flat_map(|p| self.rays(p, strata)).collect();
             let mut blocked = Vec::new();
             self.tracer.any(&rays, &mut blocked);
@@ -53,9 +52,7 @@ impl Hemispheres<'_> {
             };
             Ok(points.map(gathered).collect())
         };
-        let batches: Result<Vec<Vec<Gathered>>, Cancelled> =
-            points.par_chunks(BATCH).map(of_batch).collect();
-        Ok(batches?.concat())
+        in_counted_batches(points, (BATCH, SHORT_BLOCK), self.work, of_batch)
     }
 
     fn rays(&self, point: &GatherPoint, strata: u32) -> Vec<KernelRay> {

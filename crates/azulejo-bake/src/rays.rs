@@ -5,6 +5,7 @@
 //! method*, 1934, for strata; here with another rate for rays that read light). Light that is even needs few.
 
 use crate::light::PairRays;
+use rayon::prelude::*;
 
 /// Cost of a path beside that of a ray that reads light.
 const PATH_COST: f64 = 5.0;
@@ -51,7 +52,9 @@ pub(crate) fn allocated(
             let [read, traced] = growths(rays, noise, price);
             noise.read * read.powf(-READ_RATE) + noise.traced * traced.powf(-TRACED_RATE)
         };
-        current.iter().zip(noise).map(of_node).sum()
+        // The sum is in the order of nodes, whatever the number of threads.
+        let all: Vec<f64> = current.par_iter().zip(noise).map(of_node).collect();
+        all.iter().sum()
     };
     // Variance per ray: the lower, the more rays.
     let (mut low, mut high) = (-200.0_f64, 200.0_f64);

@@ -7,6 +7,7 @@
 //! uneven it is there and whether they lie at the rim of a chart.
 
 use crate::atlas::Atlas;
+use crate::batches::{BLOCK, Work, in_counted_batches};
 use crate::direct::SampleDirect;
 use crate::light::TexelLight;
 use crate::lightmap::{Lightmap, ShownSample, ShownSamples};
@@ -15,7 +16,7 @@ use crate::pad::pad_charts;
 use crate::samples::{PageSampler, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -35,7 +36,7 @@ const UNEVEN: f64 = 1.0;
 const LEFT: f64 = 4.0 / 9.0;
 
 /// Texels that are worked on together.
-const BATCH: usize = 256;
+const BATCH: usize = 64;
 
 /// Classes of texels by how uneven indirect light is there, of those at the rims of charts and of the others.
 const CLASSES: usize = 12;
@@ -72,7 +73,7 @@ type Squares = [f64; 3];
 impl BetweenTexels<'_> {
     /// Adds what interpolation misses of direct light to the standard errors of a lightmap. `rest` is
     /// [`BetweenTexels::rest_of`] it. Returns its root mean square over the area and the channels, W/m². Once the
-    /// deadline of `progress` has passed, some of the uneven texels stand for all.
+    /// deadline of the progress has passed, some of the uneven texels stand for all.
     ///
     /// # Errors
     /// The caller cancelled.
@@ -80,9 +81,9 @@ impl BetweenTexels<'_> {
         &self,
         lightmap: &mut Lightmap,
         rest: &Lightmap,
-        progress: &Progress,
+        work: Work,
     ) -> Result<f64, Cancelled> {
-        let is_short = progress.out_of_time();
+        let is_short = work.1.out_of_time();
         let one_of = if is_short { FEW } else { 1 };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, rest)
@@ -90,7 +91,7 @@ impl BetweenTexels<'_> {
                 self.is_one_of(if *is_uneven { one_of } else { EVEN }, shown)
             })
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, rest, progress)?;
+        let found = self.all_squares(&looked_at, lightmap, rest, work)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
@@ -165,13 +166,13 @@ impl BetweenTexels<'_> {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn estimate(&self, lightmap: &Lightmap, progress: &Progress) -> Result<f64, Cancelled> {
+    pub fn estimate(&self, lightmap: &Lightmap, work: Work) -> Result<f64, Cancelled> {
         let rest = self.shown.lightmap(self.samples, self.rest);
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, &rest)
             .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, &rest, progress)?;
+        let found = self.all_squares(&looked_at, lightmap, &rest, work)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
@@ -201,20 +202,17 @@ impl BetweenTexels<'_> {
         looked_at: &[(&ShownSample, bool)],
         lightmap: &Lightmap,
         rest: &Lightmap,
-        progress: &Progress,
+        work: Work,
     ) -> Result<Vec<Option<Squares>>, Cancelled> {
-        progress.begin("between texels", looked_at.len() as u64);
-        let found: Result<Vec<Vec<Option<Squares>>>, Cancelled> = looked_at
-            .par_chunks(BATCH)
-            .map(|batch| {
-                progress.advance(batch.len() as u64)?;
-                let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
-                    self.squares(shown, is_uneven, lightmap, rest)
-                };
-                Ok(batch.iter().map(squares).collect())
-            })
-            .collect();
-        Ok(found?.concat())
+        work.1.begin("between texels", looked_at.len() as u64);
+        let found = in_counted_batches(looked_at, (BATCH, BLOCK), work, |batch| {
+            let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
+                self.squares(shown, is_uneven, lightmap, rest)
+            };
+            Ok(batch.iter().map(squares).collect())
+        })?;
+        let seen = |(places, squares): (u32, Squares)| (places > 0).then_some(squares);
+        Ok(found.into_iter().map(seen).collect())
     }
 
     /// Whether a texel is one of those that are chosen, one of so many.
@@ -241,18 +239,18 @@ impl BetweenTexels<'_> {
             .any(|(_, n)| (direct(n) - own).map(f64::abs).max_channel() > permitted)
     }
 
-    /// Mean square of what interpolation misses at places of a texel, less noise; `None` if none of them is
-    /// seen.
+    /// The number of places of a texel that are seen, and the mean square of what interpolation misses there, less
+    /// noise.
     fn squares(
         &self,
         shown: &ShownSample,
         is_uneven: bool,
         lightmap: &Lightmap,
         rest: &Lightmap,
-    ) -> Option<Squares> {
+    ) -> (u32, Squares) {
         let (points, uvs) = self.places(shown, if is_uneven { PLACES } else { 1 });
         if points.is_empty() {
-            return None;
+            return (0, [0.0; 3]);
         }
         let noise = self.direct.variance[shown.sample as usize].map(|v| LEFT * f64::from(v));
         let mut squares = [0.0; 3];
@@ -267,7 +265,8 @@ impl BetweenTexels<'_> {
                 squares[k] += d[k] * d[k] - variance[k] - noise[k];
             }
         }
-        Some(squares.map(|s| s / points.len() as f64))
+        let places = points.len() as u32;
+        (places, squares.map(|s| s / f64::from(places)))
     }
 
     /// Places of a texel that are seen, one in each of `places`² parts of it, with their texture coordinates.

@@ -6,11 +6,13 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
+use crate::batches::{SHORT_BLOCK, Work, in_blocks, in_counted_batches};
 use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
 use azulejo_scene::math::Ray;
-use azulejo_trace::{Cancelled, Progress, Tracer};
+use azulejo_trace::journal::{Record, RecordReader};
+use azulejo_trace::{Cancelled, Tracer};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -68,12 +70,12 @@ impl Samples {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn new(atlas: &Atlas, tracer: &Tracer, progress: &Progress) -> Result<Samples, Cancelled> {
+    pub fn new(atlas: &Atlas, tracer: &Tracer, work: Work) -> Result<Samples, Cancelled> {
         let mut all = Samples::default();
         for page in 0..atlas.layout.pages.len() as u32 {
-            let coverage = Coverage::new(&atlas.receivers, &atlas.layout, page, progress)?;
+            let coverage = Coverage::new(&atlas.receivers, &atlas.layout, page, work.1)?;
             let sampler = PageSampler::new(atlas, tracer, &coverage, page);
-            let (samples, regions) = sampler.samples(all.regions, progress)?;
+            let (samples, regions) = sampler.samples(all.regions, work)?;
             all.regions += regions;
             all.samples.extend(samples);
             all.pages.push(coverage);
@@ -91,6 +93,29 @@ struct SurfacePoint {
     /// Shading normal of the side that receives.
     normal: DVec3,
     raised: DVec3,
+}
+
+impl Record for SurfacePoint {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        [self.of.receiver, self.of.triangle].write(bytes);
+        self.uv.write(bytes);
+        let vectors = [self.position, self.normal, self.raised];
+        vectors.map(|v| v.to_array()).write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<SurfacePoint> {
+        let [receiver, triangle] = Record::read(bytes)?;
+        let uv = Record::read(bytes)?;
+        let vectors: [[f64; 3]; 3] = Record::read(bytes)?;
+        let [position, normal, raised] = vectors.map(DVec3::from);
+        Some(SurfacePoint {
+            of: TriangleId { receiver, triangle },
+            uv,
+            position,
+            normal,
+            raised,
+        })
+    }
 }
 
 /// Chooses points of the texels of a page.
@@ -139,16 +164,12 @@ impl<'a> PageSampler<'a> {
     }
 
     /// The samples of the page, with regions numbered from `first`, and the number of regions.
-    fn samples(
-        &self,
-        first: u32,
-        progress: &Progress,
-    ) -> Result<(Vec<TexelSample>, u32), Cancelled> {
+    fn samples(&self, first: u32, work: Work) -> Result<(Vec<TexelSample>, u32), Cancelled> {
         let texels = self.coverage.texels.len();
-        progress.begin("points", 2 * texels as u64);
-        let points = self.points(progress)?;
+        work.1.begin("points", 2 * texels as u64);
+        let points = self.points(work)?;
         let neighbours = self.neighbours();
-        let is_free = self.joined(&points, &neighbours, progress)?;
+        let is_free = self.joined(&points, &neighbours, work)?;
         let mut is_between = vec![false; texels];
         for (&(a, b), _) in neighbours.iter().zip(&is_free).filter(|(_, free)| !**free) {
             is_between[a as usize] = true;
@@ -211,23 +232,17 @@ impl<'a> PageSampler<'a> {
     }
 
     /// The point of each texel nearest to the centre of what it covers.
-    fn points(&self, progress: &Progress) -> Result<Vec<SurfacePoint>, Cancelled> {
-        let texels = &self.coverage.texels;
-        let batches: Result<Vec<Vec<SurfacePoint>>, Cancelled> = texels
-            .par_chunks(BATCH)
-            .enumerate()
-            .map(|(batch, chunk)| {
-                progress.advance(chunk.len() as u64)?;
-                let place = |(i, t): (usize, &crate::CoveredTexel)| {
-                    let [x, y] = t.centre.map(f64::from);
-                    self.surface_point(batch * BATCH + i, DVec2::new(x, y), LIFT)
-                };
-                let mut points: Vec<SurfacePoint> = chunk.iter().enumerate().map(place).collect();
-                self.lower_where_blocked(&mut points);
-                Ok(points)
-            })
-            .collect();
-        Ok(batches?.concat())
+    fn points(&self, work: Work) -> Result<Vec<SurfacePoint>, Cancelled> {
+        let texels: Vec<u32> = (0..self.coverage.texels.len() as u32).collect();
+        let point = |&texel: &u32| {
+            let [x, y] = self.coverage.texels[texel as usize].centre.map(f64::from);
+            self.surface_point(texel as usize, DVec2::new(x, y), LIFT)
+        };
+        in_counted_batches(&texels, (BATCH, SHORT_BLOCK), work, |batch| {
+            let mut points: Vec<SurfacePoint> = batch.iter().map(point).collect();
+            self.lower_where_blocked(&mut points);
+            Ok(points)
+        })
     }
 
     /// The point of a texel at a place of the page, and one `lift` texels above it.
@@ -342,23 +357,20 @@ impl<'a> PageSampler<'a> {
         &self,
         points: &[SurfacePoint],
         pairs: &[(u32, u32)],
-        progress: &Progress,
+        work: Work,
     ) -> Result<Vec<bool>, Cancelled> {
-        let batches: Result<Vec<Vec<bool>>, Cancelled> = pairs
-            .par_chunks(BATCH)
-            .map(|chunk| {
-                progress.advance((chunk.len() / 2) as u64)?;
-                let ray = |&(a, b): &(u32, u32)| {
-                    let [a, b] = [a, b].map(|t| points[t as usize].raised);
-                    self.tracer.kernel_ray(&Ray::between(a, b))
-                };
-                let rays: Vec<_> = chunk.iter().map(ray).collect();
-                let mut blocked = Vec::new();
-                self.tracer.any(&rays, &mut blocked);
-                Ok(blocked.into_iter().map(|b| !b).collect())
-            })
-            .collect();
-        Ok(batches?.concat())
+        let ray = |&(a, b): &(u32, u32)| {
+            let [a, b] = [a, b].map(|t| points[t as usize].raised);
+            self.tracer.kernel_ray(&Ray::between(a, b))
+        };
+        let found = in_blocks(pairs, (BATCH, SHORT_BLOCK), work, |batch| {
+            work.1.advance((batch.len() / 2) as u64)?;
+            let rays: Vec<_> = batch.iter().map(ray).collect();
+            let mut blocked = Vec::new();
+            self.tracer.any(&rays, &mut blocked);
+            Ok(blocked.into_iter().map(|b| u8::from(!b)).collect())
+        })?;
+        Ok(found.into_iter().map(|is_free| is_free == 1).collect())
     }
 
     /// The samples of a texel that something stands in: one in each of the two regions around it that

@@ -8,14 +8,18 @@ use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
 use azulejo_factors::{PointNormal, ProxyScene};
 use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::journal::shared;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    GatherPoint, Gathered, Gatherer, Journal, JournalStage, NoJournal, Progress, Tracer,
+    Cancelled, GatherPoint, Gathered, Gatherer, Journal, JournalStage, NoJournal, Progress, Tracer,
 };
 use rayon::prelude::*;
 
 /// Points that are worked on together.
 const BATCH: usize = 256;
+
+/// Batches of a block that processes share.
+const BLOCK: usize = 8;
 
 /// The light on the patches of a scene.
 pub struct SolvedLight<'a> {
@@ -79,11 +83,40 @@ impl<'a> SolvedLight<'a> {
         [true, false].map(|front| self.solved.solution.incident[side(patch, front) as usize])
     }
 
+    /// Makes sure that processes that share the work, if there are several, have the same light between patches:
+    /// what is gathered from another would not fit.
+    ///
+    /// # Errors
+    /// They have not.
+    pub fn agree(&self) -> Result<(), Cancelled> {
+        if self.journal.processes() == 1 {
+            return Ok(());
+        }
+        let stage = self.journal.step();
+        self.journal.rely_on(stage, self.solved.digest())
+    }
+
     /// Direct irradiance at points, from one shadow ray per source, W/m².
-    pub fn direct_at(&self, points: &[GatherPoint]) -> Vec<Rgb> {
-        let batches = points.par_chunks(BATCH);
-        let direct = batches.flat_map_iter(|batch| self.gatherer().direct(batch, 1, 0));
-        direct.map(|light| light.whole().mean()).collect()
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn direct_at(
+        &self,
+        points: &[GatherPoint],
+        progress: &Progress,
+    ) -> Result<Vec<Rgb>, Cancelled> {
+        let batches: Vec<&[GatherPoint]> = points.chunks(BATCH).collect();
+        progress.begin("direct light", points.len() as u64);
+        let of_batch = |&batch: &usize| -> Result<Vec<Rgb>, Cancelled> {
+            progress.advance(batches[batch].len() as u64)?;
+            let direct = self.gatherer().direct(batches[batch], 1, 0);
+            Ok(direct.iter().map(|light| light.whole().mean()).collect())
+        };
+        let size = (batches.len(), BLOCK);
+        let found = shared(self.journal, size, progress, |wanted| {
+            wanted.par_iter().map(of_batch).collect()
+        })?;
+        Ok(found.concat())
     }
 
     /// Irradiance at points and normals, all alike.

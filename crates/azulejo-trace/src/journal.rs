@@ -12,7 +12,7 @@ mod together;
 use crate::progress::{Cancelled, Progress};
 pub use record::{Record, RecordReader, write_list};
 use std::ops::Range;
-pub use together::together;
+pub use together::{CountedJournal, together};
 
 /// The computation that a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

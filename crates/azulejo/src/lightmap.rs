@@ -12,20 +12,21 @@ mod sides;
 mod source;
 
 pub use brightness::{BytePicture, BytePictures};
-pub use occlusion::bake_occlusion;
+pub use occlusion::{bake_occlusion, bake_occlusion_in_blocks};
 pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
 use azulejo_bake::{
     Atlas, BetweenTexels, Layout, LayoutError, Lightmap, LightmapPage, Receiver, ReceiverLayout,
-    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions,
+    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions, Work,
     layout::NO_CHART,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
+use azulejo_trace::journal::digest;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Progress, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer};
 use indirect::IndirectLight;
 use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;
@@ -207,13 +208,29 @@ pub fn bake(
     options: &BakeOptions,
     progress: &Progress,
 ) -> Result<Baked, BakeError> {
+    bake_in_blocks(scene, tracer, objects, options, (&NoJournal, progress))
+}
+
+/// As [`bake`], with blocks that the journal holds or others compute. Processes that share the work all get the
+/// lightmap, with the bits of one process.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn bake_in_blocks(
+    scene: &Scene,
+    tracer: &Tracer,
+    objects: &[u32],
+    options: &BakeOptions,
+    work: Work,
+) -> Result<Baked, BakeError> {
+    let (_, progress) = work;
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
     let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
     let fronts = receivers.len();
     let mut solved = None;
     if options.sides == BakedSides::Both {
         // Which backs get light is known from the solution alone.
-        let found = SolvedLight::new(&proxy, &options.pass, progress)?;
+        let found = solved_light(&proxy, options, work)?;
         let backs = lit_backs(&receivers, &objects, &proxy.scene, &found);
         for (receiver, object) in backs {
             receivers.push(receiver);
@@ -224,20 +241,25 @@ pub fn bake(
     let mut atlas = arranged(receivers, options, &proxy.tracer, progress)?;
     let solved = match solved {
         Some(solved) => solved,
-        None => SolvedLight::new(&proxy, &options.pass, progress)?,
+        None => solved_light(&proxy, options, work)?,
     };
-    let turn = |atlas: &mut Atlas| match options.sides {
-        BakedSides::Front => {}
-        BakedSides::Brighter => atlas.turned = turned(atlas, &objects, &proxy.scene, &solved),
-        BakedSides::Both => {
-            atlas.turned = vec![false; atlas.layout.charts as usize];
-            let of_backs = atlas.layout.receivers[fronts..].iter();
-            for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
-                atlas.turned[chart as usize] = true;
+    let turn = |atlas: &mut Atlas| -> Result<(), Cancelled> {
+        match options.sides {
+            BakedSides::Front => {}
+            BakedSides::Brighter => {
+                atlas.turned = turned(atlas, &objects, &proxy.scene, &solved, progress)?;
+            }
+            BakedSides::Both => {
+                atlas.turned = vec![false; atlas.layout.charts as usize];
+                let of_backs = atlas.layout.receivers[fronts..].iter();
+                for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
+                    atlas.turned[chart as usize] = true;
+                }
             }
         }
+        Ok(())
     };
-    turn(&mut atlas);
+    turn(&mut atlas)?;
     let differing_sides = match options.sides {
         BakedSides::Both => 0.0,
         _ => differing_share(&atlas.receivers, &objects, &proxy.scene, &solved),
@@ -252,7 +274,7 @@ pub fn bake(
     ]);
     let mut follows_light = false;
     if options.follows_light && options.coordinates == Coordinates::New {
-        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, progress)?;
+        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, work)?;
         let (receivers, even) = (&atlas.receivers, &atlas.layout);
         let followed = azulejo_bake::repack_charts(
             receivers,
@@ -266,17 +288,17 @@ pub fn bake(
         let error_in = |layout: &Layout| importance.shadow_error(layout, even, receivers);
         if error_in(&followed) < WORTH_REPACKING * error_in(even) {
             atlas.layout = followed;
-            turn(&mut atlas);
+            turn(&mut atlas)?;
             follows_light = true;
         }
     }
-    let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
-    let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
+    let samples = agreed_samples(&atlas, surfaces.tracer, work)?;
+    let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, work)?;
     let indirect = IndirectLight {
         solved: &solved,
         bounces: options.pass.bounces,
         error,
-        progress,
+        work,
     };
     let (mut light, texels) = match options.light {
         BakedLight::Direct => (
@@ -320,7 +342,7 @@ pub fn bake(
     let rest = between.rest_of(options.charts.padding);
     let mut between_texels = 0.0_f64;
     if options.light != BakedLight::Indirect {
-        between_texels = between.add_direct(&mut lightmap, &rest, progress)?;
+        between_texels = between.add_direct(&mut lightmap, &rest, work)?;
     }
     if let Some(field) = &field {
         let mut gather = |points: &[GatherPoint]| indirect.at(points, field);
@@ -342,6 +364,30 @@ pub fn bake(
         between_texels,
         follows_light,
     })
+}
+
+/// The light between patches, on which processes that share the work agree.
+fn solved_light<'a>(
+    proxy: &'a ProxyScene<'a>,
+    options: &BakeOptions,
+    (journal, progress): Work<'a>,
+) -> Result<SolvedLight<'a>, SolveError> {
+    let solved = SolvedLight::in_blocks(proxy, &options.pass, journal, progress)?;
+    solved.agree()?;
+    Ok(solved)
+}
+
+/// The points of all texels. Processes that share the work divide it by the numbers of points, so all of them must
+/// have the same.
+fn agreed_samples(atlas: &Atlas, tracer: &Tracer, work: Work) -> Result<Samples, Cancelled> {
+    let samples = Samples::new(atlas, tracer, work)?;
+    let (journal, _) = work;
+    if journal.processes() > 1 {
+        let places = samples.samples.iter().map(|s| (s.position, s.normal));
+        let numbers = places.flat_map(|(p, n)| [p.x, p.y, p.z, n.x, n.y, n.z]);
+        journal.rely_on(journal.step(), digest(numbers))?;
+    }
+    Ok(samples)
 }
 
 /// The objects that receive, and their numbers.

@@ -8,31 +8,20 @@ mod pictures;
 mod report;
 mod source;
 mod verdict;
+mod work;
 mod written;
 
 use crate::failure::Failure;
+use crate::ranks::{RankJournal, Ranks};
 use crate::report::Report;
 use crate::session::Session;
 use crate::{pass, report as words};
-use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, InstancesArg, LightArg, TexelArgs};
-use azulejo::bake::{Resolution, UnwrapOptions};
-use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake, bake_occlusion};
+use args::{BakeArgs, ConventionArg, ImageArg, InstancesArg, LightArg};
+use azulejo::lightmap::Baked;
 use azulejo::output::Output;
-use azulejo::surroundings::STUDIO_FLOOR;
-use azulejo_scene::Scene;
-use source::BakeSource;
 pub use source::read_file;
+use work::BakeWork;
 use written::BakeOutputs;
-
-/// Size of pages where none is given, and where the density is.
-const SIZE: u32 = 1024;
-const MOST_SIZE: u32 = 8192;
-
-/// Distance up to which things occlude, as a share of the size of the model.
-const OCCLUSION_DISTANCE: f64 = 0.1;
-
-/// Texels per length of the floor of a studio, relative to those of the model: it is far larger.
-const STUDIO_DENSITY: f64 = 0.25;
 
 /// Error beside the requested one up to which that counts as reached.
 const TOLERATED: f64 = 1.2;
@@ -46,46 +35,41 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
         return strip(args, session);
     }
     refuse_misplaced(args)?;
+    match session.ranks().cloned() {
+        Some(ranks) if !ranks.is_root() => help(args, &ranks, session),
+        ranks => whole(args, ranks.as_ref(), session),
+    }
+}
+
+/// Takes part in the work of rank 0.
+fn help(args: &BakeArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+    pass::refuse_time(&args.first_pass)?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let source = source::read(args, session)?;
+    let (work, _) = BakeWork::new(args, &source, &prepared, session)?;
+    work.shared(ranks, None, session)?;
+    Ok(Report::default())
+}
+
+/// Bakes the lightmap, alone or with other ranks, and writes it.
+fn whole(args: &BakeArgs, ranks: Option<&Ranks>, session: &mut Session) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
+    if ranks.is_some() {
+        pass::refuse_time(&args.first_pass)?;
+    }
     let prepared = args.first_pass.engine.prepare()?;
     let mut source = source::read(args, session)?;
-    if source.receivers.is_empty() {
-        return Err(Failure::failed(
-            "there is no surface that could receive a lightmap: what is animated, skinned, morphed or instanced by \
-             EXT_mesh_gpu_instancing does not, nor do points and lines",
-        ));
-    }
-    let tracer = prepared.tracer(&source.scene)?;
-    let charts = charts(&args.texels, &source.scene);
-    let chosen = coordinates::choose(args, &source, &charts, session)?;
-    let options = BakeOptions {
-        charts,
-        coordinates: chosen.coordinates,
-        densities: densities(&args.texels, &source, session),
-        follows_light: args.texels.follows_light(),
-        pass: pass::options(&args.first_pass, &prepared, session),
-        light: args.texels.light.baked().unwrap_or_default(),
-        sides: sides(args, &source),
-    };
-    session.limit_time(args.first_pass.limit());
-    let baked = pass::with_forecast(&args.first_pass, session, |progress| {
-        let BakeSource {
-            scene, receivers, ..
-        } = &source;
-        match args.texels.light.baked() {
-            Some(_) => bake(scene, &tracer, receivers, &options, progress),
-            None => {
-                let distance = occlusion_distance(&args.texels, scene);
-                bake_occlusion(scene, &tracer, receivers, &options, distance, progress)
-            }
+    session.share_files()?;
+    let (work, uvs) = BakeWork::new(args, &source, &prepared, session)?;
+    let (mut baked, journal) = match ranks {
+        None => (work.alone(session)?, None),
+        Some(ranks) => {
+            let (baked, journal) = work.shared(ranks, outputs.file(), session)?;
+            (baked, Some(journal))
         }
-    });
-    let mut baked = baked.map_err(|error| match error {
-        BakeError::Solve(error) => pass::failure(error),
-        BakeError::Layout(error) => Failure::failed(error),
-        other => Failure::failed(other),
-    })?;
+    };
+    let options = work.into_options();
     source.turn_to_light(&mut baked).map_err(Failure::failed)?;
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
@@ -96,8 +80,9 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
              texels than sharper shadows gain",
         );
     }
-    let places = (chosen.uvs, options.charts.padding);
+    let places = (uvs, options.charts.padding);
     outputs.write(args, &source, &baked, places, session, &mut summary)?;
+    journal.iter().for_each(RankJournal::remove);
     Ok(summary)
 }
 
@@ -194,80 +179,6 @@ fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
         ));
     }
     Ok(())
-}
-
-/// How near things count as occluding, scene units.
-fn occlusion_distance(args: &TexelArgs, scene: &Scene) -> f64 {
-    let usual = || OCCLUSION_DISTANCE * scene.bounds().diagonal();
-    args.ao_distance
-        .map_or_else(usual, |metres| metres / scene.units.metres())
-}
-
-fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
-    let resolution = match (args.texels_per_metre, args.count) {
-        (Some(density), _) => Resolution::PerUnit(density * scene.units.metres()),
-        (None, Some(texels)) => Resolution::Texels(texels),
-        (None, None) => Resolution::Fill,
-    };
-    let size = match resolution {
-        Resolution::Fill => SIZE,
-        _ => MOST_SIZE,
-    };
-    UnwrapOptions {
-        resolution,
-        size: args.size.unwrap_or(size),
-        pages: args.pages,
-        padding: args.padding.max(1 << args.mips),
-        blocks: args.blocks,
-        crease: args.crease,
-    }
-}
-
-/// How dense the texels of each receiver are, relative to others; empty if all are alike.
-fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Vec<f64> {
-    let studio = |r: &u32| match source.scene.objects[*r as usize].name.as_str() {
-        STUDIO_FLOOR => STUDIO_DENSITY,
-        _ => 1.0,
-    };
-    if args.object_densities().next().is_none() {
-        let factors: Vec<f64> = source.receivers.iter().map(studio).collect();
-        return if factors.iter().all(|f| *f == 1.0) {
-            Vec::new()
-        } else {
-            factors
-        };
-    }
-    let name = |&r: &u32| source.scene.objects[r as usize].name.as_str();
-    for given in args.object_densities() {
-        if !source
-            .receivers
-            .iter()
-            .any(|r| given.names.is_match(name(r)))
-        {
-            session.note(&format!(
-                "--density {}: no object has such a name",
-                given.text
-            ));
-        }
-    }
-    let factor = |r: &u32| {
-        let mut fits = args.object_densities().rev();
-        fits.find(|given| given.names.is_match(name(r)))
-            .map_or_else(|| studio(r), |given| given.factor)
-    };
-    source.receivers.iter().map(factor).collect()
-}
-
-/// The side that receives: glTF says which side is the front, other formats often do not.
-fn sides(args: &BakeArgs, source: &BakeSource) -> BakedSides {
-    let usual = if source.is_given {
-        BakedSides::Front
-    } else {
-        BakedSides::Brighter
-    };
-    args.texels
-        .double_sided
-        .map_or(usual, DoubleSidedArg::baked)
 }
 
 /// Removes a lightmap.

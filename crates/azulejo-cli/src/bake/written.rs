@@ -71,6 +71,14 @@ impl BakeOutputs {
             .is_some_and(|(output, _)| output.is_stdout())
     }
 
+    /// The first file that is written; nothing if all goes to standard output.
+    pub fn file(&self) -> Option<&Path> {
+        let main = self.main.as_ref().map(|(output, _)| output);
+        let main = main.filter(|output| !output.is_stdout());
+        let maps = self.lightmap.as_deref().or(self.error_map.as_deref());
+        main.map(Output::path).or(maps)
+    }
+
     /// Writes all files, or none.
     pub fn write(
         &self,

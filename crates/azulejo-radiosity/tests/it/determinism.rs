@@ -2,10 +2,14 @@
 
 use crate::rooms::*;
 use azulejo_factors::Engine;
-use azulejo_radiosity::{Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
+use azulejo_radiosity::{
+    Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, probe_in_blocks, solve,
+    solve_in_blocks,
+};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-use azulejo_trace::{Progress, Tracer};
+use azulejo_trace::journal::{CountedJournal, together};
+use azulejo_trace::{Journal, Progress, Tracer};
 use std::time::{Duration, Instant};
 
 fn pass() -> FirstPass {
@@ -48,6 +52,71 @@ fn threads_do_not_matter() {
             );
         }
     }
+}
+
+/// Checks that processes that share some work all get what one process gets, and that all items of its loops are
+/// computed once, by several of them.
+fn check_shared<T: PartialEq + Send + Sync>(
+    what: &str,
+    whole: &T,
+    work: impl Fn(&dyn Journal) -> T + Sync,
+) {
+    let mut alone = None;
+    for processes in [1, 2, 3, 5] {
+        let found = together(processes, |journal| {
+            let journal = CountedJournal::new(journal);
+            (work(&journal), journal.items())
+        });
+        assert!(
+            found.iter().all(|(found, _)| found == whole),
+            "{what}: {processes} processes"
+        );
+        let items: usize = found.iter().map(|(_, items)| items).sum();
+        assert_eq!(items, *alone.get_or_insert(items), "{what}: {processes}");
+        let busy = found.iter().filter(|(_, items)| *items > 0).count();
+        assert!(items > 0 && busy >= processes.min(2), "{what}: {processes}");
+    }
+}
+
+/// To an error and by rays, with many bounces and few, by matrix and shooting, and at points.
+#[test]
+fn processes_do_not_matter() {
+    let scene = cornell_box(CornellVariant::MirrorBlock);
+    let tracer = Tracer::new(&scene);
+    let by_error = FirstPass {
+        rays: None,
+        error: Some(0.05),
+        ..pass()
+    };
+    let limited = FirstPass {
+        bounces: Some(2),
+        ..pass()
+    };
+    let shooting = FirstPass {
+        memory: 0,
+        ..pass()
+    };
+    for pass in [&pass(), &by_error, &limited, &shooting] {
+        // Each of several processes keeps a part of the matrix.
+        let without_bytes = |mut found: LightSolution| {
+            found.report.bytes = 0;
+            found
+        };
+        let whole = solve(&scene, &tracer, pass, &Progress::new()).unwrap();
+        let whole = without_bytes(whole);
+        check_shared(&format!("{pass:?}"), &whole, |journal| {
+            let found = solve_in_blocks(&scene, &tracer, pass, journal, &Progress::new());
+            without_bytes(found.unwrap())
+        });
+    }
+    let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
+    let (tracer, points) = (Tracer::new(&scene), points_on_cube(500));
+    let whole = probe(&scene, &tracer, &points, &by_error, &Progress::new()).unwrap();
+    check_shared("points", &whole.estimates, |journal| {
+        let work = (journal, &Progress::new());
+        let found = probe_in_blocks(&scene, &tracer, &points, &by_error, work);
+        found.unwrap().estimates
+    });
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Items as bytes.
 
+use crate::gather::{Gathered, REPLICATES};
 use azulejo_scene::Rgb;
 
 /// An item that a journal can store.
@@ -65,6 +66,21 @@ impl<R: Record> Record for Vec<R> {
     fn read(bytes: &mut RecordReader) -> Option<Vec<R>> {
         bytes.list(R::read)
     }
+
+    fn is_complete(&self) -> bool {
+        self.iter().all(R::is_complete)
+    }
+}
+
+impl Record for Gathered {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.replicates.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<Gathered> {
+        let replicates = <[Rgb; REPLICATES]>::read(bytes)?;
+        Some(Gathered { replicates })
+    }
 }
 
 /// Nothing is incomplete: time was over.
@@ -95,6 +111,10 @@ impl<A: Record, B: Record> Record for (A, B) {
 
     fn read(bytes: &mut RecordReader) -> Option<(A, B)> {
         Some((A::read(bytes)?, B::read(bytes)?))
+    }
+
+    fn is_complete(&self) -> bool {
+        self.0.is_complete() && self.1.is_complete()
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Blocks, Division, Journal, JournalStage};
 use crate::progress::Cancelled;
 use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -134,5 +134,84 @@ impl Journal for Seat<'_> {
             let waiting = self.table.changed.wait(state);
             state = waiting.unwrap_or_else(PoisonError::into_inner);
         }
+    }
+}
+
+/// A journal that counts the items that its process computes. For tests.
+pub struct CountedJournal<'a> {
+    journal: &'a dyn Journal,
+    items: AtomicUsize,
+}
+
+impl<'a> CountedJournal<'a> {
+    /// Of a journal that stores nothing.
+    pub fn new(journal: &'a dyn Journal) -> CountedJournal<'a> {
+        CountedJournal {
+            journal,
+            items: AtomicUsize::new(0),
+        }
+    }
+
+    /// Items of all stages so far.
+    pub fn items(&self) -> usize {
+        self.items.load(Ordering::Relaxed)
+    }
+}
+
+impl Journal for CountedJournal<'_> {
+    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+        self.journal.load(stage, block)
+    }
+
+    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+        self.journal.save(stage, block, bytes);
+    }
+
+    fn is_kept(&self) -> bool {
+        self.journal.is_kept()
+    }
+
+    fn parts(&self) -> usize {
+        self.journal.parts()
+    }
+
+    fn processes(&self) -> usize {
+        self.journal.processes()
+    }
+
+    fn has_steps(&self) -> bool {
+        self.journal.has_steps()
+    }
+
+    fn step(&self) -> JournalStage {
+        self.journal.step()
+    }
+
+    fn next(
+        &self,
+        stage: JournalStage,
+        division: Division,
+        left: Range<usize>,
+    ) -> Result<Option<usize>, Cancelled> {
+        let next = self.journal.next(stage, division, left)?;
+        let items = next.map_or(0, |block| division.of(block).count());
+        self.items.fetch_add(items, Ordering::Relaxed);
+        Ok(next)
+    }
+
+    fn assembles(&self) -> bool {
+        self.journal.assembles()
+    }
+
+    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
+        self.journal.rely_on(stage, digest)
+    }
+
+    fn of_others(&self, stage: JournalStage, own: Blocks) -> Result<Blocks, Cancelled> {
+        self.journal.of_others(stage, own)
+    }
+
+    fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
+        self.journal.all_gather(own)
     }
 }

@@ -2,10 +2,10 @@
 
 use azulejo_bake::{
     Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
-    ShownSamples, TexelField, TexelLight, TexelStatistics,
+    ShownSamples, TexelField, TexelLight, TexelStatistics, Work,
 };
 use azulejo_radiosity::{IrradianceField, PairRange, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Progress};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;
@@ -30,7 +30,8 @@ pub struct IndirectLight<'a> {
     /// Most bounces, if they are limited.
     pub bounces: Option<u32>,
     pub error: f64,
-    pub progress: &'a Progress,
+    /// Shared as that of `solved`.
+    pub work: Work<'a>,
 }
 
 impl IndirectLight<'_> {
@@ -50,7 +51,7 @@ impl IndirectLight<'_> {
         };
         let surfaces = self.solved.gatherer().surfaces();
         let mut look = |request: &LookRequest| {
-            let is_late = self.progress.out_of_time();
+            let is_late = self.work.1.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
             let range = PairRange {
                 read: 0..rays,
@@ -60,7 +61,7 @@ impl IndirectLight<'_> {
             Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
         };
         let (mut light, nodes) =
-            azulejo_bake::first_look(samples, direct, goal, self.progress, &mut look)?;
+            azulejo_bake::first_look(samples, direct, goal, self.work, &mut look)?;
         if self.bounces.is_some() {
             let mut gather = |request: &PairRequest| self.limited(request);
             let found = azulejo_bake::with_indirect(
@@ -69,32 +70,24 @@ impl IndirectLight<'_> {
                 nodes,
                 goal,
                 true,
-                self.progress,
+                self.work,
                 &mut gather,
             )?;
             return Ok(found);
         }
         for number in 1..=LOOKS {
-            if self.progress.out_of_time() {
+            if self.work.1.out_of_time() {
                 break;
             }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             drop(std::mem::take(&mut light));
             let mut gather = |request: &PairRequest| self.paired(request, &field, number);
-            light = azulejo_bake::look_again(samples, direct, &nodes, self.progress, &mut gather)?;
+            light = azulejo_bake::look_again(samples, direct, &nodes, self.work, &mut gather)?;
         }
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
         let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
-        azulejo_bake::with_indirect(
-            samples,
-            direct,
-            nodes,
-            goal,
-            false,
-            self.progress,
-            &mut gather,
-        )
+        azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.work, &mut gather)
     }
 
     /// The light at points between texels, from rays that read `field`.
@@ -108,7 +101,7 @@ impl IndirectLight<'_> {
             let error = NOISE_SHARE * self.error;
             return self
                 .solved
-                .indirect(points, &areas, error, LOOKS + 2, self.progress);
+                .indirect(points, &areas, error, LOOKS + 2, self.work.1);
         }
         let range = PairRange {
             read: 0..FIRST_RAYS,
@@ -144,7 +137,7 @@ impl IndirectLight<'_> {
         for page in &mut lightmap.pages {
             azulejo_bake::pad_charts(page, 1);
         }
-        between.estimate(&lightmap, self.progress)
+        between.estimate(&lightmap, self.work)
     }
 
     fn paired(
@@ -169,7 +162,7 @@ impl IndirectLight<'_> {
     ) -> Result<Vec<NodePair>, SolveError> {
         let found = self
             .solved
-            .path_pairs(points, field, range, look, self.progress)?;
+            .path_pairs(points, field, range, look, self.work.1)?;
         let pair = |pair: PathPair| NodePair {
             read: pair.read,
             few: pair.few,
@@ -181,13 +174,9 @@ impl IndirectLight<'_> {
     /// Where bounces are limited, all is path traced.
     fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
         let error = NOISE_SHARE * self.error;
-        let found = self.solved.indirect(
-            request.points,
-            request.areas,
-            error,
-            LOOKS + 1,
-            self.progress,
-        )?;
+        let found =
+            self.solved
+                .indirect(request.points, request.areas, error, LOOKS + 1, self.work.1)?;
         let node = |read| NodePair {
             read,
             ..NodePair::default()

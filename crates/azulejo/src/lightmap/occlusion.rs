@@ -3,13 +3,16 @@
 //! Weighted by the cosine, as irradiance of an even sky that ends at a distance. No light is solved, so that models
 //! without lamps have it, too.
 
-use super::{BakeError, BakeOptions, Baked, BakedSides, DEFAULT_ERROR, arranged, receivers_of};
+use super::{
+    BakeError, BakeOptions, Baked, BakedSides, DEFAULT_ERROR, agreed_samples, arranged,
+    receivers_of,
+};
 use azulejo_bake::{
-    Hemispheres, IndirectGoal, NodePair, SampleDirect, Samples, ShownSamples, TexelLight,
+    Hemispheres, IndirectGoal, NodePair, SampleDirect, ShownSamples, TexelLight, Work,
 };
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Progress, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, NoJournal, Progress, REPLICATES, Surfaces, Tracer};
 
 /// Fewest and most strata along each axis of a replicate's rays.
 const STRATA: [u32; 2] = [4, 32];
@@ -34,6 +37,24 @@ pub fn bake_occlusion(
     distance: f64,
     progress: &Progress,
 ) -> Result<Baked, BakeError> {
+    let work: Work = (&NoJournal, progress);
+    bake_occlusion_in_blocks(scene, tracer, objects, options, distance, work)
+}
+
+/// As [`bake_occlusion`], with blocks that the journal holds or others compute. Processes that share the work all get
+/// the lightmap, with the bits of one process.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn bake_occlusion_in_blocks(
+    scene: &Scene,
+    tracer: &Tracer,
+    objects: &[u32],
+    options: &BakeOptions,
+    distance: f64,
+    work: Work,
+) -> Result<Baked, BakeError> {
+    let (_, progress) = work;
     let (receivers, objects) = receivers_of(scene, objects, &options.densities);
     let mut atlas = arranged(receivers, options, tracer, progress)?;
     let seed = hash(&[
@@ -45,12 +66,12 @@ pub fn bake_occlusion(
         tracer,
         distance,
         seed,
-        progress,
+        work,
     };
     if options.sides == BakedSides::Brighter {
         atlas.turned = hemispheres.freer_sides(&atlas)?;
     }
-    let samples = Samples::new(&atlas, tracer, progress)?;
+    let samples = agreed_samples(&atlas, tracer, work)?;
     let count = samples.samples.len();
     let none = SampleDirect {
         irradiance: vec![[0.0; 3]; count],
@@ -62,27 +83,19 @@ pub fn bake_occlusion(
         least: 0.0,
     };
     let strata = strata(NOISE_SHARE * error);
-    let (light, nodes) =
-        azulejo_bake::first_look(&samples, &none, goal, progress, &mut |request| {
-            hemispheres.free(request.points, FEW_STRATA)
-        })?;
+    let (light, nodes) = azulejo_bake::first_look(&samples, &none, goal, work, &mut |request| {
+        hemispheres.free(request.points, FEW_STRATA)
+    })?;
     drop(light);
-    let (light, texels) = azulejo_bake::with_indirect(
-        &samples,
-        &none,
-        nodes,
-        goal,
-        true,
-        progress,
-        &mut |request| {
+    let (light, texels) =
+        azulejo_bake::with_indirect(&samples, &none, nodes, goal, true, work, &mut |request| {
             let found = hemispheres.free(request.points, strata)?;
             let node = |read| NodePair {
                 read,
                 ..NodePair::default()
             };
             Ok::<_, Cancelled>(found.into_iter().map(node).collect())
-        },
-    )?;
+        })?;
     let surfaces = Surfaces::new(scene, tracer);
     let shown = ShownSamples::new(&samples, &light, &surfaces);
     let light: Vec<TexelLight> = light.into_iter().map(limited).collect();

@@ -4,8 +4,8 @@ use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{Atlas, Receiver, Samples, TexelLight};
 use azulejo_radiosity::SolvedLight;
 use azulejo_scene::{Rgb, Scene, Sidedness};
-use azulejo_trace::GatherPoint;
 use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, GatherPoint, Progress};
 use glam::DVec3;
 
 /// Light of a side relative to that of the other up to which it is what patches leak.
@@ -125,7 +125,16 @@ pub fn power_beside_patches(
 const EVERY: usize = 8;
 
 /// Of each chart whether its back gets more light.
-pub fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLight) -> Vec<bool> {
+///
+/// # Errors
+/// The caller cancelled.
+pub fn turned(
+    atlas: &Atlas,
+    objects: &[u32],
+    scene: &Scene,
+    solved: &SolvedLight,
+    progress: &Progress,
+) -> Result<Vec<bool>, Cancelled> {
     let mut excess = vec![0.0; atlas.layout.charts as usize];
     let (mut unseen, mut of_charts) = (Vec::new(), Vec::new());
     for (r, receiver) in atlas.receivers.iter().enumerate() {
@@ -153,10 +162,11 @@ pub fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLigh
             }
         }
     }
-    for ((chart, weight), light) in of_charts.into_iter().zip(solved.direct_at(&unseen)) {
+    let direct = solved.direct_at(&unseen, progress)?;
+    for ((chart, weight), light) in of_charts.into_iter().zip(direct) {
         excess[chart as usize] += weight * light.mean();
     }
-    excess.into_iter().map(|e| e > 0.0).collect()
+    Ok(excess.into_iter().map(|e| e > 0.0).collect())
 }
 
 /// For each triangle of a receiver its face, and its number in the face.

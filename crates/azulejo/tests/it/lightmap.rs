@@ -4,13 +4,14 @@ use azulejo::bake::UnwrapOptions;
 use azulejo::factors::PointNormal;
 use azulejo::lightmap::{
     BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, BytePictures, Coordinates,
-    bake, bake_occlusion, meshes_of,
+    bake, bake_in_blocks, bake_occlusion, bake_occlusion_in_blocks, meshes_of,
 };
 use azulejo::radiosity::{FirstPass, SolveError, probe};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Attribute, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo::trace::journal::{CountedJournal, together};
 use azulejo::trace::sampling::uniform;
-use azulejo::trace::{Progress, Tracer};
+use azulejo::trace::{Journal, Progress, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -568,4 +569,72 @@ fn energy_is_kept() {
         (share - 1.0).abs() < 0.01,
         "{share}: {absorbed:?}, {balance:?}"
     );
+}
+
+/// Checks that processes that share the work of a lightmap all get the bits of one process, and that each loop's
+/// items are computed once, by several of them.
+fn check_shared(whole: &Baked, work: impl Fn(&dyn Journal) -> Baked + Sync) {
+    let bits = |baked: &Baked| -> Vec<u32> {
+        let pages = baked.lightmap.pages.iter();
+        let values = pages.flat_map(|page| page.irradiance.iter().chain(&page.standard_error));
+        values.flatten().map(|value| value.to_bits()).collect()
+    };
+    let mut alone = None;
+    for processes in [1, 2, 3, 5] {
+        let found = together(processes, |journal| {
+            let journal = CountedJournal::new(journal);
+            (work(&journal), journal.items())
+        });
+        for (baked, _) in &found {
+            assert!(bits(baked) == bits(whole), "{processes} processes");
+            assert!(baked.atlas.layout == whole.atlas.layout && baked.texels == whole.texels);
+            assert_eq!(
+                baked.between_texels.to_bits(),
+                whole.between_texels.to_bits()
+            );
+        }
+        let items: usize = found.iter().map(|(_, items)| items).sum();
+        assert_eq!(items, *alone.get_or_insert(items), "{processes} processes");
+        let busy = found.iter().filter(|(_, items)| *items > 0).count();
+        assert!(items > 0 && busy >= processes.min(2), "{processes}: {busy}");
+    }
+}
+
+#[test]
+fn processes_do_not_matter() {
+    let scene = meshes_of(&cornell_box(CornellVariant::MirrorBlock), true);
+    let objects: Vec<u32> = (0..scene.objects.len() as u32).collect();
+    let tracer = Tracer::new(&scene);
+    let brighter = BakeOptions {
+        follows_light: true,
+        ..options(64, 0.1)
+    };
+    let limited = BakeOptions {
+        light: BakedLight::Indirect,
+        sides: BakedSides::Both,
+        pass: FirstPass {
+            bounces: Some(2),
+            ..options(32, 0.3).pass
+        },
+        ..options(32, 0.3)
+    };
+    for options in [brighter, limited] {
+        check_shared(&baked(&scene, &options), |journal| {
+            let progress = Progress::new();
+            bake_in_blocks(&scene, &tracer, &objects, &options, (journal, &progress)).unwrap()
+        });
+    }
+}
+
+#[test]
+fn processes_do_not_matter_to_occlusion() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let objects: Vec<u32> = (0..scene.objects.len() as u32).collect();
+    let (tracer, options) = (Tracer::new(&scene), options(64, 0.1));
+    let whole = bake_occlusion(&scene, &tracer, &objects, &options, 0.3, &Progress::new());
+    check_shared(&whole.unwrap(), |journal| {
+        let progress = Progress::new();
+        let work = (journal, &progress);
+        bake_occlusion_in_blocks(&scene, &tracer, &objects, &options, 0.3, work).unwrap()
+    });
 }

@@ -1,0 +1,57 @@
+//! Loops over many items, by all threads of all processes that share the work.
+
+use azulejo_trace::journal::{Record, shared};
+use azulejo_trace::{Cancelled, Journal, Progress};
+use rayon::prelude::*;
+
+/// How work is divided, counted and stopped: processes that share it, through a journal, come to the same loops in
+/// the same order.
+pub type Work<'a> = (&'a dyn Journal, &'a Progress);
+
+/// Batches of a block that a process computes before it asks for the next: enough for its threads, and some
+/// milliseconds of work.
+pub(crate) const BLOCK: usize = 32;
+
+/// The same where batches take longer.
+pub(crate) const SHORT_BLOCK: usize = 8;
+
+/// The results of `of_batch` for all items in their order. Batches are of `size` items, whoever computes them.
+pub(crate) fn in_batches<I: Sync, T: Record + Send>(
+    items: &[I],
+    size: usize,
+    work: Work,
+    of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
+) -> Result<Vec<T>, Cancelled> {
+    in_blocks(items, (size, BLOCK), work, of_batch)
+}
+
+/// The same with blocks of so many batches.
+pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
+    items: &[I],
+    (size, block): (usize, usize),
+    (journal, progress): Work,
+    of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
+) -> Result<Vec<T>, Cancelled> {
+    let batches: Vec<&[I]> = items.chunks(size).collect();
+    let of_number = |&number: &usize| {
+        progress.advance(0)?;
+        of_batch(batches[number])
+    };
+    let found = shared(journal, (batches.len(), block), progress, |wanted| {
+        wanted.par_iter().map(of_number).collect()
+    })?;
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// The same with blocks of so many batches, for items that the progress counts.
+pub(crate) fn in_counted_batches<I: Sync, T: Record + Send>(
+    items: &[I],
+    size: (usize, usize),
+    work: Work,
+    of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
+) -> Result<Vec<T>, Cancelled> {
+    in_blocks(items, size, work, |batch| {
+        work.1.advance(batch.len() as u64)?;
+        of_batch(batch)
+    })
+}
