@@ -8,7 +8,6 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Ranks of the measurements.
 const RANKS: [usize; 4] = [1, 2, 4, 8];

@@ -139,7 +139,9 @@ impl FactorFormat {
         options: &'a FileOptions,
     ) -> Result<FactorFiles<'a>, FactorFileError> {
         use FactorFormat as F;
-        if enclosure.elsewhere.is_some() {
+        // Polygons show what is known of rows; only factors of single rows need the matrix itself.
+        let shows_rows_alone = self == F::Vtu && options.shown_rows.is_empty();
+        if enclosure.elsewhere.is_some() && !shows_rows_alone {
             return Err(FactorFileError::Elsewhere);
         }
         match self {

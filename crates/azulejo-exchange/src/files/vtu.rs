@@ -203,10 +203,13 @@ fn row_arrays(enclosure: &Enclosure, cells: &CellMesh) -> Vec<DataArray> {
         per_cell(cells, "hidden", &shares(|r| r.hidden)),
         per_cell(cells, "row_sum", &sums),
         per_cell(cells, "residual", &residual),
-        per_cell(cells, "row_error", &factors.row_errors),
         per_cell(cells, "rho_s", &enclosure.mirror_reflectances()),
         colours(cells, "diffuse", |i| &rows.diffuse[i]),
     ];
+    // Those of a matrix in blocks are not known.
+    if factors.row_errors.len() == factors.len() {
+        arrays.push(per_cell(cells, "row_error", &factors.row_errors));
+    }
     if let Some(light) = &enclosure.outside {
         arrays.push(colours(cells, "irradiance", |i| &light[i].irradiance));
     }
