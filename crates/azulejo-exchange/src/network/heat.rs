@@ -165,8 +165,8 @@ impl<'a> HeatProblem<'a> {
         let groups = self.bands[0].enclosure.operator().connected();
         let mut anchored = vec![false; factors.len()];
         let mut members = vec![0; factors.len()];
-        for i in 0..factors.len() {
-            let root = groups[i] as usize;
+        for (i, &root) in groups.iter().enumerate() {
+            let root = root as usize;
             members[root] += 1;
             anchored[root] |= matches!(self.conditions[i], RowCondition::Temperature(_))
                 || factors.rest[i].escaped() > OPEN;
