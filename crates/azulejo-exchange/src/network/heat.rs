@@ -172,8 +172,8 @@ impl<'a> HeatProblem<'a> {
         readable(self.bands[0].enclosure.operator())?;
         let mut anchored = vec![false; factors.len()];
         let mut members = vec![0; factors.len()];
-        for (i, &group) in groups.iter().enumerate() {
-            let root = group as usize;
+        for (i, &root) in groups.iter().enumerate() {
+            let root = root as usize;
             members[root] += 1;
             anchored[root] |= matches!(self.conditions[i], RowCondition::Temperature(_))
                 || factors.rest[i].escaped() > OPEN;

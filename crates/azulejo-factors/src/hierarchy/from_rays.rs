@@ -34,12 +34,16 @@ const PATCH_BYTES: f64 = 700.0;
 const BLOCK_BYTES: f64 = 3_750.0;
 const BLOCK_GROWTH: f64 = 0.4;
 
+/// Bytes of each ray of the rows in work: found, sorted by columns, and by blocks.
+const RAY_BYTES: f64 = 96.0;
+
 /// Bytes at the peak of the work by rays: an upper estimate.
 pub(super) fn forecast_bytes(plan: &PreparedPlan) -> u64 {
     let (rows, rays) = (plan.rows() as f64, f64::from(plan.requested_rays()));
     let pilot = f64::from(pilot_rays(plan.requested_rays())) * size_of::<PairArea>() as f64;
     let blocks = BLOCK_BYTES * (rays / 1_024.0) * (rows / 1e5).powf(BLOCK_GROWTH);
-    (PROCESS_BYTES + rows * (PATCH_BYTES + pilot + blocks)) as u64
+    let work = (BLOCK as f64).min(rows) * rays * RAY_BYTES;
+    (PROCESS_BYTES + work + rows * (PATCH_BYTES + pilot + blocks)) as u64
 }
 
 /// Rays of a row that choose blocks.

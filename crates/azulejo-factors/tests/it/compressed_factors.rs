@@ -511,7 +511,7 @@ fn groups_of_blocks_are_those_of_the_matrix() {
     let matrix = whole(&scene, &rays(400, 1_024));
     let found = compressed(&matrix, &with(0.0, false));
     // Every fifth row belongs to no group.
-    let group = |i: usize| (i % 5 > 0).then_some((i % 11) as u32);
+    let group = |i: usize| (!i.is_multiple_of(5)).then_some((i % 11) as u32);
     let groups: Vec<Option<u32>> = (0..found.len()).map(group).collect();
     let truth = matrix.0.grouped(&groups, 11);
     let mut rows = matrix.0.clone();
