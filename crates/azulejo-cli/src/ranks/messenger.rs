@@ -149,7 +149,7 @@ enum State {
 
 /// Blocks of a stage.
 #[derive(Default)]
-struct Stage {
+struct StageBlocks {
     /// The first block that nobody has.
     next: usize,
     /// Blocks that others have and have not delivered: each rank has one at most.
@@ -172,7 +172,7 @@ struct Root<'a> {
     control: &'a Control,
     /// One for each rank, its own among them.
     states: Vec<State>,
-    stages: HashMap<JournalStage, Stage>,
+    stages: HashMap<JournalStage, StageBlocks>,
     journal: Option<Arc<FileJournal>>,
     pending: Option<Pending>,
     is_stopping: bool,
