@@ -35,10 +35,13 @@ pub enum Request {
     Ended(Option<String>),
 }
 
+/// A block that rank 0 hands out, with its bytes if they are known already.
+pub type HandedBlock = (usize, Option<Vec<u8>>);
+
 /// What it gets.
 pub enum Reply {
-    /// A block, with its bytes if they are known; or no more.
-    Block(Option<(usize, Option<Vec<u8>>)>),
+    /// A block, or no more.
+    Block(Option<HandedBlock>),
     /// Blocks of others.
     Collected(Blocks),
     /// One for each rank.
@@ -103,7 +106,7 @@ impl Link {
         stage: JournalStage,
         division: Division,
         left: Range<usize>,
-    ) -> Result<Option<(usize, Option<Vec<u8>>)>, Cancelled> {
+    ) -> Result<Option<HandedBlock>, Cancelled> {
         match self.ask(Request::Next {
             stage,
             division,

@@ -1,5 +1,6 @@
 //! Messages between rank 0 and the others, as bytes.
 
+use super::link::HandedBlock;
 use crate::record_file::{number_of, stage_of};
 use azulejo_trace::JournalStage;
 use azulejo_trace::journal::{Record, RecordReader};
@@ -32,7 +33,7 @@ pub enum ToRoot {
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRoot {
     /// A block to be computed, or known already; or no more.
-    Block(Option<(usize, Option<Vec<u8>>)>),
+    Block(Option<HandedBlock>),
     /// All are ready.
     Go,
     /// The work ends.

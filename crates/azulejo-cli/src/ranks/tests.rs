@@ -14,9 +14,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Barrier, Mutex};
 use std::thread;
 
+/// Messages to a rank, with the rank that sent each.
+type Mail = VecDeque<(usize, Vec<u8>)>;
+
 /// Mail of all ranks.
 struct Post {
-    boxes: Vec<Mutex<VecDeque<(usize, Vec<u8>)>>>,
+    boxes: Vec<Mutex<Mail>>,
     table: Mutex<Vec<Vec<u8>>>,
     barrier: Barrier,
 }
