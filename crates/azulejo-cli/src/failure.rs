@@ -51,10 +51,15 @@ impl Failure {
 
     /// The process's exit code.
     pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(self.status())
+    }
+
+    /// The exit code as a number.
+    pub fn status(&self) -> u8 {
         match self {
-            Failure::BrokenPipe => ExitCode::SUCCESS,
-            Failure::Failed(_) | Failure::Cancelled | Failure::Found => ExitCode::from(1),
-            Failure::Misuse(_) => ExitCode::from(2),
+            Failure::BrokenPipe => 0,
+            Failure::Failed(_) | Failure::Cancelled | Failure::Found => 1,
+            Failure::Misuse(_) => 2,
         }
     }
 }

@@ -31,8 +31,8 @@ pub enum Request {
     Broadcast(Vec<u8>),
     /// At rank 0, from now on blocks are kept in a file.
     Keep(Arc<FileJournal>),
-    /// The work has ended; why it failed, if it did.
-    Ended(Option<String>),
+    /// The work has ended; why it failed, if it did, and with which exit status.
+    Ended(Option<String>, u8),
 }
 
 /// A block that rank 0 hands out, with its bytes if they are known already.
@@ -157,8 +157,8 @@ impl Link {
     }
 
     /// Says that the work has ended.
-    pub fn end(&self, failure: Option<String>) {
-        self.say(Request::Ended(failure));
+    pub fn end(&self, failure: Option<String>, status: u8) {
+        self.say(Request::Ended(failure, status));
     }
 
     /// What it has exchanged so far.

@@ -38,8 +38,8 @@ pub enum FromRoot {
     Go,
     /// The work ends.
     Stop,
-    /// All have ended.
-    Finish,
+    /// All have ended, and rank 0 with this exit status.
+    Finish(u8),
 }
 
 impl ToRoot {
@@ -124,7 +124,7 @@ impl FromRoot {
             }
             FromRoot::Go => 2u8.write(&mut bytes),
             FromRoot::Stop => 3u8.write(&mut bytes),
-            FromRoot::Finish => 4u8.write(&mut bytes),
+            FromRoot::Finish(status) => [4u8, *status].write(&mut bytes),
         }
         bytes
     }
@@ -141,7 +141,7 @@ impl FromRoot {
             }
             2 => FromRoot::Go,
             3 => FromRoot::Stop,
-            4 => FromRoot::Finish,
+            4 => FromRoot::Finish(u8::read(&mut reader)?),
             _ => return None,
         };
         Some(message)

@@ -28,20 +28,18 @@ pub struct Control {
     pub progress: Arc<Progress>,
 }
 
-/// Serves the work of this rank until all ranks have ended. At rank 0, what the first of the others that
-/// failed says of it.
-pub fn serve(transport: &dyn Transport, work: &WorkEnd, control: &Control) -> Option<String> {
+/// Serves the work of this rank until all ranks have ended. The exit status of rank 0 and, there, what the
+/// first of the others that failed says of it.
+pub fn serve(transport: &dyn Transport, work: &WorkEnd, control: &Control) -> (u8, Option<String>) {
     if transport.rank() == 0 {
-        Root::new(transport, work, control).serve()
-    } else {
-        Helper {
-            transport,
-            work,
-            control,
-        }
-        .serve();
-        None
+        return Root::new(transport, work, control).serve();
     }
+    let helper = Helper {
+        transport,
+        work,
+        control,
+    };
+    (helper.serve(), None)
 }
 
 /// Waits between looks.
@@ -66,17 +64,19 @@ struct Helper<'a> {
 }
 
 impl Helper<'_> {
-    fn serve(&self) {
+    fn serve(&self) -> u8 {
         loop {
             // A work that ended without a word has panicked.
-            let lost = || Request::Ended(Some("the work ended unexpectedly".to_owned()));
+            let lost = || Request::Ended(Some("the work ended unexpectedly".to_owned()), 1);
             let request = self.work.requests.recv().unwrap_or_else(|_| lost());
-            if let Request::Ended(why) = request {
+            if let Request::Ended(why, _) = request {
                 self.tell(&ToRoot::Ended(why));
-                while self.transport.receive().and_then(from_root) != Some(FromRoot::Finish) {
-                    std::thread::sleep(IDLE);
+                loop {
+                    match self.transport.receive().and_then(from_root) {
+                        Some(FromRoot::Finish(status)) => return status,
+                        _ => std::thread::sleep(IDLE),
+                    }
                 }
-                return;
             }
             let reply = match &request {
                 Request::Next { .. } => {
@@ -99,7 +99,7 @@ impl Helper<'_> {
                     _ => Reply::Stop,
                 },
                 Request::Collect(_) => Reply::Collected(Blocks::new()),
-                Request::Keep(_) | Request::Ended(_) => continue,
+                Request::Keep(_) | Request::Ended(..) => continue,
             };
             // Nobody waits for it if the work has panicked, which the next round finds out.
             let _ = self.work.replies.send(reply);
@@ -178,6 +178,8 @@ struct Root<'a> {
     is_stopping: bool,
     /// What the first of the others that failed says of it.
     failure: Option<String>,
+    /// The exit status of its own work.
+    status: u8,
 }
 
 impl<'a> Root<'a> {
@@ -192,10 +194,11 @@ impl<'a> Root<'a> {
             pending: None,
             is_stopping: false,
             failure: None,
+            status: 1,
         }
     }
 
-    fn serve(mut self) -> Option<String> {
+    fn serve(mut self) -> (u8, Option<String>) {
         let mut pause = PAUSE[0];
         while self.states.iter().any(|state| *state != State::Ended) {
             let own = self.own_request(pause);
@@ -209,9 +212,9 @@ impl<'a> Root<'a> {
             self.answer_waiting();
         }
         for rank in 1..self.states.len() {
-            self.tell(rank, &FromRoot::Finish);
+            self.tell(rank, &FromRoot::Finish(self.status));
         }
-        self.failure
+        (self.status, self.failure)
     }
 
     /// Takes what its own work asks for, waiting so long for it; whether there was something.
@@ -263,7 +266,10 @@ impl<'a> Root<'a> {
                 self.pending = Some(Pending::Broadcast(own));
                 self.states[0] = State::Ready;
             }
-            Request::Ended(why) => self.ended(0, why),
+            Request::Ended(why, status) => {
+                self.status = status;
+                self.ended(0, why);
+            }
         }
     }
 

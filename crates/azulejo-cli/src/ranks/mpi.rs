@@ -46,16 +46,17 @@ pub fn launch(
                 work(cli, Some(ranks))
             })
         };
-        link.end(match &outcome {
+        let why = match &outcome {
             Ok(()) => None,
             Err(Failure::Cancelled | Failure::BrokenPipe) => Some(String::new()),
             Err(failure) => Some(failure.to_string()),
-        });
+        };
+        link.end(why, outcome.as_ref().map_or_else(Failure::status, |()| 0));
         outcome
     };
     let thread = thread::Builder::new().stack_size(STACK).spawn(worker);
     let thread = thread.map_err(|e| Failure::failed(format_args!("cannot start a thread: {e}")))?;
-    let of_others = messenger::serve(&world, &end, &control);
+    let (status, of_others) = messenger::serve(&world, &end, &control);
     let panicked = |_| {
         Err(Failure::failed(format_args!(
             "rank {rank} ended unexpectedly"
@@ -65,6 +66,10 @@ pub fn launch(
     drop(universe);
     match (outcome, of_others) {
         (Err(Failure::Cancelled), Some(why)) => Err(Failure::failed(why)),
+        // The launcher takes the exit status of the first rank that ends: all have that of rank 0.
+        (Err(Failure::Cancelled), None) if status == 2 => {
+            Err(Failure::misuse("rank 0 was misused"))
+        }
         (outcome, _) => outcome,
     }
 }

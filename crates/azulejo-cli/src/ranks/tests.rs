@@ -88,10 +88,10 @@ fn run<T: Send + 'static>(
                     Ok(journal) => work(rank, journal),
                     Err(_) => Err(Cancelled),
                 };
-                link.end(found.is_err().then(String::new));
+                link.end(found.is_err().then(String::new), u8::from(found.is_err()));
                 found
             });
-            let heard = messenger::serve(&ThreadTransport { post, rank }, &end, &control);
+            let (_, heard) = messenger::serve(&ThreadTransport { post, rank }, &end, &control);
             (worker.join(), heard)
         })
     };
@@ -141,7 +141,7 @@ fn messages_are_read_as_they_were_written() {
         FromRoot::Block(Some((4, Some(vec![5, 6])))),
         FromRoot::Go,
         FromRoot::Stop,
-        FromRoot::Finish,
+        FromRoot::Finish(2),
     ];
     for message in from_root {
         assert_eq!(FromRoot::read(&message.bytes()), Some(message));
