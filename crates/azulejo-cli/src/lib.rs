@@ -97,10 +97,11 @@ pub fn main() -> ExitCode {
         }
     };
     let common = cli.common;
+    let is_one_of_many = ranks::is_helper() && !ranks::has_own_work(&cli);
     match ranks::launch(cli, run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if !ranks::is_helper() {
+            if !is_one_of_many {
                 print_failure(&failure, common.json);
             }
             failure.exit_code()

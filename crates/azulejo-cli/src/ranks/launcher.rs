@@ -26,6 +26,16 @@ pub fn is_helper() -> bool {
     number(&RANK).is_some_and(|rank| rank > 0)
 }
 
+/// Whether this process has work of its own, a shard, whoever started it.
+pub fn has_own_work(cli: &Cli) -> bool {
+    match &cli.command {
+        Command::FormFactors(args) => args.shard.is_some(),
+        Command::Solve(args) => args.shard.is_some(),
+        Command::Probe(args) => args.shard.is_some(),
+        _ => false,
+    }
+}
+
 /// Whether a launcher started several processes for this command, to share it.
 ///
 /// # Errors
@@ -34,13 +44,14 @@ pub fn is_shared(cli: &Cli) -> Result<bool, Failure> {
     if number(&RANK).is_none() || number(&SIZE).unwrap_or(1) < 2 {
         return Ok(false);
     }
+    if has_own_work(cli) {
+        return Ok(false);
+    }
     match &cli.command {
         Command::FormFactors(args) if args.matrix.compress.is_some() => Err(Failure::misuse(
             "--compress: factors in blocks are not shared among MPI processes: run it without mpiexec",
         )),
-        Command::FormFactors(args) => Ok(args.shard.is_none()),
-        Command::Solve(args) => Ok(args.shard.is_none()),
-        Command::Probe(args) => Ok(args.shard.is_none()),
+        Command::FormFactors(_) | Command::Solve(_) | Command::Probe(_) => Ok(true),
         Command::Bake(args) if !args.check && !args.strip => Ok(true),
         _ => Err(Failure::misuse(
             "this command does not share its work among MPI processes: run it without mpiexec; form-factors, solve, bake \

@@ -30,7 +30,7 @@ use crate::failure::Failure;
 use crate::file_journal::FileJournal;
 use crate::shards::WorkKey;
 pub use journal::{RankCosts, RankJournal, Sharing};
-pub use launcher::{files_of, is_helper};
+pub use launcher::{files_of, has_own_work, is_helper};
 use link::Link;
 pub use messenger::Control;
 use std::path::Path;

@@ -21,8 +21,10 @@ fn a_program_without_mpi_says_so() {
     let run = started(line, "1");
     assert_eq!((run.code, run.err.as_str()), (Some(2), ""));
     // Shards need no MPI, and may be started by it.
-    let run = started(&format!("{line} --shard 1/4"), "0");
+    let run = started(&format!("{line} --shard 2/4"), "1");
     assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = started("form-factors none.obj -o f-2 --shard 2/4", "1");
+    assert!(run.code == Some(1) && run.err.contains("none.obj"));
     let run = started("render room.obj -o r.png", "0");
     assert!(run.code == Some(2) && run.err.contains("without mpiexec"));
 }
