@@ -162,9 +162,9 @@ pub struct MatrixArgs {
     /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
-    /// Write the matrix as blocks between clusters of patches, in an .npz of about one thousandth of its
-    /// size at 100,000 patches: TOL, such as 1e-3, is the error of a product with it, relative to the
-    /// largest that there could be. By rays, and where it would not fit, the whole matrix never exists
+    /// Write the matrix as blocks between clusters of patches, in an .npz of some per cent of its size:
+    /// TOL, such as 1e-3, is the error of a product with it, relative to the largest that there could
+    /// be. By rays, and where it would not fit, the whole matrix never exists
     #[arg(long, value_name = "TOL", value_parser = values::compression)]
     pub compress: Option<f64>,
     /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors
