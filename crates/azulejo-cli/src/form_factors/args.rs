@@ -167,9 +167,9 @@ pub struct MatrixArgs {
     /// is read several times as fast, out of core in each product [default: fast]
     #[arg(long, value_name = "HOW", value_enum)]
     pub compression: Option<CompressionName>,
-    /// Write the matrix as blocks between clusters of patches, in an .npz of about one thousandth of its
-    /// size at 100,000 patches: TOL, such as 1e-3, is the error of a product with it, relative to the
-    /// largest that there could be. By rays, and where it would not fit, the whole matrix never exists
+    /// Write the matrix as blocks between clusters of patches, in an .npz of some per cent of its size:
+    /// TOL, such as 1e-3, is the error of a product with it, relative to the largest that there could
+    /// be. By rays, and where it would not fit, the whole matrix never exists
     #[arg(long, value_name = "TOL", value_parser = values::compression)]
     pub compress: Option<f64>,
     /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors
