@@ -84,7 +84,7 @@ mod started {
         let folder = Folder::with_room();
         check(&folder, "solve room.obj --patches 200 --rays 64", "grf");
         check(&folder, "solve room.obj --patches 400 --error 0.05", "ply");
-        check(&folder, "solve room.obj --patches 100 --bounces 2", "obj");
+        check(&folder, "solve room.obj --patches 100 --bounces 2", "glb");
     }
 
     #[test]

@@ -135,6 +135,10 @@ fn light_that_is_less_accurate_than_asked_for_says_so() {
     let button = "Solve without a time limit";
     assert!(says(&window, button));
     click_last(&mut window, "Close");
+    // Behind the failure of a busy machine lies the preview, which says it too.
+    if says(&window, button) {
+        click_last(&mut window, "Close");
+    }
     assert!(!says(&window, button));
     assert!(window.state().app.lighting.is_current);
 }
