@@ -72,7 +72,7 @@ impl Enclosure {
         }
     }
 
-    /// The same, wherever the matrix is: see [`hierarchy::grouped`](azulejo_factors::hierarchy::grouped).
+    /// The same, wherever the matrix is: see [`hierarchy::grouped`].
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -1,7 +1,7 @@
 //! Enclosures as stores of chunks (Zarr version 3), which zarr-python and dask read, and which can be
 //! solved without being in memory.
 //!
-//! A store has the arrays of an [archive](crate::archive), by the same names, in chunks of at most 524,288
+//! A store has the arrays of an [archive], by the same names, in chunks of at most 524,288
 //! entries or rows. [`write`](fn@write) streams them; [`MatrixStore::read`] brings all of them into memory, and
 //! [`MatrixStore::out_of_core`] all but the pairs, which are read again in each product, part by part.
 //!
