@@ -21,6 +21,9 @@ use std::io::BufReader;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Values, and their standard errors.
+type ArrayPair<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// A matrix in blocks. It never changes.
 #[pyclass(frozen, module = "pyazulejo._pyazulejo")]
 pub struct NativeCompressedFactors {
@@ -152,11 +155,7 @@ impl NativeCompressedFactors {
     }
 
     /// X x and its standard errors by the noise of rays.
-    fn product_with_errors<'py>(
-        &self,
-        py: Python<'py>,
-        x: Vec<f64>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    fn product_with_errors<'py>(&self, py: Python<'py>, x: Vec<f64>) -> PyResult<ArrayPair<'py>> {
         if x.len() != self.archive.factors.len() {
             return Err(refused(format_args!(
                 "{} numbers for {} rows: expected one for each",
