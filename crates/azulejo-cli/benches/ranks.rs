@@ -7,7 +7,7 @@
 
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Ranks of the measurements.
 const RANKS: [usize; 4] = [1, 2, 4, 8];
@@ -38,26 +38,26 @@ struct Work {
 const WORKS: [Work; 4] = [
     Work {
         name: "form-factors, rays",
-        line: "form-factors SCENE --patches {patches} --rays 16384 -o OUT.npz",
+        line: "form-factors examples/shapes.grf --patches {patches} --rays 16384 -o OUT.npz",
         patches: [2_000.0, 500.0],
         growth: 1.0,
     },
     Work {
         name: "form-factors, formulas",
-        line: "form-factors SCENE --patches {patches} --engine analytic -o OUT.npz",
-        patches: [2_000.0, 700.0],
+        line: "form-factors examples/shapes.grf --patches {patches} --engine analytic -o OUT.npz",
+        patches: [900.0, 300.0],
         growth: 2.0,
     },
     Work {
         name: "solve, 1%",
-        line: "solve SCENE --patches {patches} --error 0.01 -o OUT.grf",
+        line: "solve examples/cornell.grf --patches {patches} --error 0.01 -o OUT.grf",
         patches: [4_000.0, 1_000.0],
         growth: 1.0,
     },
     Work {
-        name: "bake, 2%",
-        line: "bake SCENE --patches 1000 --texels {patches} --error 0.02 -o OUT.glb",
-        patches: [60_000.0, 10_000.0],
+        name: "bake, 5%",
+        line: "bake examples/cornell.grf --patches 500 --texels {patches} --error 0.05 -o OUT.glb",
+        patches: [20_000.0, 5_000.0],
         growth: 1.0,
     },
 ];
@@ -69,7 +69,6 @@ fn main() {
     }
     let folder = std::env::temp_dir().join(format!("azulejo-ranks-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a temporary folder");
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shapes.grf");
     for work in &WORKS {
         println!("{}", work.name);
         println!("  strong scaling");
@@ -78,7 +77,7 @@ fn main() {
         );
         let mut strong = Vec::new();
         for ranks in RANKS {
-            let Some(run) = Run::of(work, work.patches[0], ranks, (&scene, &folder)) else {
+            let Some(run) = Run::of(work, work.patches[0], ranks, &folder) else {
                 return;
             };
             run.print(strong.first().unwrap_or(&run));
@@ -89,7 +88,7 @@ fn main() {
         let mut first: Option<Run> = None;
         for ranks in RANKS {
             let patches = work.patches[1] * (ranks as f64).powf(1.0 / work.growth);
-            let Some(run) = Run::of(work, patches, ranks, (&scene, &folder)) else {
+            let Some(run) = Run::of(work, patches, ranks, &folder) else {
                 return;
             };
             let each = run.cpu() / ranks as f64;
@@ -121,23 +120,13 @@ struct RankCosts {
 }
 
 impl Run {
-    fn of(
-        work: &Work,
-        patches: f64,
-        ranks: usize,
-        (scene, folder): (&PathBuf, &Path),
-    ) -> Option<Run> {
+    fn of(work: &Work, patches: f64, ranks: usize, folder: &Path) -> Option<Run> {
         let line = work.line.replace("{patches}", &patches.round().to_string());
         let line = line.replace("OUT", &folder.join("out").to_string_lossy());
         let mut command = azulejo_testing::mpiexec(ranks)?;
         command.arg(env!("CARGO_BIN_EXE_azulejo"));
-        for word in line.split(' ') {
-            command.arg(if word == "SCENE" {
-                scene.as_os_str()
-            } else {
-                word.as_ref()
-            });
-        }
+        command.args(line.split(' '));
+        command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
         let output = command.args(["--threads", "1", "--json"]).output().ok()?;
         let said: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
         let number = |v: &Value, key: &str| v[key].as_f64().unwrap_or(f64::NAN);
