@@ -8,12 +8,11 @@ use rayon::prelude::*;
 /// the same order.
 pub type Work<'a> = (&'a dyn Journal, &'a Progress);
 
-/// Batches of a block that a process computes before it asks for the next: enough for its threads, and some
-/// milliseconds of work.
-pub(crate) const BLOCK: usize = 32;
+/// Batches of a block that one thread of a process computes before it asks for the next: some milliseconds.
+pub(crate) const BLOCK: usize = 4;
 
 /// The same where batches take longer.
-pub(crate) const SHORT_BLOCK: usize = 8;
+pub(crate) const SHORT_BLOCK: usize = 1;
 
 /// The results of `of_batch` for all items in their order. Batches are of `size` items, whoever computes them.
 pub(crate) fn in_batches<I: Sync, T: Record + Send>(

@@ -2,15 +2,19 @@
 //! they exchange beside what a model says, and what the model predicts for a cluster.
 //!
 //! `cargo bench -p azulejo-cli --features mpi --bench ranks`. Ranks have one thread each, and may be more
-//! than there are processors: CPU seconds count, not time. Needs `mpiexec`; without, it says so.
+//! than there are processors: there CPU seconds count, not time. Needs `mpiexec`; without, it says so.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use std::time::Instant;
 
-/// Ranks of the measurements.
-const RANKS: [usize; 4] = [1, 2, 4, 8];
+/// Ranks of the measurements: the last where there are so many processors.
+const RANKS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// Most ranks of more than there are processors.
+const OVERSUBSCRIBED: usize = 8;
 
 /// Ranks of the predictions.
 const PREDICTED: [f64; 5] = [8.0, 64.0, 256.0, 1_000.0, 10_000.0];
@@ -49,15 +53,15 @@ const WORKS: [Work; 4] = [
         growth: 2.0,
     },
     Work {
-        name: "solve, 1%",
-        line: "solve examples/cornell.grf --patches {patches} --error 0.01 -o OUT.grf",
+        name: "solve, 0.4%",
+        line: "solve examples/cornell.grf --patches {patches} --error 0.004 -o OUT.grf",
         patches: [4_000.0, 1_000.0],
         growth: 1.0,
     },
     Work {
-        name: "bake, 5%",
-        line: "bake examples/cornell.grf --patches 500 --texels {patches} --error 0.05 -o OUT.glb",
-        patches: [20_000.0, 5_000.0],
+        name: "bake, 2%",
+        line: "bake examples/cornell.grf --patches 500 --texels {patches} --error 0.02 -o OUT.glb",
+        patches: [80_000.0, 20_000.0],
         growth: 1.0,
     },
 ];
@@ -73,10 +77,14 @@ fn main() {
         println!("{}", work.name);
         println!("  strong scaling");
         println!(
-            "  ranks  CPU s  most of one  waited  blocks  exchanges  given MB  gathered MB  efficiency"
+            "  ranks  CPU s  most of one  seconds  waited  blocks  exchanges  given MB  gathered MB  efficiency"
         );
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        let counts: Vec<usize> = (RANKS.into_iter())
+            .filter(|&n| n <= processors.max(OVERSUBSCRIBED))
+            .collect();
         let mut strong = Vec::new();
-        for ranks in RANKS {
+        for &ranks in &counts {
             let Some(run) = Run::of(work, work.patches[0], ranks, &folder) else {
                 return;
             };
@@ -86,7 +94,7 @@ fn main() {
         predict(&strong, work);
         println!("  weak scaling");
         let mut first: Option<Run> = None;
-        for ranks in RANKS {
+        for &ranks in &counts {
             let patches = work.patches[1] * (ranks as f64).powf(1.0 / work.growth);
             let Some(run) = Run::of(work, patches, ranks, &folder) else {
                 return;
@@ -104,8 +112,9 @@ fn main() {
     let _ = fs::remove_dir_all(folder);
 }
 
-/// What a work took each of its ranks.
+/// What a work took, and each of its ranks.
 struct Run {
+    seconds: f64,
     ranks: Vec<RankCosts>,
 }
 
@@ -127,7 +136,9 @@ impl Run {
         command.arg(env!("CARGO_BIN_EXE_azulejo"));
         command.args(line.split(' '));
         command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
+        let start = Instant::now();
         let output = command.args(["--threads", "1", "--json"]).output().ok()?;
+        let seconds = start.elapsed().as_secs_f64();
         let said: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
         let number = |v: &Value, key: &str| v[key].as_f64().unwrap_or(f64::NAN);
         // One process has no ranks.
@@ -150,6 +161,7 @@ impl Run {
             gathered: number(v, "gathered_bytes"),
         };
         Some(Run {
+            seconds,
             ranks: costs.iter().map(of).collect(),
         })
     }
@@ -166,9 +178,10 @@ impl Run {
         let most = self.ranks.iter().map(|r| r.cpu).fold(0.0, f64::max);
         let count = self.ranks.len() as f64;
         println!(
-            "  {:>5} {:>6.2} {most:>12.2} {:>7.2} {:>7.0} {:>10.0} {:>9.2} {:>12.2} {:>10.0}%",
+            "  {:>5} {:>6.2} {most:>12.2} {:>8.2} {:>7.2} {:>7.0} {:>10.0} {:>9.2} {:>12.2} {:>10.0}%",
             self.ranks.len(),
             self.cpu(),
+            self.seconds,
             self.sum(|r| r.waited),
             self.sum(|r| r.blocks),
             self.ranks[0].exchanges,
@@ -191,7 +204,8 @@ const LARGER: f64 = 100.0;
 /// there are as many rounds.
 fn predict(strong: &[Run], work: &Work) {
     let one = strong[0].cpu();
-    let (last, n) = (&strong[strong.len() - 1], RANKS[RANKS.len() - 1] as f64);
+    let last = &strong[strong.len() - 1];
+    let n = last.ranks.len() as f64;
     let own = ((last.cpu() - one) / (n - 1.0)).max(0.0);
     let divided = (one - own).max(0.0);
     let rank = &last.ranks[0];

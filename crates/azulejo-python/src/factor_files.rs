@@ -1,20 +1,22 @@
 //! Matrices to files and back, and those of other programs.
 
-use crate::error::{of_file_error, of_output, refused};
+use crate::error::{cancelled, of_file_error, of_output, refused};
 use crate::form_factors::NativeFormFactors;
 use crate::work::{self, WorkOptions};
-use azulejo::output::{Output, commit};
+use azulejo::output::{FolderOutput, Output, commit};
 use azulejo_exchange::archive::{self, ArchivePrecision, StoredFactors};
 use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
 use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
+use azulejo_exchange::store::{self, MatrixStore, StoreError, StoreFolder, StoreFolderSink};
 use azulejo_exchange::{Enclosure, RowTable};
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
 use azulejo_scene::{Rgb, Up};
-use azulejo_trace::Progress;
+use azulejo_trace::{Cancelled, Progress};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyIsADirectoryError;
 use pyo3::prelude::*;
+use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -31,11 +33,17 @@ pub struct FileArgs {
 }
 
 /// Where files go, checked before anything is prepared.
-struct Target {
-    format: FactorFormat,
-    options: FileOptions,
-    output: Output,
-    folder: PathBuf,
+enum Target {
+    /// Files of their own.
+    Files {
+        format: FactorFormat,
+        options: FileOptions,
+        output: Output,
+        /// The folder of those whose names the format gives.
+        folder: PathBuf,
+    },
+    /// A folder with chunks.
+    Store(FolderOutput, FileOptions),
 }
 
 impl FileArgs {
@@ -50,7 +58,7 @@ impl FileArgs {
                 let what = if path.is_dir() {
                     "a folder: format=\"openfoam\" writes to the folder of a case"
                 } else {
-                    "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, \
+                    "unknown matrix format, expected .npz, .zarr, .csv, .txt or .vf (View3D), .vtu, .idf, \
                      .epjson, .vwf, .dat, .i, .bdf, .mtx or format="
                 };
                 refused(format_args!("{}: {what}", path.display()))
@@ -115,9 +123,13 @@ impl FileArgs {
                 folder = path.with_file_name("");
                 path.to_owned()
             }
+            FactorFormat::Zarr => {
+                let output = FolderOutput::check(path, store::MARK).map_err(of_output)?;
+                return Ok(Target::Store(output, options));
+            }
             _ => path.to_owned(),
         };
-        Ok(Target {
+        Ok(Target::Files {
             output: Output::check(&file).map_err(of_output)?,
             format,
             options,
@@ -133,15 +145,30 @@ impl Target {
         enclosure: &Enclosure,
         progress: &Progress,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
-        let prepared = self.format.prepare(enclosure, &self.options);
-        let FactorFiles { files, notes } = prepared.map_err(refused)?;
+        let (format, options, output, folder) = match self {
+            Target::Files {
+                format,
+                options,
+                output,
+                folder,
+            } => (format, options, output, folder),
+            Target::Store(folder, options) => {
+                let draft = folder.draft().map_err(of_output)?;
+                let mut sink = StoreFolderSink(draft.path().to_owned());
+                let written = store::write(enclosure, options.archive(), &mut sink);
+                written.map_err(|e| of_output(folder.error(e)))?;
+                draft.commit(progress).map_err(of_output)?;
+                return Ok((vec![folder.path().display().to_string()], Vec::new()));
+            }
+        };
+        let FactorFiles { files, notes } = format.prepare(enclosure, options).map_err(refused)?;
         let (mut drafts, mut names) = (Vec::new(), Vec::new());
         for file in &files {
             let own = match file.name.as_str() {
                 "" => None,
-                name => Some(Output::check(&self.folder.join(name)).map_err(of_output)?),
+                name => Some(Output::check(&folder.join(name)).map_err(of_output)?),
             };
-            let output = own.as_ref().unwrap_or(&self.output);
+            let output = own.as_ref().unwrap_or(output);
             let mut draft = output.draft().map_err(of_output)?;
             let written = file.write(&mut draft);
             written.map_err(|e| of_output(output.error(e)))?;
@@ -167,21 +194,31 @@ pub fn save_form_factors(
     })
 }
 
-/// Reads an archive, and the largest difference of both directions of a pair.
+/// Reads an archive or a store, and the largest difference of both directions of a pair.
 #[pyfunction]
 pub fn load_form_factors(
     py: Python<'_>,
     path: PathBuf,
     memory: Option<u64>,
 ) -> PyResult<(NativeFormFactors, f64)> {
-    let read = work::run(py, &WorkOptions::new(None, None), move |_| {
+    let read = work::run(py, &WorkOptions::new(None, None), move |p| {
+        let budget = memory.or_else(azulejo::machine::memory);
+        let budget = budget.unwrap_or(u64::MAX);
+        if FactorFormat::from_path(&path) == Some(FactorFormat::Zarr) && path.is_dir() {
+            let of_file = |e: &dyn fmt::Display| refused(format_args!("{}: {e}", path.display()));
+            let store = MatrixStore::open(StoreFolder(path.clone()), budget);
+            let store = store.map_err(|e| of_file(&e))?;
+            return store.read(p).map_err(|e| match e {
+                StoreError::Cancelled => cancelled(Cancelled),
+                StoreError::Store(e) => of_file(&e),
+            });
+        }
         if path.is_dir() {
-            let message = format!("{} is a folder, expected an .npz", path.display());
+            let message = format!("{} is a folder, expected an .npz or a .zarr", path.display());
             return Err(PyIsADirectoryError::new_err(message));
         }
         let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
-        let budget = memory.or_else(azulejo::machine::memory);
-        let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
+        let read = archive::open(BufReader::new(file), budget);
         match read.map_err(|e| refused(format_args!("{}: {e}", path.display())))? {
             StoredFactors::Whole(read) => Ok(*read),
             StoredFactors::Blocks(_) => Err(refused(format_args!(

@@ -12,7 +12,9 @@ use crate::sparse::{self, GatheredValues, PointKind};
 use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::{Division, Record, RecordReader, resumed, shared, write_list};
+use azulejo_trace::journal::{
+    Division, LoopSize, Record, RecordReader, resumed, shared, write_list,
+};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
@@ -571,8 +573,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
         let termination = all.strata.termination(0);
         let count = self.points.len();
-        let size = (count.div_ceil(CHUNK), block_chunks(rays));
-        let own = Division::new(size.0, size.1, self.journal).own_items(self.journal);
+        let size = LoopSize {
+            items: count.div_ceil(CHUNK),
+            block: block_chunks(rays),
+            at_once: block_chunks(rays),
+        };
+        let own = Division::new(size.items, size.block, self.journal).own_items(self.journal);
         self.progress.begin("irradiance", (own * CHUNK) as u64);
         let stage = JournalStage::Points;
         let found = resumed(self.journal, stage, size, self.progress, |chunks| {
@@ -742,13 +748,13 @@ fn block_chunks(rays: u32) -> usize {
     (BLOCK_RAYS / (CHUNK * rays.max(1) as usize)).clamp(BLOCK[0], BLOCK[1])
 }
 
-/// Rays of a block that processes share, about: some milliseconds; and fewest and most of its chunks.
-const STEP_RAYS: usize = 1 << 16;
-const STEP: [usize; 2] = [8, 512];
+/// Rays of a block that processes share, about: some milliseconds of one thread; and most of its chunks.
+const STEP_RAYS: usize = 1 << 15;
+const STEP: usize = 512;
 
 /// Chunks of a block that processes share.
 fn step_chunks(rays: u32) -> usize {
-    (STEP_RAYS / (CHUNK * rays.max(1) as usize)).clamp(STEP[0], STEP[1])
+    (STEP_RAYS / (CHUNK * rays.max(1) as usize)).clamp(1, STEP)
 }
 
 /// Points that were gathered together; `None` where time ran out.

@@ -10,8 +10,11 @@
 
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::interaction::shadow_ray;
+use azulejo_trace::journal::{Record, RecordReader, shared};
 use azulejo_trace::sampling::{cosine_hemisphere, seeds, sobol};
-use azulejo_trace::{GatherPoint, Gathered, KernelHit, KernelRay, Tracer};
+use azulejo_trace::{
+    Cancelled, GatherPoint, Gathered, Journal, KernelHit, KernelRay, Progress, Tracer,
+};
 use glam::{DMat3, DVec3, dvec3};
 use rayon::prelude::*;
 use rstar::RTree;
@@ -37,6 +40,9 @@ const MOST_VARIANCE: f64 = 0.6;
 
 /// Rays by which a point's harmonic mean distance is measured.
 const DISTANCE_RAYS: u32 = 16;
+
+/// Points of a block that processes share, at least: a millisecond or so.
+const BLOCK: usize = 64;
 
 /// Stabilizes planes through records in one line.
 const RIDGE: f64 = 1e-3;
@@ -73,6 +79,23 @@ impl Stencil {
     }
 }
 
+/// The stencil of each point, if there is one.
+pub type Stencils = Vec<Option<Stencil>>;
+
+/// Who computes which points, and their progress.
+pub type Work<'a> = (&'a dyn Journal, &'a Progress);
+
+/// Without weights where there is none.
+impl Record for Stencil {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.weights.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<Stencil> {
+        Record::read(bytes).map(|weights| Stencil { weights })
+    }
+}
+
 /// Finds the records around points.
 pub struct Interpolator<'a> {
     tracer: &'a Tracer,
@@ -102,24 +125,43 @@ impl<'a> Interpolator<'a> {
     }
 
     /// How each point follows from the records, `None` where too few of them are near.
-    pub fn stencils(&self, points: &[GatherPoint]) -> Vec<Option<Stencil>> {
-        points
-            .par_iter()
-            .map_init(StencilScratch::default, |scratch, p| {
-                self.stencil(p, None, scratch)
-            })
-            .collect()
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn stencils(&self, points: &[GatherPoint], work: Work) -> Result<Stencils, Cancelled> {
+        self.in_blocks(points.len(), work, |i, scratch| {
+            self.stencil(&points[i], None, scratch)
+        })
     }
 
     /// How each record follows from the others: the difference from what was gathered there measures
     /// the error of interpolation.
-    pub fn left_out(&self) -> Vec<Option<Stencil>> {
-        (0..self.records.len() as u32)
-            .into_par_iter()
-            .map_init(StencilScratch::default, |scratch, i| {
-                self.stencil(&self.records[i as usize], Some(i), scratch)
-            })
-            .collect()
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn left_out(&self, work: Work) -> Result<Stencils, Cancelled> {
+        self.in_blocks(self.records.len(), work, |i, scratch| {
+            self.stencil(&self.records[i], Some(i as u32), scratch)
+        })
+    }
+
+    /// Stencils by number, in blocks that the journal holds or others compute.
+    fn in_blocks(
+        &self,
+        count: usize,
+        (journal, progress): Work,
+        of: impl Fn(usize, &mut StencilScratch) -> Option<Stencil> + Sync,
+    ) -> Result<Stencils, Cancelled> {
+        let found = shared(journal, (count, BLOCK), progress, |wanted| {
+            let wanted = wanted.par_iter();
+            let stencil = |scratch: &mut StencilScratch, &i: &usize| {
+                progress.advance(0)?;
+                Ok(of(i, scratch).unwrap_or_default())
+            };
+            wanted.map_init(StencilScratch::default, stencil).collect()
+        })?;
+        let known = |stencil: Stencil| (!stencil.weights.is_empty()).then_some(stencil);
+        Ok(found.into_iter().map(known).collect())
     }
 
     fn stencil(
@@ -245,6 +287,7 @@ fn plane(
 mod tests {
     use super::*;
     use azulejo_scene::{Rgb, Scene};
+    use azulejo_trace::NoJournal;
 
     fn on_floor(x: f64, z: f64) -> GatherPoint {
         GatherPoint {
@@ -280,7 +323,9 @@ mod tests {
         let points: Vec<GatherPoint> = (0..90)
             .map(|k| on_floor(3.0 + 0.15 * f64::from(k), 4.0 + 0.11 * f64::from(k)))
             .collect();
-        for (p, stencil) in points.iter().zip(interpolator.stencils(&points)) {
+        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let stencils = interpolator.stencils(&points, work).unwrap();
+        for (p, stencil) in points.iter().zip(stencils) {
             let stencil = stencil.expect("records all around");
             let sum: f64 = stencil.weights().map(|w| w.1).sum();
             let found = stencil.apply(&known).mean().mean();
@@ -295,7 +340,9 @@ mod tests {
         let tracer = Tracer::new(&Scene::default());
         let records = records();
         let interpolator = Interpolator::new(&tracer, &records);
-        for (record, stencil) in interpolator.left_out().iter().enumerate() {
+        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let left_out = interpolator.left_out(work).unwrap();
+        for (record, stencil) in left_out.iter().enumerate() {
             let weights = stencil.iter().flat_map(Stencil::weights);
             assert!(weights.into_iter().all(|w| w.0 != record));
         }
@@ -311,6 +358,8 @@ mod tests {
             normal: DVec3::X,
             ..on_floor(10.0, 10.0)
         };
-        assert_eq!(interpolator.stencils(&[far, bent]), [None, None]);
+        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let stencils = interpolator.stencils(&[far, bent], work);
+        assert_eq!(stencils, Ok(vec![None, None]));
     }
 }

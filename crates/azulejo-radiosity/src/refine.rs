@@ -41,8 +41,8 @@ const MOST_ROUNDS: u32 = 24;
 /// Neighbours in the numbering, to either side, with which a patch shares its variance.
 const NEIGHBOURS: usize = 4;
 
-/// Tasks of a block that processes share, at least.
-const TASK_BLOCK: usize = 32;
+/// Tasks of a block that processes share, at least: a task may take a hundred milliseconds.
+const TASK_BLOCK: usize = 2;
 
 /// Most positions of direct light per patch and replicate.
 const MOST_POSITIONS: u32 = 1024;

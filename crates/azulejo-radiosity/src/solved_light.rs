@@ -19,7 +19,7 @@ use rayon::prelude::*;
 const BATCH: usize = 256;
 
 /// Batches of a block that processes share.
-const BLOCK: usize = 8;
+const BLOCK: usize = 1;
 
 /// The light on the patches of a scene.
 pub struct SolvedLight<'a> {

@@ -10,7 +10,7 @@ use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gather
 use crate::interpolation::{Interpolator, Stencil};
 use crate::records::RecordCells;
 use azulejo_scene::Rgb;
-use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, NoJournal, SplitIrradiance};
+use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, NoJournal, SplitIrradiance};
 
 /// Points from which on indirect light is interpolated: fewer are soon gathered.
 pub const LEAST_POINTS: usize = 4096;
@@ -257,7 +257,7 @@ pub(crate) fn gather_sparse<L: DiffuseLight>(
 ) -> Result<Gathering, GatherError> {
     let count = (targets.points.len() / POINTS_PER_RECORD).max(LEAST_RECORDS);
     let cells = RecordCells::new(targets.points, pass.seed, count);
-    let mut chosen = RecordGather::new(pass, targets, cells);
+    let mut chosen = RecordGather::new(pass, targets, cells)?;
     let of_records = GatherPass {
         points: &chosen.points,
         ..*pass
@@ -280,7 +280,7 @@ impl RecordGather {
         pass: &GatherPass<L>,
         targets: GatherTargets,
         cells: RecordCells,
-    ) -> RecordGather {
+    ) -> Result<RecordGather, Cancelled> {
         let records: Vec<u32> = cells.records().collect();
         let points: Vec<GatherPoint> = records
             .iter()
@@ -294,8 +294,9 @@ impl RecordGather {
         };
         let areas: Vec<f64> = cells.points().map(area).collect();
         let interpolator = Interpolator::new(pass.gatherer.surfaces().tracer, &points);
-        let left_out = interpolator.left_out();
-        let around = interpolator.stencils(&points);
+        let work = (pass.journal, pass.progress);
+        let left_out = interpolator.left_out(work)?;
+        let around = interpolator.stencils(&points, work)?;
         let alone = |(r, stencil): (usize, Option<Stencil>)| {
             stencil.unwrap_or_else(|| Stencil::alone(r as u32))
         };
@@ -311,13 +312,13 @@ impl RecordGather {
                 journal: &NoJournal,
             })
         };
-        RecordGather {
+        Ok(RecordGather {
             cells,
             records,
             points,
             found,
             left_out,
-        }
+        })
     }
 
     fn between(&self) -> &InterpolatedValues {
@@ -431,7 +432,7 @@ impl RecordGather {
     ) -> Result<RecordGather, GatherError> {
         let mut cells = self.cells.clone();
         let parents = cells.divide(is_coarse);
-        let mut next = RecordGather::new(pass, targets, cells);
+        let mut next = RecordGather::new(pass, targets, cells)?;
         let areas = next.found.strata.shares();
         next.found.strata = self.found.strata.spread(&parents, areas);
         let mut totals = vec![0; parents.len()];
@@ -471,7 +472,8 @@ impl RecordGather {
         let errors = self.interpolation_errors();
         let goal = effort.error.unwrap_or(0.0);
         let permitted = strata.permitted(&self.found.errors(), goal);
-        let found = Interpolator::new(tracer, &self.points).stencils(targets.points);
+        let work = (pass.journal, pass.progress);
+        let found = Interpolator::new(tracer, &self.points).stencils(targets.points, work)?;
         let mut stated = vec![StatedError::default(); strata.count()];
         let checked = found.into_iter().enumerate().map(|(i, stencil)| {
             let (stratum, share) = (strata.of(i), strata.share(i));

@@ -12,17 +12,19 @@ use azulejo_factors::engine::Estimator;
 use azulejo_factors::row::{Entry, Row, Side, side};
 use azulejo_factors::sparse::{SparseMatrix, SparseRow};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::journal::{Record, RecordReader, distributed, shared};
+use azulejo_trace::journal::{LoopSize, Record, RecordReader, distributed, shared};
 use azulejo_trace::{Cancelled, Gathered, Gatherer, Journal, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Rows computed between two checks of the progress by each thread, and at least in a block of the
-/// journal.
-const BLOCK: usize = 64;
+/// Rows of a block of the journal, at least.
+const BLOCK: usize = 8;
+
+/// Rows computed at once, between two checks of the progress, by each thread.
+const AT_ONCE: usize = 64;
 
 /// Sides whose direct light is computed in a block of the journal, at least.
-const DIRECT_BLOCK: usize = 256;
+const DIRECT_BLOCK: usize = 64;
 
 /// One unknown: a side of a patch that reflects diffusely and that light can reach.
 #[derive(Clone, Debug)]
@@ -270,7 +272,11 @@ impl<'j> System<'j> {
                     reached,
                 }
             };
-            let size = (wave.len(), BLOCK);
+            let size = LoopSize {
+                items: wave.len(),
+                block: BLOCK,
+                at_once: AT_ONCE * rayon::current_num_threads().max(1),
+            };
             let found = distributed(journal, size, progress, compute, keep);
             if is_hopeless {
                 return Ok(None);

@@ -81,18 +81,19 @@ pub trait Journal: Sync {
         JournalStage::Step(0)
     }
 
-    /// The next block for this process, in the range `left` of those that it was not given yet; `None`
-    /// when no more are left for it. Numbers ascend.
+    /// The next blocks for this process, at most `most` (1 or more), in the range `left` of those that it was
+    /// not given yet; none when no more are left for it. Numbers ascend.
     ///
     /// # Errors
-    /// [`Cancelled`] if the work is to end after the last block.
+    /// [`Cancelled`] if the work is to end after the last blocks.
     fn next(
         &self,
         _stage: JournalStage,
         _division: Division,
         left: Range<usize>,
-    ) -> Result<Option<usize>, Cancelled> {
-        Ok((!left.is_empty()).then_some(left.start))
+        most: usize,
+    ) -> Result<Vec<usize>, Cancelled> {
+        Ok(left.take(most).collect())
     }
 
     /// Whether this process makes the result from the blocks of all. One that does not computes its
@@ -202,7 +203,37 @@ impl Division {
     }
 }
 
-/// Computes the items of a division block by block, except blocks that the journal holds or others
+/// How many items of a loop go together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoopSize {
+    /// Number of items.
+    pub items: usize,
+    /// Items of a block, which is stored or given to a process as a whole. It must not depend on the
+    /// machine, for another may go on with the work.
+    pub block: usize,
+    /// Items that a process computes at once, in whole blocks: enough that its threads, or its graphics
+    /// card, are busy.
+    pub at_once: usize,
+}
+
+impl LoopSize {
+    /// The same with no more blocks than a loop that all processes share should have.
+    fn in_steps(self) -> LoopSize {
+        let block = self.block.max(self.items.div_ceil(MOST_BLOCKS)).max(1);
+        LoopSize {
+            block,
+            at_once: self.at_once.max(block),
+            ..self
+        }
+    }
+
+    /// Most blocks that a process computes at once.
+    fn blocks_at_once(&self) -> usize {
+        (self.at_once / self.block.max(1)).max(1)
+    }
+}
+
+/// Computes the items of a loop block by block, except blocks that the journal holds or others
 /// compute; all of them in order, or `None` if the result is made elsewhere. `compute` gets the numbers of items,
 /// ascending, and advances `progress` by one per item.
 ///
@@ -211,26 +242,22 @@ impl Division {
 pub fn resumed<R: Record>(
     journal: &dyn Journal,
     stage: JournalStage,
-    (items, size): (usize, usize),
+    size: LoopSize,
     progress: &Progress,
     mut compute: impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
 ) -> Result<Option<Vec<R>>, Cancelled> {
-    let division = Division::new(items, size, journal);
-    let mut all = AllItems::new(if journal.assembles() { items } else { 0 });
+    let division = Division::new(size.items, size.block, journal);
+    let mut all = AllItems::new(if journal.assembles() { size.items } else { 0 });
     let mut own = Blocks::new();
-    let mut left = 0..division.blocks();
-    while let Some(block) = journal.next(stage, division, left.clone())? {
-        left.start = block + 1;
-        let wanted: Vec<usize> = division.of(block).collect();
-        if wanted.is_empty() {
-            continue;
-        }
-        let found = known_or_computed(journal, (stage, block), &wanted, progress, &mut compute)?;
-        if journal.assembles() && journal.processes() > 1 {
-            own.push((block, bytes_of(&found)));
-        }
-        if journal.assembles() {
-            all.put(&wanted, found);
+    let mut given = GivenBlocks::new(journal, stage, division, size.blocks_at_once());
+    while let Some(blocks) = given.next()? {
+        for block in known_or_computed(journal, stage, blocks, progress, &mut compute)? {
+            if journal.assembles() && journal.processes() > 1 {
+                own.push((block.number, bytes_of(&block.found)));
+            }
+            if journal.assembles() {
+                all.put(&block.items, block.found);
+            }
         }
     }
     if !journal.assembles() {
@@ -259,7 +286,8 @@ pub fn resumed<R: Record>(
 const MOST_BLOCKS: usize = 1 << 13;
 
 /// The items of a loop whose results all processes need to go on: as [`resumed`] in the order of the
-/// program, in blocks of `least` items or more; at once where the journal does not divide such loops.
+/// program, in blocks of `least` items or more, of which a process computes one for each of its threads at
+/// once; all at once where the journal does not divide such loops.
 /// `compute` gets the numbers of items, ascending.
 ///
 /// # Errors
@@ -274,14 +302,14 @@ pub fn shared<R: Record>(
     if !journal.has_steps() {
         return compute(&all());
     }
-    let size = least.max(items.div_ceil(MOST_BLOCKS));
-    match resumed(
-        journal,
-        journal.step(),
-        (items, size),
-        progress,
-        &mut compute,
-    )? {
+    let at_once = least * rayon::current_num_threads().max(1);
+    let size = LoopSize {
+        items,
+        block: least,
+        at_once,
+    }
+    .in_steps();
+    match resumed(journal, journal.step(), size, progress, &mut compute)? {
         Some(found) => Ok(found),
         None => compute(&all()),
     }
@@ -289,40 +317,39 @@ pub fn shared<R: Record>(
 
 /// Items that stay with the process that computed them, while all processes get a summary of each: for
 /// data too large for one memory. `keep` gets the items of this process with their numbers, ascending,
-/// and returns their summaries. In blocks of `least` items or more; the journal stores the items.
+/// and returns their summaries. In blocks of `size.block` items or more; the journal stores the items.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub fn distributed<R: Record, S: Record>(
     journal: &dyn Journal,
-    (items, least): (usize, usize),
+    size: LoopSize,
     progress: &Progress,
     mut compute: impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
     mut keep: impl FnMut(usize, R) -> S,
 ) -> Result<Vec<S>, Cancelled> {
-    let mut all = AllItems::<S>::new(items);
+    let mut all = AllItems::<S>::new(size.items);
     if !journal.has_steps() {
-        let numbers: Vec<usize> = (0..items).collect();
-        for wanted in numbers.chunks(least * rayon::current_num_threads().max(1)) {
+        let numbers: Vec<usize> = (0..size.items).collect();
+        for wanted in numbers.chunks(size.at_once.max(1)) {
             let found = compute(wanted)?;
             let kept = wanted.iter().zip(found).map(|(&item, row)| keep(item, row));
             all.put(wanted, kept.collect());
         }
         return all.complete();
     }
-    let stage = journal.step();
-    let division = Division::new(items, least.max(items.div_ceil(MOST_BLOCKS)), journal);
+    let (stage, size) = (journal.step(), size.in_steps());
+    let division = Division::new(size.items, size.block, journal);
     let mut own = Vec::new();
-    let mut left = 0..division.blocks();
-    while let Some(block) = journal.next(stage, division, left.clone())? {
-        left.start = block + 1;
-        let wanted: Vec<usize> = division.of(block).collect();
-        let found = known_or_computed(journal, (stage, block), &wanted, progress, &mut compute)?;
-        let kept = wanted.iter().zip(found).map(|(&item, row)| keep(item, row));
-        let summaries: Vec<S> = kept.collect();
-        own.extend((block as u64).to_le_bytes());
-        own.extend(bytes_of(&summaries));
-        all.put(&wanted, summaries);
+    let mut given = GivenBlocks::new(journal, stage, division, size.blocks_at_once());
+    while let Some(blocks) = given.next()? {
+        for block in known_or_computed(journal, stage, blocks, progress, &mut compute)? {
+            let found = block.items.iter().zip(block.found);
+            let summaries: Vec<S> = found.map(|(&item, row)| keep(item, row)).collect();
+            own.extend((block.number as u64).to_le_bytes());
+            own.extend(bytes_of(&summaries));
+            all.put(&block.items, summaries);
+        }
     }
     for bytes in journal.all_gather(own)? {
         let mut reader = RecordReader { bytes: &bytes };
@@ -336,21 +363,89 @@ pub fn distributed<R: Record, S: Record>(
     all.complete()
 }
 
-/// A block that the journal holds, or computed and stored in it.
+/// The blocks of a stage that a process is given, some at a time.
+struct GivenBlocks<'a> {
+    journal: &'a dyn Journal,
+    stage: JournalStage,
+    division: Division,
+    left: Range<usize>,
+    most: usize,
+}
+
+impl<'a> GivenBlocks<'a> {
+    fn new(
+        journal: &'a dyn Journal,
+        stage: JournalStage,
+        division: Division,
+        most: usize,
+    ) -> GivenBlocks<'a> {
+        GivenBlocks {
+            journal,
+            stage,
+            division,
+            left: 0..division.blocks(),
+            most,
+        }
+    }
+
+    /// The next of them, with their items; `None` when there are no more.
+    fn next<R>(&mut self) -> Result<Option<Vec<ItemBlock<R>>>, Cancelled> {
+        let (left, most) = (self.left.clone(), self.most);
+        let numbers = self.journal.next(self.stage, self.division, left, most)?;
+        let Some(last) = numbers.last() else {
+            return Ok(None);
+        };
+        self.left.start = last + 1;
+        let block = |number: usize| ItemBlock {
+            number,
+            items: self.division.of(number).collect(),
+            found: Vec::new(),
+        };
+        Ok(Some(numbers.into_iter().map(block).collect()))
+    }
+}
+
+/// A block with the numbers of its items, and the items themselves once they are known.
+struct ItemBlock<R> {
+    number: usize,
+    items: Vec<usize>,
+    found: Vec<R>,
+}
+
+/// Blocks with the items that the journal holds; others are computed, all at once, and stored in it.
 fn known_or_computed<R: Record>(
     journal: &dyn Journal,
-    (stage, block): (JournalStage, usize),
-    wanted: &[usize],
+    stage: JournalStage,
+    mut blocks: Vec<ItemBlock<R>>,
     progress: &Progress,
     compute: &mut impl FnMut(&[usize]) -> Result<Vec<R>, Cancelled>,
-) -> Result<Vec<R>, Cancelled> {
-    if let Some(known) = stored(journal, stage, block, wanted.len()) {
-        progress.advance(wanted.len() as u64)?;
-        return Ok(known);
+) -> Result<Vec<ItemBlock<R>>, Cancelled> {
+    blocks.retain(|block| !block.items.is_empty());
+    let mut missing: Vec<(usize, usize)> = Vec::new();
+    for (place, block) in blocks.iter_mut().enumerate() {
+        match stored(journal, stage, block.number, block.items.len()) {
+            Some(known) => {
+                progress.advance(known.len() as u64)?;
+                block.found = known;
+            }
+            None => missing.extend(block.items.iter().map(|&item| (item, place))),
+        }
     }
-    let found = compute(wanted)?;
-    save(journal, stage, block, &found);
-    Ok(found)
+    if missing.is_empty() {
+        return Ok(blocks);
+    }
+    // Blocks of several parts interleave.
+    missing.sort_unstable();
+    let wanted: Vec<usize> = missing.iter().map(|m| m.0).collect();
+    let mut is_new = vec![false; blocks.len()];
+    for (found, (_, place)) in compute(&wanted)?.into_iter().zip(missing) {
+        blocks[place].found.push(found);
+        is_new[place] = true;
+    }
+    for (block, _) in blocks.iter().zip(is_new).filter(|(_, is_new)| *is_new) {
+        save(journal, stage, block.number, &block.found);
+    }
+    Ok(blocks)
 }
 
 /// The blocks of all processes, through [`Journal::all_gather`].
@@ -480,10 +575,11 @@ mod tests {
             &self,
             _: JournalStage,
             _: Division,
-            mut blocks: Range<usize>,
-        ) -> Result<Option<usize>, Cancelled> {
+            left: Range<usize>,
+            most: usize,
+        ) -> Result<Vec<usize>, Cancelled> {
             let is_mine = |b: &usize| self.part == 0 || b % self.parts == self.part - 1;
-            Ok(blocks.find(is_mine))
+            Ok(left.filter(is_mine).take(most).collect())
         }
 
         fn assembles(&self) -> bool {
@@ -508,14 +604,29 @@ mod tests {
         Item((i..17).map(|j| 1.0 / (1 + i + j) as f64).collect())
     }
 
+    /// 17 items in blocks of 3, of which so many are computed at once.
+    fn size(at_once: usize) -> LoopSize {
+        LoopSize {
+            items: 17,
+            block: 3,
+            at_once,
+        }
+    }
+
     /// All items, and how many of them had to be computed.
     fn run(journal: &Memory) -> (Option<Vec<Item>>, usize) {
+        run_at_once(journal, 3)
+    }
+
+    fn run_at_once(journal: &Memory, at_once: usize) -> (Option<Vec<Item>>, usize) {
         let (progress, mut computed) = (Progress::new(), 0);
         let compute = |wanted: &[usize]| {
+            assert!(wanted.is_sorted(), "{wanted:?}");
+            assert!(wanted.len() <= at_once.max(3), "{wanted:?}");
             computed += wanted.len();
             Ok(wanted.iter().map(|&i| item(i)).collect())
         };
-        let items = resumed(journal, STAGE, (17, 3), &progress, compute).unwrap();
+        let items = resumed(journal, STAGE, size(at_once), &progress, compute).unwrap();
         if items.is_some() {
             assert_eq!(progress.done() + computed as u64, 17);
         }
@@ -533,6 +644,22 @@ mod tests {
         assert_eq!(run(&journal), (whole(), 0));
         journal.blocks.lock().unwrap().remove(&(STAGE, 1));
         assert_eq!(run(&journal), (whole(), 3));
+    }
+
+    #[test]
+    fn blocks_that_are_computed_at_once_are_those_that_are_computed_one_by_one() {
+        for (parts, at_once) in [(1, 7), (1, 100), (3, 6), (5, 17), (1, 0)] {
+            let [one_by_one, journal] = [(); 2].map(|()| Memory::whole(parts));
+            assert_eq!(run(&one_by_one), (whole(), 17));
+            assert_eq!(run_at_once(&journal, at_once), (whole(), 17));
+            let stored = one_by_one.blocks.into_inner().unwrap();
+            assert_eq!(*journal.blocks.lock().unwrap(), stored);
+            // Only what is missing is computed again.
+            journal.blocks.lock().unwrap().remove(&(STAGE, 0));
+            let (found, computed) = run_at_once(&journal, at_once);
+            assert_eq!(found, whole());
+            assert!((1..=3).contains(&computed), "{computed}");
+        }
     }
 
     #[test]
@@ -576,7 +703,7 @@ mod tests {
                 let first = shared(journal, (17, 3), &progress, compute).unwrap();
                 let lengths = |wanted: &[usize]| Ok(wanted.iter().map(|&i| i as u32).collect());
                 let second = shared(journal, (9, 1), &progress, lengths).unwrap();
-                let points = resumed(journal, JournalStage::Points, (17, 3), &progress, compute);
+                let points = resumed(journal, JournalStage::Points, size(6), &progress, compute);
                 (first, second, points.unwrap())
             });
             for (first, second, points) in found {
@@ -598,7 +725,12 @@ mod tests {
                     row.0.len() as u64
                 };
                 let progress = Progress::new();
-                let lengths = distributed(journal, (17, 2), &progress, compute, keep).unwrap();
+                let size = LoopSize {
+                    items: 17,
+                    block: 2,
+                    at_once: 5,
+                };
+                let lengths = distributed(journal, size, &progress, compute, keep).unwrap();
                 assert_eq!(lengths, (0..17).rev().map(|n| n + 1).collect::<Vec<u64>>());
                 kept
             });

@@ -7,6 +7,7 @@ use crate::interrupt::BlockEnd;
 use crate::session::Session;
 use azulejo_trace::journal::{Blocks, Division, Record, RecordReader, exchanged};
 use azulejo_trace::{Cancelled, Journal, JournalStage};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,8 +40,8 @@ pub struct RankJournal {
     is_kept: bool,
     file: Option<Arc<FileJournal>>,
     block_end: Arc<BlockEnd>,
-    /// The last block that rank 0 handed out, if it is known already.
-    handed: Mutex<Option<(JournalStage, usize, Vec<u8>)>>,
+    /// Of the blocks that rank 0 handed out last, those that are known already.
+    known: Mutex<HashMap<(JournalStage, usize), Vec<u8>>>,
     steps: AtomicU32,
     /// Whether ranks computed something differently.
     differs: AtomicBool,
@@ -68,7 +69,7 @@ impl RankJournal {
             is_kept: said == [1],
             file,
             block_end,
-            handed: Mutex::default(),
+            known: Mutex::default(),
             steps: AtomicU32::new(0),
             differs: AtomicBool::new(false),
         })
@@ -153,9 +154,8 @@ impl Journal for RankJournal {
         if let Some(file) = &self.file {
             return file.load(stage, block);
         }
-        let mut handed = self.handed.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = handed.take_if(|known| (known.0, known.1) == (stage, block));
-        known.map(|known| known.2)
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.remove(&(stage, block))
     }
 
     fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
@@ -190,23 +190,31 @@ impl Journal for RankJournal {
         stage: JournalStage,
         division: Division,
         mut left: Range<usize>,
-    ) -> Result<Option<usize>, Cancelled> {
+        most: usize,
+    ) -> Result<Vec<usize>, Cancelled> {
         self.block_end.set_in_block(true);
         loop {
             if self.block_end.is_asked() {
                 return Err(Cancelled);
             }
-            let Some((block, known)) = self.link.next(stage, division, left.clone())? else {
-                return Ok(None);
+            let mut handed = self.link.next(stage, division, left.clone(), most)?;
+            let Some((last, _)) = handed.last() else {
+                return Ok(Vec::new());
             };
-            // What rank 0 has, it needs from nobody.
-            if known.is_some() && self.sharing == Sharing::Root {
-                left.start = block + 1;
-                continue;
+            left.start = last + 1;
+            if self.sharing == Sharing::Root {
+                // What rank 0 has, it needs from nobody.
+                handed.retain(|(_, known)| known.is_none());
+                if handed.is_empty() {
+                    continue;
+                }
             }
-            let mut handed = self.handed.lock().unwrap_or_else(PoisonError::into_inner);
-            *handed = known.map(|bytes| (stage, block, bytes));
-            return Ok(Some(block));
+            let blocks = handed.iter().map(|(block, _)| *block).collect();
+            let known = handed
+                .into_iter()
+                .filter_map(|(block, known)| Some(((stage, block), known?)));
+            *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known.collect();
+            return Ok(blocks);
         }
     }
 

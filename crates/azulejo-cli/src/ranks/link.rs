@@ -11,11 +11,12 @@ use std::time::Instant;
 
 /// What the work asks for.
 pub enum Request {
-    /// A block that no rank has yet.
+    /// Blocks that no rank has yet, so many at most.
     Next {
         stage: JournalStage,
         division: Division,
         left: Range<usize>,
+        most: usize,
     },
     /// A finished block for rank 0, from another.
     Deliver {
@@ -40,8 +41,8 @@ pub type HandedBlock = (usize, Option<Vec<u8>>);
 
 /// What it gets.
 pub enum Reply {
-    /// A block, or no more.
-    Block(Option<HandedBlock>),
+    /// Blocks, ascending; none if there are no more.
+    Handed(Vec<HandedBlock>),
     /// Blocks of others.
     Collected(Blocks),
     /// One for each rank.
@@ -100,19 +101,21 @@ pub fn connected() -> (Link, WorkEnd) {
 }
 
 impl Link {
-    /// The next block for this rank, with its bytes if they are known already.
+    /// The next blocks for this rank, at most so many, with their bytes if they are known already.
     pub fn next(
         &self,
         stage: JournalStage,
         division: Division,
         left: Range<usize>,
-    ) -> Result<Option<HandedBlock>, Cancelled> {
+        most: usize,
+    ) -> Result<Vec<HandedBlock>, Cancelled> {
         match self.ask(Request::Next {
             stage,
             division,
             left,
+            most,
         })? {
-            Reply::Block(block) => Ok(block),
+            Reply::Handed(blocks) => Ok(blocks),
             _ => Err(Cancelled),
         }
     }
@@ -180,7 +183,7 @@ impl Link {
         traffic.waited += start.elapsed().as_secs_f64();
         match reply {
             Ok(Reply::Stop) | Err(_) => return Err(Cancelled),
-            Ok(Reply::Block(Some(_))) => traffic.blocks += 1,
+            Ok(Reply::Handed(ref blocks)) => traffic.blocks += blocks.len() as u64,
             Ok(Reply::Gathered(ref all)) => {
                 traffic.exchanges += 1;
                 traffic.gathered += all.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
@@ -214,11 +217,13 @@ impl Request {
                 stage,
                 division,
                 left,
+                most,
             } => Some(ToRoot::Next {
                 stage: *stage,
                 items: division.items,
                 size: division.size,
                 from: left.start,
+                most: *most,
             }),
             Request::Deliver {
                 stage,

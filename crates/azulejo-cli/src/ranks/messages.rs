@@ -3,17 +3,19 @@
 use super::link::HandedBlock;
 use crate::record_file::{number_of, stage_of};
 use azulejo_trace::JournalStage;
-use azulejo_trace::journal::{Record, RecordReader};
+use azulejo_trace::journal::{Record, RecordReader, write_list};
 
 /// From another rank to rank 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToRoot {
-    /// Asks for a block of a stage, of `items` in blocks of `size`, not before block `from`.
+    /// Is done with its blocks, and asks for at most so many of a stage, of `items` in blocks of `size`, not
+    /// before block `from`.
     Next {
         stage: JournalStage,
         items: usize,
         size: usize,
         from: usize,
+        most: usize,
     },
     /// A finished block.
     Block {
@@ -32,8 +34,8 @@ pub enum ToRoot {
 /// From rank 0 to another.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FromRoot {
-    /// A block to be computed, or known already; or no more.
-    Block(Option<HandedBlock>),
+    /// Blocks to be computed, or known already; none if there are no more.
+    Handed(Vec<HandedBlock>),
     /// All are ready.
     Go,
     /// The work ends.
@@ -52,10 +54,13 @@ impl ToRoot {
                 items,
                 size,
                 from,
+                most,
             } => {
                 0u8.write(&mut bytes);
                 number_of(*stage).write(&mut bytes);
-                [*items as u64, *size as u64, *from as u64].write(&mut bytes);
+                [items, size, from, most]
+                    .map(|n| *n as u64)
+                    .write(&mut bytes);
             }
             ToRoot::Block {
                 stage,
@@ -84,12 +89,13 @@ impl ToRoot {
         let message = match u8::read(&mut reader)? {
             0 => {
                 let stage = stage_of(reader.u32()?)?;
-                let [items, size, from] = <[u64; 3]>::read(&mut reader)?.map(|n| n as usize);
+                let [items, size, from, most] = <[u64; 4]>::read(&mut reader)?.map(|n| n as usize);
                 ToRoot::Next {
                     stage,
                     items,
                     size,
                     from,
+                    most,
                 }
             }
             1 => ToRoot::Block {
@@ -115,16 +121,16 @@ impl FromRoot {
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         match self {
-            FromRoot::Block(None) => 0u8.write(&mut bytes),
-            FromRoot::Block(Some((block, known))) => {
-                1u8.write(&mut bytes);
-                (*block as u64).write(&mut bytes);
-                u8::from(known.is_some()).write(&mut bytes);
-                bytes.extend(known.as_deref().unwrap_or_default());
+            FromRoot::Handed(blocks) => {
+                0u8.write(&mut bytes);
+                write_list(blocks, &mut bytes, |(block, known), bytes| {
+                    (*block as u64).write(bytes);
+                    known.write(bytes);
+                });
             }
-            FromRoot::Go => 2u8.write(&mut bytes),
-            FromRoot::Stop => 3u8.write(&mut bytes),
-            FromRoot::Finish(status) => [4u8, *status].write(&mut bytes),
+            FromRoot::Go => 1u8.write(&mut bytes),
+            FromRoot::Stop => 2u8.write(&mut bytes),
+            FromRoot::Finish(status) => [3u8, *status].write(&mut bytes),
         }
         bytes
     }
@@ -133,15 +139,15 @@ impl FromRoot {
     pub fn read(bytes: &[u8]) -> Option<FromRoot> {
         let mut reader = RecordReader::new(bytes);
         let message = match u8::read(&mut reader)? {
-            0 => FromRoot::Block(None),
-            1 => {
-                let block = reader.u64()? as usize;
-                let is_known = u8::read(&mut reader)? == 1;
-                FromRoot::Block(Some((block, is_known.then(|| reader.rest().to_vec()))))
+            0 => {
+                let handed = |reader: &mut RecordReader| {
+                    Some((reader.u64()? as usize, Option::<Vec<u8>>::read(reader)?))
+                };
+                FromRoot::Handed(reader.list(handed)?)
             }
-            2 => FromRoot::Go,
-            3 => FromRoot::Stop,
-            4 => FromRoot::Finish(u8::read(&mut reader)?),
+            1 => FromRoot::Go,
+            2 => FromRoot::Stop,
+            3 => FromRoot::Finish(u8::read(&mut reader)?),
             _ => return None,
         };
         Some(message)

@@ -82,7 +82,7 @@ impl Helper<'_> {
                 Request::Next { .. } => {
                     request.message().iter().for_each(|m| self.tell(m));
                     match self.answer() {
-                        FromRoot::Block(block) => Reply::Block(block),
+                        FromRoot::Handed(blocks) => Reply::Handed(blocks),
                         _ => Reply::Stop,
                     }
                 }
@@ -152,8 +152,8 @@ enum State {
 struct StageBlocks {
     /// The first block that nobody has.
     next: usize,
-    /// Blocks that others have and have not delivered: each rank has one at most.
-    out: HashMap<usize, usize>,
+    /// Blocks that each of the others has and has not delivered.
+    out: HashMap<usize, Vec<usize>>,
     /// Blocks that others delivered and no file keeps.
     delivered: Blocks,
 }
@@ -246,13 +246,14 @@ impl<'a> Root<'a> {
                 stage,
                 division,
                 left,
+                most,
             } => {
-                let block = self.next(stage, division.blocks(), left.start);
+                let blocks = self.next(stage, division, left.start, most);
                 self.reply(if self.is_stopping {
                     Reply::Stop
                 } else {
                     // Its own journal has what is known.
-                    Reply::Block(block.map(|block| (block, None)))
+                    Reply::Handed(blocks.into_iter().map(|block| (block, None)).collect())
                 });
             }
             Request::Deliver { .. } => {}
@@ -293,6 +294,7 @@ impl<'a> Root<'a> {
                 items,
                 size,
                 from,
+                most,
             } => {
                 let division = Division {
                     items,
@@ -300,22 +302,18 @@ impl<'a> Root<'a> {
                     parts: 1,
                 };
                 self.finished(stage, rank, division);
-                let block = self.next(stage, division.blocks(), from);
-                let reply = if self.is_stopping {
-                    FromRoot::Stop
-                } else {
-                    let known = |block: usize| {
-                        let journal = self.journal.as_deref()?;
-                        journal.load(stage, block)
-                    };
-                    FromRoot::Block(block.map(|block| (block, known(block))))
-                };
-                if let (FromRoot::Block(Some((block, _))), Some(stage)) =
-                    (&reply, self.stages.get_mut(&stage))
-                {
-                    stage.out.insert(rank, *block);
+                if self.is_stopping {
+                    return self.tell(rank, &FromRoot::Stop);
                 }
-                self.tell(rank, &reply);
+                let blocks = self.next(stage, division, from, most);
+                let known = |block: usize| self.journal.as_deref()?.load(stage, block);
+                let handed = blocks.iter().map(|&block| (block, known(block))).collect();
+                self.stages
+                    .entry(stage)
+                    .or_default()
+                    .out
+                    .insert(rank, blocks);
+                self.tell(rank, &FromRoot::Handed(handed));
             }
             ToRoot::Block {
                 stage,
@@ -328,21 +326,28 @@ impl<'a> Root<'a> {
         }
     }
 
-    /// The next block of a stage that nobody has.
-    fn next(&mut self, stage: JournalStage, blocks: usize, from: usize) -> Option<usize> {
+    /// The next blocks of a stage that nobody has, at most so many: fewer toward the end, so that no rank
+    /// has much to do when there is no more for others (guided self-scheduling: Polychronopoulos and Kuck,
+    /// IEEE Transactions on Computers 36, 1987).
+    fn next(
+        &mut self,
+        stage: JournalStage,
+        division: Division,
+        from: usize,
+        most: usize,
+    ) -> Vec<usize> {
         let stage = self.stages.entry(stage).or_default();
-        let block = stage.next.max(from);
-        if block >= blocks {
-            return None;
-        }
-        stage.next = block + 1;
-        Some(block)
+        let (first, blocks) = (stage.next.max(from), division.blocks());
+        let share = blocks.saturating_sub(first).div_ceil(2 * self.states.len());
+        let end = (first + share.min(most)).min(blocks);
+        stage.next = stage.next.max(end);
+        (first..end).collect()
     }
 
-    /// Who asks for another block has done with the last.
+    /// Who asks for more has done with the last blocks.
     fn finished(&mut self, stage: JournalStage, rank: usize, division: Division) {
         let stage = self.stages.entry(stage).or_default();
-        if let Some(block) = stage.out.remove(&rank) {
+        for block in stage.out.remove(&rank).unwrap_or_default() {
             let items = division.of(block).count() as u64;
             // Cancellation ends its own work, which says so.
             let _ = self.control.progress.advance(items);
@@ -415,7 +420,7 @@ impl<'a> Root<'a> {
         }
         if let Some(Pending::Collect(stage)) = self.pending {
             let found = self.stages.entry(stage).or_default();
-            if found.out.is_empty() {
+            if found.out.values().all(Vec::is_empty) {
                 let delivered = std::mem::take(&mut found.delivered);
                 self.pending = None;
                 self.reply(Reply::Collected(delivered));

@@ -6,7 +6,7 @@ use super::messages::{FromRoot, ToRoot};
 use super::messenger::{self, Control};
 use super::transport::Transport;
 use crate::file_journal::FileJournal;
-use azulejo_trace::journal::{distributed, resumed, shared};
+use azulejo_trace::journal::{LoopSize, distributed, resumed, shared};
 use azulejo_trace::{Cancelled, Journal, JournalStage, Progress};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -113,6 +113,15 @@ fn squares(count: usize) -> Vec<f64> {
     (0..count).map(square).collect()
 }
 
+/// So many items, in blocks of which three are computed at once.
+fn loop_of(items: usize, block: usize) -> LoopSize {
+    LoopSize {
+        items,
+        block,
+        at_once: 3 * block,
+    }
+}
+
 #[test]
 fn messages_are_read_as_they_were_written() {
     let to_root = [
@@ -121,6 +130,7 @@ fn messages_are_read_as_they_were_written() {
             items: 7,
             size: 2,
             from: 1,
+            most: 4,
         },
         ToRoot::Block {
             stage: JournalStage::Rows,
@@ -136,9 +146,8 @@ fn messages_are_read_as_they_were_written() {
         assert_eq!(ToRoot::read(&message.bytes()), Some(message));
     }
     let from_root = [
-        FromRoot::Block(None),
-        FromRoot::Block(Some((4, None))),
-        FromRoot::Block(Some((4, Some(vec![5, 6])))),
+        FromRoot::Handed(Vec::new()),
+        FromRoot::Handed(vec![(4, None), (5, Some(vec![5, 6])), (7, None)]),
         FromRoot::Go,
         FromRoot::Stop,
         FromRoot::Finish(2),
@@ -149,7 +158,7 @@ fn messages_are_read_as_they_were_written() {
     for bad in [&[][..], &[9], &[0, 1]] {
         assert_eq!(ToRoot::read(bad), None);
     }
-    assert_eq!(FromRoot::read(&[1, 0]), None);
+    assert_eq!(FromRoot::read(&[0, 1, 0, 0, 0]), None);
 }
 
 #[test]
@@ -169,7 +178,7 @@ fn every_block_is_computed_once_and_known_to_all() {
                 kept += 1;
                 row
             };
-            let second: Vec<f64> = distributed(journal, (50, 4), &progress, compute, keep)?;
+            let second: Vec<f64> = distributed(journal, loop_of(50, 4), &progress, compute, keep)?;
             Ok((first, second, kept))
         });
         assert_eq!(heard, None);
@@ -187,13 +196,8 @@ fn every_block_is_computed_once_and_known_to_all() {
 fn rank_0_alone_gets_what_it_alone_needs() {
     let (found, _) = run(3, Sharing::Root, None, |_, journal| {
         let compute = |wanted: &[usize]| Ok(wanted.iter().map(|&i| square(i)).collect());
-        resumed(
-            journal,
-            JournalStage::Rows,
-            (64, 2),
-            &Progress::new(),
-            compute,
-        )
+        let (stage, progress) = (JournalStage::Rows, Progress::new());
+        resumed(journal, stage, loop_of(64, 2), &progress, compute)
     });
     assert_eq!(found, [Ok(Some(squares(64))), Ok(None), Ok(None)]);
 }
@@ -215,7 +219,7 @@ fn what_a_file_has_is_not_computed_again() {
                 match sharing {
                     Sharing::Root => {
                         let stage = JournalStage::Rows;
-                        resumed(journal, stage, (40, 4), &Progress::new(), compute)
+                        resumed(journal, stage, loop_of(40, 4), &Progress::new(), compute)
                     }
                     Sharing::All => shared(journal, (40, 4), &Progress::new(), compute).map(Some),
                 }

@@ -251,14 +251,16 @@ impl Journal for ShardPart {
         &self,
         _stage: JournalStage,
         _division: Division,
-        mut blocks: Range<usize>,
-    ) -> Result<Option<usize>, Cancelled> {
+        left: Range<usize>,
+        most: usize,
+    ) -> Result<Vec<usize>, Cancelled> {
         if self.block_end.is_asked() || self.state().failure.is_some() {
             return Err(Cancelled);
         }
         let own = (self.shard.number - 1) as usize;
-        let next = blocks.find(|block| block % self.parts() == own);
-        self.block_end.set_in_block(next.is_some());
+        let is_own = |block: &usize| block % self.parts() == own;
+        let next: Vec<usize> = left.filter(is_own).take(most).collect();
+        self.block_end.set_in_block(!next.is_empty());
         Ok(next)
     }
 

@@ -14,7 +14,7 @@ use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
 use crate::shadow_rays::View;
 use azulejo_scene::math::area_vector;
-use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
+use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed, write_list};
 use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,25 +23,28 @@ use std::ops::Range;
 /// Rows computed together.
 const GROUP: usize = 16;
 
-/// Fewest and most groups per journal block: enough for many threads.
-const BLOCK: [usize; 2] = [16, 64];
+/// Groups of a journal block: one, so that many processes have something to do to the end.
+const BLOCK: usize = 1;
 
-/// Bytes of a journal block, within these limits.
-const BLOCK_BYTES: usize = 16 << 20;
+/// Fewest and most groups that are computed at once: enough for many threads.
+const AT_ONCE: [usize; 2] = [16, 64];
 
-/// Groups per journal block of a matrix of so many rows.
-fn block_groups(rows: usize) -> usize {
+/// Bytes of these, within these limits.
+const BYTES_AT_ONCE: usize = 16 << 20;
+
+/// Groups of a matrix of so many rows that are computed at once.
+fn groups_at_once(rows: usize) -> usize {
     let group = GROUP * size_of::<Exchange>() * rows.max(1);
-    (BLOCK_BYTES / group).clamp(BLOCK[0], BLOCK[1])
+    (BYTES_AT_ONCE / group).clamp(AT_ONCE[0], AT_ONCE[1])
 }
 
 /// Bytes that an exchanger and its work take, besides the matrix: facets with their Gauss points and
-/// clusters, a group of rows for each thread, and a journal block in memory and as bytes.
+/// clusters, a group of rows for each thread, and the groups that are computed at once.
 pub(crate) fn working_bytes(rows: usize, threads: usize) -> f64 {
     let pair = (size_of::<f64>() + size_of::<f32>()) as f64;
     let groups = (threads * GROUP * rows) as f64 * pair;
-    let block = (block_groups(rows) * GROUP * rows * size_of::<Exchange>()) as f64;
-    rows as f64 * FACET_BYTES + groups + block
+    let at_once = (groups_at_once(rows) * GROUP * rows * size_of::<Exchange>()) as f64;
+    rows as f64 * FACET_BYTES + groups + at_once
 }
 
 /// Bytes per facet, about: its corners, thirteen Gauss points, and a share of the clusters.
@@ -151,8 +154,12 @@ impl<'a> Exchanger<'a> {
     ) -> Result<Option<AllPairs>, Cancelled> {
         let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
         let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
-        let size = (groups.len(), block_groups(self.sides.len()));
-        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        let size = LoopSize {
+            items: groups.len(),
+            block: BLOCK,
+            at_once: groups_at_once(self.sides.len()),
+        };
+        let own = Division::new(size.items, size.block, journal).own_items(journal);
         progress.begin("exchange areas", own as u64);
         let group = |&group: &usize| {
             progress.advance(1)?;

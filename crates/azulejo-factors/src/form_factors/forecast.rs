@@ -108,7 +108,7 @@ impl Costs<'_> {
             return exchanger::working_bytes(rows, threads);
         }
         // A block of rows as their estimator returns them, and sorted by columns.
-        let block = rows::block_rows(self.rays).min(rows) as f64;
+        let block = rows::rows_at_once(self.rays).min(rows) as f64;
         let columns = block * REPLICATES as f64 * found;
         let sums = (threads * 2 * ORDERS * rows * size_of::<u32>()) as f64;
         columns * (size_of::<Entry>() + size_of::<(u32, usize, f64)>()) as f64 + sums

@@ -8,7 +8,7 @@ use crate::analytic::exchange_area;
 use crate::patch::Polygon;
 use crate::shadow_rays::View;
 use azulejo_scene::math::Aabb;
-use azulejo_trace::journal::{Division, Record, RecordReader, resumed};
+use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed};
 use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,8 +35,9 @@ const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
 /// Relative error of an unoccluded form factor: what [`Shaft`] may miss.
 const FREE_ERROR: f64 = 1e-7;
 
-/// Pairs of a journal block: a second or so.
-const BLOCK: usize = 1 << 14;
+/// Pairs of a journal block, and pairs that are computed at once: a second or so.
+const BLOCK: usize = 1 << 11;
+const AT_ONCE: usize = 1 << 14;
 
 /// The value of a pair and its standard error.
 #[derive(Clone, Copy, Default)]
@@ -67,8 +68,12 @@ pub(super) fn exact(
     let rows = PairSelector::new(sides, surfaces);
     let pairs = rows.pairs();
     let occluders = Occluders::new(sides.patches, surfaces.scene);
-    let size = (pairs.len(), BLOCK);
-    let own = Division::new(size.0, size.1, journal).own_items(journal);
+    let size = LoopSize {
+        items: pairs.len(),
+        block: BLOCK,
+        at_once: AT_ONCE,
+    };
+    let own = Division::new(size.items, size.block, journal).own_items(journal);
     progress.begin("formulas", own as u64);
     let estimate = |&pair: &usize| {
         progress.advance(1)?;

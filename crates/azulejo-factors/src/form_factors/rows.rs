@@ -9,7 +9,7 @@ use crate::engine::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::journal::{Division, Record, RecordReader, resumed, write_list};
+use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed, write_list};
 use azulejo_trace::{Cancelled, Gatherer, Journal, JournalStage, Progress, REPLICATES};
 use rayon::prelude::*;
 
@@ -61,15 +61,18 @@ impl TracedRows {
     }
 }
 
-/// Fewest and most rows of a block, the unit of the journal. A graphics card wants many in flight.
-const BLOCK: [usize; 2] = [64, 256];
+/// Fewest and most rows that are computed at once. A graphics card wants many in flight.
+const AT_ONCE: [usize; 2] = [64, 256];
 
-/// Rays per block, within these limits.
-const BLOCK_RAYS: usize = 1 << 20;
+/// Their rays, within these limits.
+const RAYS_AT_ONCE: usize = 1 << 20;
 
-/// Rows per block.
-pub(super) fn block_rows(rays: u32) -> usize {
-    (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1])
+/// Blocks of the journal that are computed at once: fewer of them by each process where many share the rows.
+const BLOCKS_AT_ONCE: usize = 8;
+
+/// Rows that are computed at once.
+pub(super) fn rows_at_once(rays: u32) -> usize {
+    (RAYS_AT_ONCE / rays.max(1) as usize).clamp(AT_ONCE[0], AT_ONCE[1])
 }
 
 /// Degrees of freedom of the variance of four replicates.
@@ -97,8 +100,12 @@ impl RowTracing<'_> {
     ) -> Result<Option<TracedRows>, Cancelled> {
         let rays = self.estimator.rays();
         // Blocks must not depend on the machine, which may be another after an interruption.
-        let size = (self.sides.len(), block_rows(rays));
-        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        let size = LoopSize {
+            items: self.sides.len(),
+            block: rows_at_once(rays) / BLOCKS_AT_ONCE,
+            at_once: rows_at_once(rays),
+        };
+        let own = Division::new(size.items, size.block, journal).own_items(journal);
         progress.begin("form factors", own as u64);
         let rows = resumed(journal, JournalStage::Rows, size, progress, |rows| {
             self.block(rows, progress)

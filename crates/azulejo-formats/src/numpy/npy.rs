@@ -30,15 +30,8 @@ pub fn read(bytes: &[u8]) -> Result<Array, String> {
         v => return Err(format!("fortran_order is {}", excerpt(v))),
     };
     let shape = shape_of(entry(header, "shape")?)?;
-    let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
     let width = width_of(descr)?;
-    let expected = count.and_then(|n| n.checked_mul(width));
-    if expected != Some(data.len()) {
-        return Err(format!(
-            "{} bytes of data for shape {shape:?} of {descr}: the file is cut short or too long",
-            data.len()
-        ));
-    }
+    check_length(data, &shape, descr, Some(width))?;
     let big_endian = descr.starts_with('>');
     let values = data
         .chunks_exact(width)
@@ -49,6 +42,25 @@ pub fn read(bytes: &[u8]) -> Result<Array, String> {
     } else {
         Array { shape, values }
     })
+}
+
+/// Makes sure that there are as many bytes as elements of this shape and width take; `None` is a width that no
+/// memory has.
+fn check_length(
+    data: &[u8],
+    shape: &[usize],
+    descr: &str,
+    width: Option<usize>,
+) -> Result<(), String> {
+    let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
+    let expected = count.zip(width).and_then(|(n, w)| n.checked_mul(w));
+    if expected == Some(data.len()) {
+        return Ok(());
+    }
+    Err(format!(
+        "{} bytes of data for shape {shape:?} of {descr}: the file is cut short or too long",
+        data.len()
+    ))
 }
 
 /// The header's dictionary as text, and the bytes after it.
@@ -225,14 +237,7 @@ impl StoredArray {
             let message = "the array is in Fortran order, expected C order (np.ascontiguousarray)";
             return Err(message.to_owned());
         }
-        let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
-        let expected = count.zip(kind.width()).and_then(|(n, w)| n.checked_mul(w));
-        if expected != Some(data.len()) {
-            return Err(format!(
-                "{} bytes of data for shape {shape:?} of {descr}: the file is cut short or too long",
-                data.len()
-            ));
-        }
+        check_length(data, &shape, descr, kind.width())?;
         Ok(StoredArray {
             big_endian: descr.starts_with('>'),
             start: bytes.len() - data.len(),
@@ -250,14 +255,7 @@ impl StoredArray {
     pub fn from_data(descr: &str, shape: Vec<usize>, data: Vec<u8>) -> Result<StoredArray, String> {
         let kind = ElementKind::new(descr)
             .ok_or_else(|| format!("elements are \"{descr}\", expected numbers"))?;
-        let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
-        let expected = count.zip(kind.width()).and_then(|(n, w)| n.checked_mul(w));
-        if expected != Some(data.len()) {
-            return Err(format!(
-                "{} bytes of data for shape {shape:?} of {descr}: the file is cut short or too long",
-                data.len()
-            ));
-        }
+        check_length(&data, &shape, descr, kind.width())?;
         Ok(StoredArray {
             big_endian: descr.starts_with('>'),
             start: 0,

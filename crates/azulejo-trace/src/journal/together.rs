@@ -102,15 +102,14 @@ impl Journal for Seat<'_> {
         stage: JournalStage,
         division: Division,
         left: Range<usize>,
-    ) -> Result<Option<usize>, Cancelled> {
+        most: usize,
+    ) -> Result<Vec<usize>, Cancelled> {
         let mut state = self.table.state();
         let next = state.next.entry(stage).or_default();
-        let block = (*next).max(left.start);
-        if block >= division.blocks() {
-            return Ok(None);
-        }
-        *next = block + 1;
-        Ok(Some(block))
+        let first = (*next).max(left.start);
+        let end = (first + most).min(division.blocks());
+        *next = end.max(*next);
+        Ok((first..end).collect())
     }
 
     fn of_others(&self, _: JournalStage, own: Blocks) -> Result<Blocks, Cancelled> {
@@ -192,10 +191,11 @@ impl Journal for CountedJournal<'_> {
         stage: JournalStage,
         division: Division,
         left: Range<usize>,
-    ) -> Result<Option<usize>, Cancelled> {
-        let next = self.journal.next(stage, division, left)?;
-        let items = next.map_or(0, |block| division.of(block).count());
-        self.items.fetch_add(items, Ordering::Relaxed);
+        most: usize,
+    ) -> Result<Vec<usize>, Cancelled> {
+        let next = self.journal.next(stage, division, left, most)?;
+        let items = next.iter().map(|&block| division.of(block).count());
+        self.items.fetch_add(items.sum(), Ordering::Relaxed);
         Ok(next)
     }
 
