@@ -217,9 +217,10 @@ impl<'a> SolvedLight<'a> {
             ..self.pass.effort(self.solved.method)
         };
         // Parts that never meet store one gather of points alone: that of `split` or `probe`.
-        let journal: &dyn Journal = match self.journal.has_steps() {
-            true => self.journal,
-            false => &NoJournal,
+        let journal: &dyn Journal = if self.journal.has_steps() {
+            self.journal
+        } else {
+            &NoJournal
         };
         let found: Gathering = gather_split(
             &self.solved.gatherer,

@@ -41,8 +41,9 @@ const CUTS: f64 = 8.0;
 const BYTES_PER_TEXEL: f64 = 100.0;
 const BYTES_PER_COVERED: f64 = 400.0;
 
-/// The same beside that where light is gathered at every texel, while all of it is put together.
-const BYTES_PER_GATHERED: f64 = 900.0;
+/// The same beside that where light is gathered at every texel: in a process that computes a part of it, and in one
+/// that puts all of it together.
+const BYTES_PER_GATHERED: [f64; 2] = [400.0, 700.0];
 
 /// Mean square error at edges of shadows, relative to that of even texels, with which it is worth that charts of even
 /// light have fewer.
@@ -424,8 +425,8 @@ fn arranged(
 ) -> Result<Atlas, BakeError> {
     let layout = laid_out(&receivers, options, tracer, progress)?;
     let bytes_per_covered = match options.fixed_rays(progress) {
-        Some(_) if journal.assembles() => BYTES_PER_COVERED + BYTES_PER_GATHERED,
-        _ => BYTES_PER_COVERED,
+        Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(journal.assembles())],
+        None => BYTES_PER_COVERED,
     };
     let needed = memory_of(&layout, bytes_per_covered);
     if needed > options.pass.memory {
