@@ -68,6 +68,19 @@ impl SampleDirect {
         .collect()
     }
 
+    /// This light and indirect light of each sample, given as its mean and standard error, W/m².
+    pub fn plus(&self, indirect: impl Iterator<Item = (Rgb, Rgb)>) -> Vec<TexelLight> {
+        let all = indirect.enumerate();
+        all.map(|(sample, (value, error))| {
+            let variance = Rgb::from(self.variance[sample].map(f64::from)) + error * error;
+            TexelLight {
+                irradiance: (self.mean(sample) + value).map(|e| e.max(0.0)).to_f32(),
+                standard_error: variance.map(f64::sqrt).to_f32(),
+            }
+        })
+        .collect()
+    }
+
     /// Takes this light, and its error, out of the light of all samples.
     pub fn take_from(&self, light: &mut [TexelLight]) {
         let direct = self.irradiance.iter().zip(&self.variance);
@@ -123,8 +136,39 @@ pub fn direct(
     seed: u32,
     work: Work,
 ) -> Result<SampleDirect, Cancelled> {
+    let found = at_centres(samples, gatherer, seed, work)?;
+    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, work)
+}
+
+/// As [`direct`], from direct light that was gathered at the point of each sample.
+///
+/// # Errors
+/// The caller cancelled.
+pub fn direct_from(
+    samples: &Samples,
+    atlas: &Atlas,
+    gatherer: &Gatherer,
+    (at_centres, error): (&[Gathered], f64),
+    seed: u32,
+    work: Work,
+) -> Result<SampleDirect, Cancelled> {
+    let mut found = SampleDirect::none(samples.samples.len());
+    for (sample, light) in at_centres.iter().enumerate() {
+        found.set(sample, light);
+    }
+    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, work)
+}
+
+/// Looks at texels in more places where light is uneven or noisy.
+fn with_shadow_edges(
+    samples: &Samples,
+    atlas: &Atlas,
+    gatherer: &Gatherer,
+    (mut found, error): (SampleDirect, f64),
+    seed: u32,
+    work: Work,
+) -> Result<SampleDirect, Cancelled> {
     let (_, progress) = work;
-    let mut found = at_centres(samples, gatherer, seed, work)?;
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
         if progress.out_of_time() {
@@ -211,6 +255,13 @@ pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {
         normal: s.normal,
         key: hash(&[s.page, s.texel, sample as u32]),
     }
+}
+
+/// The points of all samples, and the areas for which they stand, square scene units.
+pub fn sample_points(samples: &Samples) -> (Vec<GatherPoint>, Vec<f64>) {
+    let all = samples.samples.iter().enumerate();
+    all.map(|(s, sample)| (gather_point(samples, s), f64::from(sample.area)))
+        .unzip()
 }
 
 /// Mean over all areas and channels.

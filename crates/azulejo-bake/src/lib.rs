@@ -58,7 +58,7 @@ pub mod web_page;
 pub use atlas::Atlas;
 pub use batches::Work;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
-pub use direct::{SampleDirect, direct};
+pub use direct::{SampleDirect, direct, direct_from, sample_points};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use importance::{ChartImportance, chart_importance};

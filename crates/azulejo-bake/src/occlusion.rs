@@ -5,15 +5,29 @@ use crate::batches::{SHORT_BLOCK, Work, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
+use azulejo_trace::journal::{Division, digest, resumed};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelRay, REPLICATES, Tracer};
+use azulejo_trace::{
+    Cancelled, GatherPoint, Gathered, JournalStage, KernelRay, REPLICATES, Tracer,
+};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Points whose rays are traced together.
 const BATCH: usize = 32;
 
 /// Strata that are enough to see which side of a surface is freer.
 const FEW_STRATA: u32 = 4;
+
+/// Rays of a block that a journal stores, about, and fewest and most of its points.
+const BLOCK_RAYS: usize = 1 << 20;
+const BLOCK: [usize; 2] = [256, 1 << 15];
+
+/// Points of a block that a journal stores.
+fn block_points(strata: u32) -> usize {
+    let rays = REPLICATES * (strata * strata).max(1) as usize;
+    (BLOCK_RAYS / rays).clamp(BLOCK[0], BLOCK[1])
+}
 
 /// Hemispheres over points of a scene.
 pub struct Hemispheres<'a> {
@@ -34,25 +48,59 @@ impl Hemispheres<'_> {
     /// The caller cancelled.
     pub fn free(&self, points: &[GatherPoint], strata: u32) -> Result<Vec<Gathered>, Cancelled> {
         self.work.1.begin("occlusion", points.len() as u64);
-        let of_batch = |batch: &[GatherPoint]| {
-            let rays: Vec<KernelRay> = batch.iter().flat_map(|p| self.rays(p, strata)).collect();
-            let mut blocked = Vec::new();
-            self.tracer.any(&rays, &mut blocked);
-            let of_replicate = (strata * strata) as usize;
-            let points = blocked.chunks_exact(REPLICATES * of_replicate);
-            let free = |replicate: &[bool]| {
-                let free = replicate.iter().filter(|blocked| !**blocked).count();
-                Rgb::grey(free as f64 / of_replicate as f64)
+        in_counted_batches(points, (BATCH, SHORT_BLOCK), self.work, |batch| {
+            Ok(self.free_of(batch, strata))
+        })
+    }
+
+    /// The same in blocks that the journal holds or others compute; `None` if the result is made elsewhere.
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn free_in_blocks(
+        &self,
+        points: &[GatherPoint],
+        strata: u32,
+    ) -> Result<Option<Vec<Gathered>>, Cancelled> {
+        let (journal, progress) = self.work;
+        if !journal.is_kept() || journal.has_steps() {
+            return self.free(points, strata).map(Some);
+        }
+        let places = points.iter().flat_map(|p| [p.position, p.normal]);
+        let numbers = places.flat_map(|v| v.to_array());
+        journal.rely_on(JournalStage::Points, digest(numbers))?;
+        let size = (points.len(), block_points(strata));
+        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        progress.begin("occlusion", own as u64);
+        resumed(journal, JournalStage::Points, size, progress, |wanted| {
+            let of_batch = |batch: &[usize]| {
+                progress.advance(batch.len() as u64)?;
+                let points: Vec<GatherPoint> = batch.iter().map(|&i| points[i]).collect();
+                Ok(self.free_of(&points, strata))
             };
-            let gathered = |point: &[bool]| {
-                let mut of_point = point.chunks_exact(of_replicate).map(free);
-                Gathered {
-                    replicates: std::array::from_fn(|_| of_point.next().unwrap_or_default()),
-                }
-            };
-            Ok(points.map(gathered).collect())
+            let found: Result<Vec<_>, Cancelled> = wanted.par_chunks(BATCH).map(of_batch).collect();
+            Ok(found?.concat())
+        })
+    }
+
+    /// The free share at points whose rays are traced together.
+    fn free_of(&self, points: &[GatherPoint], strata: u32) -> Vec<Gathered> {
+        let rays: Vec<KernelRay> = points.iter().flat_map(|p| self.rays(p, strata)).collect();
+        let mut blocked = Vec::new();
+        self.tracer.any(&rays, &mut blocked);
+        let of_replicate = (strata * strata) as usize;
+        let points = blocked.chunks_exact(REPLICATES * of_replicate);
+        let free = |replicate: &[bool]| {
+            let free = replicate.iter().filter(|blocked| !**blocked).count();
+            Rgb::grey(free as f64 / of_replicate as f64)
         };
-        in_counted_batches(points, (BATCH, SHORT_BLOCK), self.work, of_batch)
+        let gathered = |point: &[bool]| {
+            let mut of_point = point.chunks_exact(of_replicate).map(free);
+            Gathered {
+                replicates: std::array::from_fn(|_| of_point.next().unwrap_or_default()),
+            }
+        };
+        points.map(gathered).collect()
     }
 
     fn rays(&self, point: &GatherPoint, strata: u32) -> Vec<KernelRay> {

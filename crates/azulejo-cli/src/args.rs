@@ -298,7 +298,8 @@ pub struct FirstPassArgs {
     /// without --rays: 3%, with at most 2048 rays]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
-    /// Rays per patch, and maximum number of rays per vertex or point
+    /// Rays per patch, and maximum number of rays per vertex or point. `bake` gathers with as many at every texel
+    /// if neither --error nor --time is given, and does not interpolate
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// Time limit, as in 60s, 2m or 500ms: stop refining then and keep the result with the error

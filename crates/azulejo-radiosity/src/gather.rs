@@ -173,6 +173,11 @@ impl Gathering {
         self.values.indirect()
     }
 
+    /// Direct light of each point, where the rest is kept apart.
+    pub(crate) fn direct(&self) -> &[Gathered] {
+        self.values.direct()
+    }
+
     /// Computes `gathered` again after a change of what it is computed from.
     pub(crate) fn combine(&mut self) {
         self.gathered = self.values.combined();

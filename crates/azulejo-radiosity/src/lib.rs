@@ -58,5 +58,5 @@ pub use solve::{
     solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
-pub use solved_light::{Probed, SolvedLight, probe, probe_in_blocks};
+pub use solved_light::{Probed, SolvedLight, SplitLight, probe, probe_in_blocks};
 pub use system::EnergyBalance;

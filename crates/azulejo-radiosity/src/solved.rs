@@ -196,8 +196,15 @@ impl<'a> SolvedPatches<'a> {
 
     /// A digest of the light on patches, for those who share the work on what is gathered from it.
     pub fn digest(&self) -> u64 {
+        self.digest_at(&[])
+    }
+
+    /// The same with the places of points that were computed, too.
+    pub fn digest_at(&self, points: &[GatherPoint]) -> u64 {
         let all = self.solution.solutions.iter().flatten();
-        journal::digest(all.flat_map(|light| light.to_array()))
+        let light = all.flat_map(|light| light.to_array());
+        let places = points.iter().flat_map(|p| [p.position, p.normal]);
+        journal::digest(light.chain(places.flat_map(|v| v.to_array())))
     }
 
     /// B of every side with its standard error.

@@ -216,7 +216,53 @@ impl<'a> SolvedLight<'a> {
             error: Some(error),
             ..self.pass.effort(self.solved.method)
         };
+        // Parts that never meet store one gather of points alone: that of `split` or `probe`.
+        let journal: &dyn Journal = if self.journal.has_steps() {
+            self.journal
+        } else {
+            &NoJournal
+        };
         let found: Gathering = gather_split(
+            &self.solved.gatherer,
+            GatherLight::new(&light, black.as_ref()),
+            GatherTargets {
+                points,
+                areas,
+                journal,
+            },
+            effort,
+            hash(&[self.pass.key(), 2, seed]),
+            progress,
+        )?;
+        Ok(found.indirect())
+    }
+
+    /// Irradiance at points that stand for areas (square scene units), from `rays` rays at each, up to
+    /// [`MOST_RAYS`](crate::gather::MOST_RAYS), whatever error that leaves. All of them read patches, as those of
+    /// [`probe`](SolvedLight::probe) with rays alone; what patches are too coarse for is part of the stated errors.
+    /// Samples depend on the points' keys and `seed`. In blocks of points that the journal holds or others compute.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
+    pub fn split(
+        &self,
+        points: &[GatherPoint],
+        areas: &[f64],
+        rays: u32,
+        seed: u32,
+        progress: &Progress,
+    ) -> Result<SplitLight, SolveError> {
+        let digest = self.solved.digest_at(points);
+        self.journal.rely_on(JournalStage::Points, digest)?;
+        let light = self.solved.light(&self.pass);
+        let black = self.solved.black_light(&self.pass);
+        let effort = GatherEffort {
+            interpolate: false,
+            error: None,
+            rays,
+            ..self.pass.effort(self.solved.method)
+        };
+        let mut found = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets {
@@ -228,8 +274,31 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.pass.key(), 2, seed]),
             progress,
         )?;
-        Ok(found.indirect())
+        let relative_error = found.relative_error();
+        // Standard errors are those of what is in `gathered`: from here on, indirect light alone.
+        found.gathered = found.indirect();
+        let errors = found.standard_errors();
+        let estimate = |(g, error): (&Gathered, Rgb)| Estimate {
+            value: g.mean(),
+            error,
+        };
+        Ok(SplitLight {
+            direct: found.direct().to_vec(),
+            indirect: found.gathered.iter().zip(errors).map(estimate).collect(),
+            relative_error,
+        })
     }
+}
+
+/// Irradiance at points by where it comes from, W/m².
+#[derive(Clone, Debug, PartialEq)]
+pub struct SplitLight {
+    /// Straight from lamps and lights, or from them by one flat mirror: what [`Gatherer::direct`] counts.
+    pub direct: Vec<Gathered>,
+    /// All else.
+    pub indirect: Vec<Estimate>,
+    /// Estimated error of both together: its root mean square over the points by their areas, over the mean.
+    pub relative_error: f64,
 }
 
 /// Irradiance at points.

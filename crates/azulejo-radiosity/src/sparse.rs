@@ -109,6 +109,14 @@ impl GatheredValues {
             .collect()
     }
 
+    /// Direct light of each point, where the rest is kept apart.
+    pub fn direct(&self) -> &[Gathered] {
+        match &self.interpolated {
+            Some(_) => &self.own,
+            None => &[],
+        }
+    }
+
     /// Indirect light is gathered where there is a record.
     fn at_records(record_of: Vec<Option<u32>>, stencils: Vec<Stencil>) -> GatheredValues {
         let count = record_of.iter().flatten().count();

@@ -51,7 +51,8 @@ enum Verdict {
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Decides for every stratum whether it may read patches, to reach `goal`, and path traces those
-    /// that may not. Without a goal, all read patches, and their error is measured.
+    /// that may not. Without a goal, all read patches, and their error is measured until what is not known of it
+    /// hardly counts beside the noise, or a sample has as many rays as the points.
     pub fn validate(
         &self,
         all: &mut Gathering,
@@ -60,7 +61,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     ) -> Result<(), Cancelled> {
         let permitted = match goal {
             Some(goal) => all.strata.permitted(&all.errors(), goal),
-            None => vec![f64::INFINITY; all.strata.count()],
+            None => all.errors().iter().map(|error| error.noise).collect(),
         };
         if goal.is_some() && self.progress.has_deadline() {
             return self.validate_in_time(all, &permitted, most);
@@ -73,11 +74,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let allowed = SHARE * SHARE * permitted;
             let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
             match verdict {
-                Verdict::Bad(found) if !self.progress.out_of_time() => {
+                Verdict::Bad(found) if goal.is_some() && !self.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
                 }
                 Verdict::Good(found) | Verdict::Bad(found) => {
                     all.strata.read_patches(stratum, found);
+                }
+                Verdict::Open(found, doubt) if goal.is_none() => {
+                    all.strata.read_patches(stratum, found + 0.5 * doubt);
                 }
                 // To tell would take about as long as to path trace all: the doubt is stated instead.
                 Verdict::Open(found, doubt) => all.strata.read_patches(stratum, found + doubt),

@@ -27,7 +27,7 @@ use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::journal::digest;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer};
-use indirect::IndirectLight;
+use indirect::{IndirectLight, SampleLight};
 use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;
 
@@ -40,6 +40,10 @@ const CUTS: f64 = 8.0;
 /// Memory of a texel, and what one that covers a surface takes beside that, bytes: measured.
 const BYTES_PER_TEXEL: f64 = 100.0;
 const BYTES_PER_COVERED: f64 = 400.0;
+
+/// The same beside that where light is gathered at every texel: in a process that computes a part of it, and in one
+/// that puts all of it together.
+const BYTES_PER_GATHERED: [f64; 2] = [400.0, 700.0];
 
 /// Mean square error at edges of shadows, relative to that of even texels, with which it is worth that charts of even
 /// light have fewer.
@@ -102,12 +106,23 @@ pub struct BakeOptions {
     /// Whether charts with edges of shadows get more texels than others, where coordinates are made and that makes the
     /// error less.
     pub follows_light: bool,
-    /// The first pass, with the error to reach.
+    /// The first pass, with the error to reach. With rays and no error, and without a deadline, light is gathered
+    /// with so many rays at every texel, and not interpolated; otherwise rays are those of patches.
     pub pass: FirstPass,
     /// Which light.
     pub light: BakedLight,
     /// Which sides.
     pub sides: BakedSides,
+}
+
+impl BakeOptions {
+    /// Rays of every texel, where their number is given and no error.
+    fn fixed_rays(&self, progress: &Progress) -> Option<u32> {
+        let is_fixed = self.pass.error.is_none()
+            && !progress.has_deadline()
+            && self.light != BakedLight::Direct;
+        self.pass.rays.filter(|_| is_fixed)
+    }
 }
 
 /// Why there is no lightmap.
@@ -211,8 +226,9 @@ pub fn bake(
     bake_in_blocks(scene, tracer, objects, options, (&NoJournal, progress))
 }
 
-/// As [`bake`], with blocks that the journal holds or others compute. Processes that share the work all get the
-/// lightmap, with the bits of one process.
+/// As [`bake`], with blocks that the journal holds or others compute. Processes that talk to each other all get the
+/// lightmap, with the bits of one process. Parts that never meet need a number of rays without an error, see
+/// [`BakeOptions::pass`]: a process of one that does not make the result ends with [`SolveError::Elsewhere`].
 ///
 /// # Errors
 /// [`BakeError`].
@@ -238,7 +254,7 @@ pub fn bake_in_blocks(
         }
         solved = Some(found);
     }
-    let mut atlas = arranged(receivers, options, &proxy.tracer, progress)?;
+    let mut atlas = arranged(receivers, options, &proxy.tracer, work)?;
     let solved = match solved {
         Some(solved) => solved,
         None => solved_light(&proxy, options, work)?,
@@ -293,23 +309,23 @@ pub fn bake_in_blocks(
         }
     }
     let samples = agreed_samples(&atlas, surfaces.tracer, work)?;
-    let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, work)?;
-    let indirect = IndirectLight {
+    let indirect_to = |error: f64| IndirectLight {
         solved: &solved,
         bounces: options.pass.bounces,
         error,
         work,
     };
-    let (mut light, texels) = match options.light {
-        BakedLight::Direct => (
-            direct.light(),
-            TexelStatistics {
-                samples: samples.samples.len(),
-                ..TexelStatistics::default()
-            },
-        ),
-        _ => indirect.of_texels(&atlas, &objects, (&samples, &direct), seed)?,
+    let found = match options.fixed_rays(progress) {
+        Some(rays) => indirect_to(error).with_rays(&atlas, &samples, rays, seed)?,
+        None => indirect_to(error).to_error(&atlas, &objects, &samples, options.light, seed)?,
     };
+    let SampleLight {
+        direct,
+        all: mut light,
+        texels,
+        error,
+    } = found;
+    let indirect = indirect_to(error);
     let power = power_beside_patches(&atlas, &objects, &proxy.scene, &solved, (&samples, &light));
     let beside_patches = match options.light {
         BakedLight::Total if power[0] > 0.0 => power[1] / power[0] - 1.0,
@@ -405,10 +421,14 @@ fn arranged(
     receivers: Vec<Receiver>,
     options: &BakeOptions,
     tracer: &Tracer,
-    progress: &Progress,
+    (journal, progress): Work,
 ) -> Result<Atlas, BakeError> {
     let layout = laid_out(&receivers, options, tracer, progress)?;
-    let needed = memory_of(&layout);
+    let bytes_per_covered = match options.fixed_rays(progress) {
+        Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(journal.assembles())],
+        None => BYTES_PER_COVERED,
+    };
+    let needed = memory_of(&layout, bytes_per_covered);
     if needed > options.pass.memory {
         return Err(BakeError::Memory {
             needed,
@@ -423,7 +443,7 @@ fn arranged(
 }
 
 /// Memory that the texels of a layout take while they are baked, bytes, about.
-fn memory_of(layout: &Layout) -> u64 {
+fn memory_of(layout: &Layout, bytes_per_covered: f64) -> u64 {
     let (mut texels, mut covered) = (0.0, 0.0);
     for [width, height] in &layout.pages {
         texels += f64::from(*width) * f64::from(*height);
@@ -436,7 +456,7 @@ fn memory_of(layout: &Layout) -> u64 {
             covered += 0.5 * area.abs() * width * height;
         }
     }
-    (texels * BYTES_PER_TEXEL + covered * BYTES_PER_COVERED) as u64
+    (texels * BYTES_PER_TEXEL + covered * bytes_per_covered) as u64
 }
 
 /// The layout of the receivers, made or kept.

@@ -1,6 +1,7 @@
 //! Options of `bake`.
 
 use crate::args::{FirstPassArgs, InputArgs};
+use crate::shards::{Shard, shard};
 use crate::values;
 use azulejo::bake::unwrap::MOST_SIZE;
 use azulejo::lightmap::{BakedLight, BakedSides};
@@ -18,6 +19,7 @@ Examples:
   azulejo bake level.glb -o shop.glb --as emissive
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
+  azulejo bake city.glb -o part-3 --rays 1024 --shard 3/64
 
 A glTF file keeps every byte that does not have to change; `--strip` restores it. Other models \
 are written as glTF.";
@@ -43,6 +45,11 @@ pub struct BakeArgs {
     /// coordinates for one; with --lightmap, also compare the image in the file with that one
     #[arg(long, conflicts_with_all = ["strip", "output"])]
     pub check: bool,
+    /// Compute only shard K of N of the texels, from 1, and write it to -o as a part; `azulejo merge` makes
+    /// the lightmap of all parts, and takes --lightmap and --error-map. An interrupted shard resumes by the same
+    /// command. With --rays alone: work to an error or a time cannot be divided
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["strip", "check"])]
+    pub shard: Option<Shard>,
     #[command(flatten)]
     pub texels: TexelArgs,
     #[command(flatten)]

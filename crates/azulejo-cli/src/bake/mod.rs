@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::ranks::{RankJournal, Ranks};
 use crate::report::Report;
 use crate::session::Session;
+use crate::shards::{MergedParts, PartPlan, Shard};
 use crate::{pass, report as words};
 use args::{BakeArgs, ConventionArg, ImageArg, InstancesArg, LightArg};
 use azulejo::lightmap::Baked;
@@ -35,10 +36,39 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
         return strip(args, session);
     }
     refuse_misplaced(args)?;
-    match session.ranks().cloned() {
-        Some(ranks) if !ranks.is_root() => help(args, &ranks, session),
-        ranks => whole(args, ranks.as_ref(), session),
+    match (args.shard, session.ranks().cloned()) {
+        (Some(shard), _) => part(args, shard, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, _) => whole(args, None, session),
     }
+}
+
+/// Runs `bake` with texels from parts.
+pub fn run_merged(
+    args: &BakeArgs,
+    parts: &MergedParts,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    refuse_misplaced(args)?;
+    whole(args, Some(parts), session)
+}
+
+/// Gathers the light of a part of the texels.
+fn part(args: &BakeArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
+    refuse_indivisible(args)?;
+    let Some(output) = &args.output else {
+        return Err(Failure::misuse("--shard: -o PART is missing"));
+    };
+    let planned = PartPlan::check(shard, output)?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let source = source::read(args, session)?;
+    let (work, _) = BakeWork::new(args, &source, &prepared, session)?;
+    let part = planned.open(&work.key(), session)?;
+    let mut report = Report::default();
+    part.fill(session, &mut report, |part, session| {
+        work.part(part, session)
+    })?;
+    Ok(report)
 }
 
 /// Takes part in the work of rank 0.
@@ -51,10 +81,15 @@ fn help(args: &BakeArgs, ranks: &Ranks, session: &mut Session) -> Result<Report,
     Ok(Report::default())
 }
 
-/// Bakes the lightmap, alone or with other ranks, and writes it.
-fn whole(args: &BakeArgs, ranks: Option<&Ranks>, session: &mut Session) -> Result<Report, Failure> {
+/// Bakes the lightmap, alone, with other ranks or from parts, and writes it.
+fn whole(
+    args: &BakeArgs,
+    parts: Option<&MergedParts>,
+    session: &mut Session,
+) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
+    let ranks = session.ranks().cloned();
     if ranks.is_some() {
         pass::refuse_time(&args.first_pass)?;
     }
@@ -62,12 +97,13 @@ fn whole(args: &BakeArgs, ranks: Option<&Ranks>, session: &mut Session) -> Resul
     let mut source = source::read(args, session)?;
     session.share_files()?;
     let (work, uvs) = BakeWork::new(args, &source, &prepared, session)?;
-    let (mut baked, journal) = match ranks {
-        None => (work.alone(session)?, None),
-        Some(ranks) => {
-            let (baked, journal) = work.shared(ranks, outputs.file(), session)?;
+    let (mut baked, journal) = match (parts, ranks) {
+        (Some(parts), _) => (work.merged(parts, session)?, None),
+        (None, Some(ranks)) => {
+            let (baked, journal) = work.shared(&ranks, outputs.file(), session)?;
             (baked, Some(journal))
         }
+        (None, None) => (work.alone(session)?, None),
     };
     let options = work.into_options();
     source.turn_to_light(&mut baked).map_err(Failure::failed)?;
@@ -112,6 +148,28 @@ fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
         words::percent(error),
         words::percent(asked)
     ));
+}
+
+/// Refuses to divide a lightmap whose texels depend on each other's light, or on the time, and to write pictures of
+/// a part of one.
+fn refuse_indivisible(args: &BakeArgs) -> Result<(), Failure> {
+    pass::refuse_indivisible(&args.first_pass)?;
+    if args.texels.light == LightArg::Direct {
+        return Err(Failure::misuse(
+            "--shard: --light direct has no number of rays: texels get more of them where their light differs from that \
+             of their neighbours, which a shard does not have; run one process",
+        ));
+    }
+    let maps = [
+        (&args.files.lightmap, "--lightmap"),
+        (&args.files.error_map, "--error-map"),
+    ];
+    if let Some((_, option)) = maps.into_iter().find(|(path, _)| path.is_some()) {
+        return Err(Failure::misuse(format_args!(
+            "--shard: a part has no picture of the whole: give {option} to azulejo merge"
+        )));
+    }
+    Ok(())
 }
 
 /// Options of the first pass that mean nothing here.

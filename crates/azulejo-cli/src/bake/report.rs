@@ -67,10 +67,14 @@ pub fn describe(
     report.value("covered", number(covered));
     report.value("texels_per_metre", number(density));
     let is_light = baked.report.is_some();
-    let nodes = format!(
-        "gathered at {}, interpolated between",
-        count(baked.texels.nodes)
-    );
+    let nodes = if baked.texels.nodes == baked.texels.samples {
+        "gathered at every texel".to_owned()
+    } else {
+        format!(
+            "gathered at {}, interpolated between",
+            count(baked.texels.nodes)
+        )
+    };
     let (what, mean_name, unit) = match (is_light, scene.units.photometric) {
         (true, true) => ("indirect light", "mean irradiance", "lx"),
         (true, false) => ("indirect light", "mean irradiance", "W/m²"),

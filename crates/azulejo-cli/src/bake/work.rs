@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::pass;
 use crate::ranks::{RankJournal, Ranks, Sharing};
 use crate::session::Session;
-use crate::shards::WorkKey;
+use crate::shards::{MergedParts, WorkKey};
 use azulejo::bake::{ReceiverLayout, Resolution, UnwrapOptions};
 use azulejo::lightmap::{
     BakeError, BakeOptions, BakeSource, Baked, BakedSides, Coordinates, bake_in_blocks,
@@ -16,7 +16,7 @@ use azulejo::lightmap::{
 };
 use azulejo::surroundings::STUDIO_FLOOR;
 use azulejo_formats::gltf::patch::LightmapUvs;
-use azulejo_radiosity::FirstPass;
+use azulejo_radiosity::{FirstPass, SolveError};
 use azulejo_scene::Scene;
 use azulejo_trace::{Journal, NoJournal, Tracer};
 use std::path::Path;
@@ -91,7 +91,7 @@ impl<'a> BakeWork<'a> {
     /// Those of the bake.
     pub fn alone(&self, session: &Session) -> Result<Baked, Failure> {
         session.limit_time(self.args.first_pass.limit());
-        self.baked(&NoJournal, session)
+        self.baked(&NoJournal, session).map_err(failure)
     }
 
     /// Computes it together with all other ranks, each of which gets it. At rank 0, finished blocks are kept next to
@@ -106,8 +106,30 @@ impl<'a> BakeWork<'a> {
         session: &mut Session,
     ) -> Result<(Baked, RankJournal), Failure> {
         let journal = ranks.journal(Sharing::All, &self.key(), output)?;
-        let baked = journal.run(session, |journal, session| self.baked(journal, session))?;
+        let baked = journal.run(session, |journal, session| {
+            self.baked(journal, session).map_err(failure)
+        })?;
         Ok((baked, journal))
+    }
+
+    /// Computes the blocks of a part.
+    ///
+    /// # Errors
+    /// Those of the bake.
+    pub fn part(&self, part: &dyn Journal, session: &Session) -> Result<(), Failure> {
+        match self.baked(part, session) {
+            Ok(_) | Err(BakeError::Solve(SolveError::Elsewhere)) => Ok(()),
+            Err(error) => Err(failure(error)),
+        }
+    }
+
+    /// Computes it with the blocks of parts.
+    ///
+    /// # Errors
+    /// Those of the bake; these are parts of other work.
+    pub fn merged(&self, parts: &MergedParts, session: &Session) -> Result<Baked, Failure> {
+        parts.check(&self.key())?;
+        parts.used(self.baked(parts, session).map_err(failure))
     }
 
     /// How it was computed.
@@ -115,11 +137,11 @@ impl<'a> BakeWork<'a> {
         self.options
     }
 
-    fn baked(&self, journal: &dyn Journal, session: &Session) -> Result<Baked, Failure> {
+    fn baked(&self, journal: &dyn Journal, session: &Session) -> Result<Baked, BakeError> {
         let BakeSource {
             scene, receivers, ..
         } = self.source;
-        let baked = pass::with_forecast(&self.args.first_pass, session, |progress| {
+        pass::with_forecast(&self.args.first_pass, session, |progress| {
             let (tracer, work) = (&self.tracer, (journal, progress));
             match self.occlusion {
                 None => bake_in_blocks(scene, tracer, receivers, &self.options, work),
@@ -128,16 +150,11 @@ impl<'a> BakeWork<'a> {
                     bake_occlusion_in_blocks(scene, tracer, receivers, options, distance, work)
                 }
             }
-        });
-        baked.map_err(|error| match error {
-            BakeError::Solve(error) => pass::failure(error),
-            BakeError::Layout(error) => Failure::failed(error),
-            other => Failure::failed(other),
         })
     }
 
     /// What its blocks depend on.
-    fn key(&self) -> WorkKey {
+    pub fn key(&self) -> WorkKey {
         let options = &self.options;
         let light = pass::work_key(&self.source.scene, &self.tracer, &options.pass, &[]);
         // Coordinates are many numbers, and those of the first pass are in the other key.
@@ -164,6 +181,14 @@ impl<'a> BakeWork<'a> {
             settings: settings.key(),
             ..light
         }
+    }
+}
+
+/// An error of the bake as a failure of the command.
+fn failure(error: BakeError) -> Failure {
+    match error {
+        BakeError::Solve(error) => pass::failure(error),
+        other => Failure::failed(other),
     }
 }
 

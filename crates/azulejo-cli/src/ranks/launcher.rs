@@ -32,6 +32,7 @@ pub fn has_own_work(cli: &Cli) -> bool {
         Command::FormFactors(args) => args.shard.is_some(),
         Command::Solve(args) => args.shard.is_some(),
         Command::Probe(args) => args.shard.is_some(),
+        Command::Bake(args) => args.shard.is_some(),
         _ => false,
     }
 }
@@ -71,9 +72,6 @@ pub fn without_mpi() -> Failure {
 
 /// The files that a command reads, which ranks share; none for those that do not.
 pub fn files_of(command: &mut Command) -> Vec<&mut std::path::PathBuf> {
-    if let Command::Bake(args) = command {
-        return args.input.files_mut();
-    }
     let sharded: Option<ShardedArgs<'_>> = crate::shards::sharded(command);
     sharded.map_or_else(Vec::new, |args| args.files)
 }

@@ -18,6 +18,8 @@ pub struct ShardedArgs<'a> {
     pub shard: &'a mut Option<Shard>,
     /// `-o`.
     pub output: OutputArg<'a>,
+    /// `--lightmap` and `--error-map`, where it has them.
+    pub maps: Option<[&'a mut Option<PathBuf>; 2]>,
     /// The files that it reads.
     pub files: Vec<&'a mut PathBuf>,
 }
@@ -31,12 +33,17 @@ pub enum OutputArg<'a> {
 }
 
 impl OutputArg<'_> {
-    /// Sets it.
-    pub fn set(self, path: &Path) {
-        match self {
-            OutputArg::Needed(output) => *output = path.to_owned(),
-            OutputArg::Optional(output) => *output = Some(path.to_owned()),
+    /// Sets it, or leaves it out.
+    ///
+    /// # Errors
+    /// The command cannot do without.
+    pub fn set(self, path: Option<&Path>) -> Result<(), Failure> {
+        match (self, path) {
+            (OutputArg::Needed(output), Some(path)) => *output = path.to_owned(),
+            (OutputArg::Needed(_), None) => return Err(Failure::misuse("-o OUT is missing")),
+            (OutputArg::Optional(output), path) => *output = path.map(Path::to_owned),
         }
+        Ok(())
     }
 }
 
@@ -50,6 +57,7 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
                 name: "form-factors",
                 shard: &mut args.shard,
                 output: OutputArg::Needed(&mut args.output),
+                maps: None,
                 files,
             })
         }
@@ -61,6 +69,7 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
                 name: "probe",
                 shard: &mut args.shard,
                 output: OutputArg::Optional(&mut args.output),
+                maps: None,
                 files,
             })
         }
@@ -68,6 +77,14 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
             name: "solve",
             shard: &mut args.shard,
             output: OutputArg::Optional(&mut args.output),
+            maps: None,
+            files: args.input.files_mut(),
+        }),
+        Command::Bake(args) => Some(ShardedArgs {
+            name: "bake",
+            shard: &mut args.shard,
+            output: OutputArg::Optional(&mut args.output),
+            maps: Some([&mut args.files.lightmap, &mut args.files.error_map]),
             files: args.input.files_mut(),
         }),
         _ => None,
@@ -114,7 +131,7 @@ pub fn described() -> Result<(Vec<PathBuf>, String), Failure> {
             let name = file.file_name().map(PathBuf::from).unwrap_or_default();
             files.push(std::mem::replace(*file, name));
         }
-        args.output.set(Path::new(""));
+        args.output.set(Some(Path::new("")))?;
     }
     let key = blake3::hash(format!("{command:?}").as_bytes());
     Ok((files, shown(key.as_bytes())))

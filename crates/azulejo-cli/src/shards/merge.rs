@@ -7,7 +7,7 @@ use crate::args::Command;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
-use crate::{form_factors, probe, solve};
+use crate::{bake, form_factors, probe, solve};
 use clap::{Args, ValueHint};
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -19,8 +19,14 @@ pub struct MergeArgs {
     #[arg(value_name = "PART", required = true, value_hint = ValueHint::FilePath)]
     pub parts: Vec<PathBuf>,
     /// Output file: whatever -o of the command may be without --shard
-    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub output: PathBuf,
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath, required_unless_present = "lightmap")]
+    pub output: Option<PathBuf>,
+    /// With parts of `bake`, write the irradiance as OpenEXR, as its --lightmap does
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub lightmap: Option<PathBuf>,
+    /// With parts of `bake`, write the standard error of the irradiance, likewise
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub error_map: Option<PathBuf>,
     /// Folder in which the model, and other files that the command names, are now, if not where
     /// they were when the parts were computed. Their content has to be the same
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
@@ -34,24 +40,39 @@ Examples:
   azulejo form-factors room.obj --patches 20000 --shard 2/2 -o part-2
   azulejo merge part-1 part-2 -o f.npz
   azulejo merge parts/* -o f.npz --files models
+  azulejo merge parts/* -o lit.glb --lightmap E.exr
 
 Parts can be computed in any order, on any machines, by any number of threads: the result has the same
 bytes as that of the command without --shard. merge runs the command that the parts record, with their
-rows instead of computing them, so it needs the model too. docs/shards.md has scripts for queues.";
+blocks instead of computing them, so it needs the model too. docs/shards.md has scripts for queues.";
+
+impl MergeArgs {
+    /// The pictures of a lightmap that are written.
+    fn maps(&self) -> impl Iterator<Item = &PathBuf> {
+        self.lightmap.iter().chain(&self.error_map)
+    }
+
+    /// All files that are written.
+    fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
+        self.output.iter().chain(self.maps())
+    }
+}
 
 /// Runs `merge`.
 pub fn run(args: &MergeArgs, session: &mut Session) -> Result<Report, Failure> {
-    refuse_part(&args.output)?;
+    for output in args.outputs() {
+        refuse_part(output)?;
+    }
     session.progress().begin("reading parts", 0);
     let mut notes = Vec::new();
     let parts = MergedParts::read(&args.parts, &mut notes)?;
     notes.iter().for_each(|note| session.note(note));
     let header = parts.header();
     let found = FoundFiles::find(&header.files, &header.folder, args.files.as_deref())?;
-    if found.has(&args.output) {
+    if let Some(output) = args.outputs().find(|output| found.has(output)) {
         return Err(Failure::misuse(format_args!(
-            "{} is a file that the parts were computed from: give another -o",
-            args.output.display()
+            "{} is a file that the parts were computed from: write to another",
+            output.display()
         )));
     }
     let mut command = command::parsed(&header.command)?.command;
@@ -59,7 +80,20 @@ pub fn run(args: &MergeArgs, session: &mut Session) -> Result<Report, Failure> {
         return Err(no_command(header));
     };
     *sharded.shard = None;
-    sharded.output.set(&args.output);
+    match (sharded.maps, args.maps().next()) {
+        (Some([lightmap, error_map]), _) => {
+            lightmap.clone_from(&args.lightmap);
+            error_map.clone_from(&args.error_map);
+        }
+        (None, Some(_)) => {
+            return Err(Failure::misuse(format_args!(
+                "--lightmap and --error-map are for parts of bake, and these are of {}",
+                sharded.name
+            )));
+        }
+        (None, None) => {}
+    }
+    sharded.output.set(args.output.as_deref())?;
     found.set(sharded.files);
     session.say(&format!(
         "merging {} parts of {}",
@@ -70,6 +104,7 @@ pub fn run(args: &MergeArgs, session: &mut Session) -> Result<Report, Failure> {
         Command::FormFactors(args) => form_factors::run_merged(args, &parts, session)?,
         Command::Probe(args) => probe::run_merged(args, &parts, session)?,
         Command::Solve(args) => solve::run_merged(args, &parts, session)?,
+        Command::Bake(args) => bake::run_merged(args, &parts, session)?,
         _ => return Err(no_command(header)),
     };
     if parts.added() > 0 {
@@ -96,7 +131,7 @@ fn refuse_part(output: &Path) -> Result<(), Failure> {
     });
     if is_part {
         return Err(Failure::misuse(format_args!(
-            "{} is a part: give another -o for the result",
+            "{} is a part: give another file for the result",
             output.display()
         )));
     }

@@ -281,9 +281,9 @@ impl Journal for MergedParts {
             }
             let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
             *failure = Some(Failure::failed(format_args!(
-                "{} was computed on a machine that computes the light between patches otherwise than this one, \
-                 because of its memory or its processor: give the same --memory to all, or merge on a machine of \
-                 that kind",
+                "{} was computed on a machine that computes the light between patches, or the places of texels, \
+                 otherwise than this one, because of its memory or its processor: give the same --memory to all, or \
+                 merge on a machine of that kind",
                 path.display()
             )));
             return Err(Cancelled);

@@ -270,8 +270,8 @@ impl Journal for ShardPart {
         let failure = match state.records.read(id) {
             Some(known) if known == bytes => return Ok(()),
             Some(_) => Failure::failed(format_args!(
-                "{} was begun on a machine that computes the light between patches otherwise, because of its memory or \
-                 its processor: resume it on a machine of that kind, or remove it",
+                "{} was begun on a machine that computes the light between patches, or the places of texels, otherwise, \
+                 because of its memory or its processor: resume it on a machine of that kind, or remove it",
                 self.path.display()
             )),
             None => match state.records.append(id, &bytes) {

@@ -104,6 +104,9 @@ mod started {
             "bake room.obj --size 64 --patches 200 --error 0.1",
             "glb",
         );
+        let rays = "bake room.obj --size 32 --patches 100 --rays 64";
+        check(&folder, rays, "glb");
+        check(&folder, &format!("{rays} --light ao"), "glb");
     }
 
     const POINTS: &str = "0.5 0.5 0.5 0 0 1\n0.2 0.3 0.5 0 1 0\n0.7 0.7 0.2 1 0 0\n";

@@ -29,9 +29,14 @@ fn parts(prefix: &str, of: u32) -> String {
 
 /// Checks that 2 and 7 shards, and 40, give the bytes of one process.
 fn check(folder: &Folder, line: &str, output: &str) {
+    check_shards(folder, line, output, &[2, 7, 40]);
+}
+
+/// Checks that so many shards give the bytes of one process.
+fn check_shards(folder: &Folder, line: &str, output: &str, counts: &[u32]) {
     folder.ok(&format!("{line} -o whole.{output}"));
     let whole = folder.read(&format!("whole.{output}"));
-    for of in [2, 7, 40] {
+    for &of in counts {
         let prefix = format!("part-{of}");
         compute(folder, line, &prefix, of);
         let names = parts(&prefix, of);
@@ -513,7 +518,12 @@ fn light_goes_into_the_text_of_a_copy_by_shards() {
 fn work_to_an_error_or_a_time_is_not_divided() {
     let folder = Folder::with_room();
     folder.write("p.txt", floor(10));
-    for command in ["probe room.obj --points p.txt", "solve room.obj"] {
+    for command in [
+        "probe room.obj --points p.txt",
+        "solve room.obj",
+        "bake room.obj",
+        "bake room.obj --light ao",
+    ] {
         for options in ["", "--error 1%", "--error 1% --rays 64"] {
             let line = format!("{command} {options} --shard 1/2 -o part");
             folder.fails(&line, 2, "give --rays N alone");
@@ -524,11 +534,8 @@ fn work_to_an_error_or_a_time_is_not_divided() {
     folder.write("r.f32", [0u8; 32]);
     let line = "probe room.obj --hits r.f32 --rays 64 --shard 1/2 -o part";
     folder.fails(line, 2, "divides --points");
-    folder.fails(
-        "bake room.obj --shard 1/2 -o part",
-        2,
-        "unexpected argument",
-    );
+    let line = "bake room.obj --rays 64 --light direct --shard 1/2 -o part";
+    folder.fails(line, 2, "no number of rays");
     assert!(!folder.path("part").exists());
 }
 
@@ -584,4 +591,118 @@ fn interrupted_points_go_on_to_the_same_bytes() {
     );
     folder.ok("merge part -o merged.npy");
     assert!(folder.read("merged.npy") == folder.read("whole.npy"));
+}
+
+const BAKE: &str = "bake room.obj --size 32 --patches 100 --rays 64";
+
+#[test]
+fn lightmaps() {
+    let folder = Folder::with_room();
+    let counts = [1, 2, 7];
+    check_shards(&folder, BAKE, "glb", &counts);
+    let indirect = "--light indirect --bounces 2 --double-sided split";
+    check_shards(&folder, &format!("{BAKE} {indirect}"), "html", &[3]);
+    check_shards(&folder, &format!("{BAKE} --density auto"), "glb", &[3]);
+    check_shards(&folder, &format!("{BAKE} --light ao"), "glb", &counts);
+}
+
+/// A glTF file gets its lightmap from parts, and the pictures are named where they are put together.
+#[test]
+fn pictures_of_lightmaps_are_for_merge() {
+    let folder = Folder::with_room();
+    folder.ok("convert room.obj -o room.glb");
+    let line = "bake room.glb --size 32 --patches 100 --rays 64 --float";
+    folder.ok(&format!(
+        "{line} -o lit.gltf --lightmap e.exr --error-map se.exr"
+    ));
+    compute(&folder, line, "p", 2);
+    fs::create_dir(folder.path("merged")).unwrap();
+    let merge = "merge p-1 p-2";
+    folder.ok(&format!(
+        "{merge} -o merged/lit.gltf --lightmap merged/e.exr --error-map merged/se.exr"
+    ));
+    folder.ok(&format!("{merge} --lightmap alone.exr"));
+    assert!(folder.read("alone.exr") == folder.read("e.exr"));
+    folder.ok(&format!("{line} --bounces 2 -o page.html"));
+    compute(&folder, &format!("{line} --bounces 2"), "b", 3);
+    folder.ok(&format!("merge {} -o merged/page.html", parts("b", 3)));
+    for name in folder.names() {
+        let of_merge = folder.path("merged").join(&name);
+        if of_merge.exists() {
+            assert!(fs::read(of_merge).unwrap() == folder.read(&name), "{name}");
+        }
+    }
+    let merged = fs::read_dir(folder.path("merged")).unwrap().count();
+    assert!(merged > 4, "{merged}");
+
+    let shard = format!("{line} --shard 1/2");
+    for map in ["--lightmap x.exr", "--error-map x.exr"] {
+        folder.fails(&format!("{shard} -o x {map}"), 2, "to azulejo merge");
+    }
+    folder.fails(&format!("{shard} -o x --strip"), 2, "cannot be used with");
+    folder.fails(merge, 2, "--output");
+    folder.fails(&format!("{merge} --lightmap p-1"), 2, "p-1 is a part");
+    folder.fails(
+        &format!("{merge} --lightmap room.glb"),
+        2,
+        "room.glb is a file that",
+    );
+    folder.fails(&format!("{merge} -o x.obj"), 2, ".glb, .gltf or .html");
+    assert!(!folder.path("x").exists());
+
+    compute(&folder, QUICK, "f", 2);
+    folder.fails(
+        "merge f-1 f-2 -o f.npz --lightmap x.exr",
+        2,
+        "parts of bake",
+    );
+    folder.fails("merge f-1 f-2 --lightmap x.exr", 2, "parts of bake");
+}
+
+#[test]
+fn parts_of_other_lightmaps_are_refused() {
+    let folder = Folder::with_room();
+    compute(&folder, BAKE, "p", 2);
+    for (options, said) in [
+        ("--padding 3", "other options"),
+        ("--rays 128", "other options"),
+        ("--light ao", "other options"),
+    ] {
+        let line = format!("{BAKE} {options} --shard 2/2 -o other-2");
+        let line = line.replacen("--rays 64 --rays", "--rays", 1);
+        folder.ok(&line);
+        folder.fails("merge p-1 other-2 -o x.glb", 1, said);
+        fs::remove_file(folder.path("other-2")).unwrap();
+    }
+    folder.fails("merge p-2 -o x.glb", 1, "shard 1 of 2 is missing");
+    let whole = folder.read("p-2");
+    folder.write("p-2", &whole[..whole.len() / 2]);
+    folder.fails("merge p-1 p-2 -o x.glb", 1, "is not complete");
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    folder.write("p-2", damaged);
+    folder.fails("merge p-1 p-2 -o x.glb", 1, "is damaged");
+    assert!(!folder.path("x.glb").exists());
+}
+
+/// A shard of texels that is killed goes on.
+#[test]
+fn interrupted_texels_go_on_to_the_same_bytes() {
+    let folder = Folder::with_room();
+    // Several blocks, of so many rays that there is time to interrupt one.
+    let line = "bake room.obj --size 32 --patches 50 --rays 16384";
+    folder.ok(&format!("{line} -o whole.glb"));
+    let shard = format!("{line} --shard 1/1 -o part");
+    let mut child = started(&folder, &shard, "part", 30_000);
+    signal(&child, Signal::SIGKILL);
+    child.wait().unwrap();
+    folder.fails("merge part -o x.glb", 1, "is not complete");
+    let run = folder.ok(&shard);
+    assert!(
+        run.err.contains("resuming from part, blocks done: "),
+        "{}",
+        run.err
+    );
+    folder.ok("merge part -o merged.glb");
+    assert!(folder.read("merged.glb") == folder.read("whole.glb"));
 }

@@ -1,5 +1,6 @@
-//! The indirect light of texels, from the solved first pass.
+//! The indirect light of texels, from the solved first pass: to an error, or from a number of rays.
 
+use super::{BakedLight, DEFAULT_ERROR};
 use azulejo_bake::{
     Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
     ShownSamples, TexelField, TexelLight, TexelStatistics, Work,
@@ -24,6 +25,22 @@ const LOOKS: u32 = 2;
 /// both are hardly more.
 const BESIDE_RESOLUTION: f64 = 0.2;
 
+/// Least and most error of direct light beside that of indirect light from a number of rays: with less, shadow
+/// edges would be looked for in noise, and with more they would be missed.
+const DIRECT_ERROR: [f64; 2] = [1e-3, DEFAULT_ERROR];
+
+/// The light of all samples.
+pub struct SampleLight {
+    /// What comes straight from lamps and lights.
+    pub direct: SampleDirect,
+    /// All that is baked, and direct light.
+    pub all: Vec<TexelLight>,
+    /// How it was computed.
+    pub texels: TexelStatistics,
+    /// The error that was aimed at, relative to the mean.
+    pub error: f64,
+}
+
 /// Where the indirect light of texels comes from.
 pub struct IndirectLight<'a> {
     pub solved: &'a SolvedLight<'a>,
@@ -35,9 +52,39 @@ pub struct IndirectLight<'a> {
 }
 
 impl IndirectLight<'_> {
-    /// The light of all samples: a first look at that of patches, others at the look before, and the last, to
+    /// The light of all samples to the requested error.
+    pub fn to_error(
+        &self,
+        atlas: &Atlas,
+        objects: &[u32],
+        samples: &Samples,
+        light: BakedLight,
+        seed: u32,
+    ) -> Result<SampleLight, SolveError> {
+        let gatherer = self.solved.gatherer();
+        let (error, work) = (self.error, self.work);
+        let direct = azulejo_bake::direct(samples, atlas, gatherer, error, seed, work)?;
+        let (all, texels) = match light {
+            BakedLight::Direct => (
+                direct.light(),
+                TexelStatistics {
+                    samples: samples.samples.len(),
+                    ..TexelStatistics::default()
+                },
+            ),
+            _ => self.of_texels(atlas, objects, (samples, &direct), seed)?,
+        };
+        Ok(SampleLight {
+            direct,
+            all,
+            texels,
+            error,
+        })
+    }
+
+    /// Indirect light with direct light of all samples: a first look at that of patches, others at the look before, and the last, to
     /// the requested error.
-    pub fn of_texels(
+    fn of_texels(
         &self,
         atlas: &Atlas,
         objects: &[u32],
@@ -88,6 +135,40 @@ impl IndirectLight<'_> {
         drop(light);
         let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
         azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.work, &mut gather)
+    }
+
+    /// The light of all samples from `rays` rays at each. No sample depends on what others get until all have their
+    /// light, so that processes that never meet can share it. Direct light comes from the same gather, but at the
+    /// edges of shadows, and is about as exact as the rest.
+    pub fn with_rays(
+        &self,
+        atlas: &Atlas,
+        samples: &Samples,
+        rays: u32,
+        seed: u32,
+    ) -> Result<SampleLight, SolveError> {
+        let (points, areas) = azulejo_bake::sample_points(samples);
+        let found = (self.solved).split(&points, &areas, rays, LOOKS + 1, self.work.1)?;
+        let error = found.relative_error.clamp(DIRECT_ERROR[0], DIRECT_ERROR[1]);
+        let direct = azulejo_bake::direct_from(
+            samples,
+            atlas,
+            self.solved.gatherer(),
+            (&found.direct, error),
+            seed,
+            self.work,
+        )?;
+        let indirect = found.indirect.iter().map(|e| (e.value, e.error));
+        Ok(SampleLight {
+            all: direct.plus(indirect),
+            direct,
+            texels: TexelStatistics {
+                samples: points.len(),
+                nodes: points.len(),
+                interpolation: 0.0,
+            },
+            error,
+        })
     }
 
     /// The light at points between texels, from rays that read `field`.

@@ -8,14 +8,19 @@ use super::{
     receivers_of,
 };
 use azulejo_bake::{
-    Hemispheres, IndirectGoal, NodePair, SampleDirect, ShownSamples, TexelLight, Work,
+    Hemispheres, IndirectGoal, NodePair, SampleDirect, Samples, ShownSamples, TexelLight,
+    TexelStatistics, Work,
 };
+use azulejo_radiosity::SolveError;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, NoJournal, Progress, REPLICATES, Surfaces, Tracer};
 
 /// Fewest and most strata along each axis of a replicate's rays.
 const STRATA: [u32; 2] = [4, 32];
+
+/// Most strata along each axis where the number of rays is given.
+const MOST_STRATA: u32 = 64;
 
 /// Strata that are enough to see which side of a surface is free.
 const FEW_STRATA: u32 = 4;
@@ -25,7 +30,7 @@ const NOISE_SHARE: f64 = 0.5;
 
 /// Bakes the free share, 0 to 1, of the hemispheres over the objects that are listed, within `distance`, scene units,
 /// in place of irradiance. Of `options` the charts, the sides ([`BakedSides::Brighter`] is the side that is freer,
-/// and [`BakedSides::Both`] the fronts), and the error, seed and memory of the first pass count.
+/// and [`BakedSides::Both`] the fronts), and the error or the rays, the seed and the memory of the first pass count.
 ///
 /// # Errors
 /// [`BakeError`].
@@ -41,8 +46,8 @@ pub fn bake_occlusion(
     bake_occlusion_in_blocks(scene, tracer, objects, options, distance, work)
 }
 
-/// As [`bake_occlusion`], with blocks that the journal holds or others compute. Processes that share the work all get
-/// the lightmap, with the bits of one process.
+/// As [`bake_occlusion`], with blocks that the journal holds or others compute, as
+/// [`bake_in_blocks`](super::bake_in_blocks).
 ///
 /// # Errors
 /// [`BakeError`].
@@ -56,7 +61,7 @@ pub fn bake_occlusion_in_blocks(
 ) -> Result<Baked, BakeError> {
     let (_, progress) = work;
     let (receivers, objects) = receivers_of(scene, objects, &options.densities);
-    let mut atlas = arranged(receivers, options, tracer, progress)?;
+    let mut atlas = arranged(receivers, options, tracer, work)?;
     let seed = hash(&[
         options.pass.seed as u32,
         (options.pass.seed >> 32) as u32,
@@ -77,25 +82,13 @@ pub fn bake_occlusion_in_blocks(
         irradiance: vec![[0.0; 3]; count],
         variance: vec![[0.0; 3]; count],
     };
-    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
-    let goal = IndirectGoal {
-        relative: error,
-        least: 0.0,
+    let (light, texels) = match options.fixed_rays(progress) {
+        Some(rays) => everywhere(&hemispheres, (&samples, &none), rays)?,
+        None => {
+            let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
+            to_error(&hemispheres, (&samples, &none), error)?
+        }
     };
-    let strata = strata(NOISE_SHARE * error);
-    let (light, nodes) = azulejo_bake::first_look(&samples, &none, goal, work, &mut |request| {
-        hemispheres.free(request.points, FEW_STRATA)
-    })?;
-    drop(light);
-    let (light, texels) =
-        azulejo_bake::with_indirect(&samples, &none, nodes, goal, true, work, &mut |request| {
-            let found = hemispheres.free(request.points, strata)?;
-            let node = |read| NodePair {
-                read,
-                ..NodePair::default()
-            };
-            Ok::<_, Cancelled>(found.into_iter().map(node).collect())
-        })?;
     let surfaces = Surfaces::new(scene, tracer);
     let shown = ShownSamples::new(&samples, &light, &surfaces);
     let light: Vec<TexelLight> = light.into_iter().map(limited).collect();
@@ -121,6 +114,52 @@ pub fn bake_occlusion_in_blocks(
     })
 }
 
+/// The free share at some samples, interpolated between, so that its error is `error`, relative to the mean.
+fn to_error(
+    hemispheres: &Hemispheres,
+    (samples, none): (&Samples, &SampleDirect),
+    error: f64,
+) -> Result<(Vec<TexelLight>, TexelStatistics), Cancelled> {
+    let goal = IndirectGoal {
+        relative: error,
+        least: 0.0,
+    };
+    let work = hemispheres.work;
+    let strata = strata(NOISE_SHARE * error);
+    let (light, nodes) = azulejo_bake::first_look(samples, none, goal, work, &mut |request| {
+        hemispheres.free(request.points, FEW_STRATA)
+    })?;
+    drop(light);
+    azulejo_bake::with_indirect(samples, none, nodes, goal, true, work, &mut |request| {
+        let found = hemispheres.free(request.points, strata)?;
+        let node = |read| NodePair {
+            read,
+            ..NodePair::default()
+        };
+        Ok(found.into_iter().map(node).collect())
+    })
+}
+
+/// The free share at all samples, from so many rays at each.
+fn everywhere(
+    hemispheres: &Hemispheres,
+    (samples, none): (&Samples, &SampleDirect),
+    rays: u32,
+) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
+    let (points, _) = azulejo_bake::sample_points(samples);
+    let found = hemispheres.free_in_blocks(&points, strata_of(rays))?;
+    let found = found.ok_or(SolveError::Elsewhere)?;
+    let free = found
+        .iter()
+        .map(|free| (free.mean(), free.variance().map(f64::sqrt)));
+    let texels = TexelStatistics {
+        samples: points.len(),
+        nodes: points.len(),
+        interpolation: 0.0,
+    };
+    Ok((none.plus(free), texels))
+}
+
 /// Interpolation may go beyond what is free at all.
 fn limited(light: TexelLight) -> TexelLight {
     TexelLight {
@@ -135,4 +174,12 @@ fn strata(error: f64) -> u32 {
     let rays = (0.5 / error).powf(4.0 / 3.0);
     let of_replicate = (rays / REPLICATES as f64).sqrt().ceil();
     (of_replicate as u32).clamp(STRATA[0], STRATA[1])
+}
+
+/// Strata along an axis of each replicate that take so many rays, or as few more as squares allow.
+fn strata_of(rays: u32) -> u32 {
+    let of_replicate = rays.div_ceil(REPLICATES as u32);
+    let root = of_replicate.isqrt();
+    let strata = root + u32::from(root * root < of_replicate);
+    strata.min(MOST_STRATA)
 }

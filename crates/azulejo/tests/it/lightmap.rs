@@ -122,6 +122,60 @@ fn texels_have_the_requested_error() {
     assert!(bias.abs() < 0.01, "{bias}");
 }
 
+/// A lightmap of so many rays at every texel.
+fn with_rays(size: u32, rays: u32) -> BakeOptions {
+    let options = options(size, 0.0);
+    BakeOptions {
+        pass: FirstPass {
+            error: None,
+            rays: Some(rays),
+            ..options.pass
+        },
+        ..options
+    }
+}
+
+/// Light from a number of rays is about as far from what is there as its error says, and more rays make it less. With
+/// few, the error of patches is known so badly that more of it is stated than there is.
+#[test]
+fn texels_of_a_number_of_rays_know_their_error() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let mut all = Vec::new();
+    for (rays, most) in [(64, 4.0), (1024, 2.5)] {
+        let baked = baked(&scene, &with_rays(160, rays));
+        assert_eq!(baked.texels.nodes, baked.texels.samples);
+        let stated = baked.lightmap.relative_error();
+        let [rms, bias] = found_errors(&scene, &baked);
+        assert!(
+            (0.7..most).contains(&(stated / rms)),
+            "{rays} rays: {stated} for {rms}"
+        );
+        assert!(bias.abs() < 0.01, "{rays} rays: {bias}");
+        all.push((stated, rms));
+    }
+    assert!(all[1].0 < all[0].0 && all[1].1 < all[0].1, "{all:?}");
+}
+
+/// It is the light of a lightmap to an error, texel by texel.
+#[test]
+fn rays_and_errors_agree() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let fixed = baked(&scene, &with_rays(96, 512)).lightmap;
+    let other = baked(&scene, &options(96, 0.01)).lightmap;
+    let ratio = fixed.mean().mean() / other.mean().mean();
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    let (mut within, mut all) = (0, 0);
+    let (a, b) = (&fixed.pages[0], &other.pages[0]);
+    for texel in (0..a.areas.len()).filter(|&t| a.areas[t] > 0.0) {
+        let difference = (a.irradiance[texel][1] - b.irradiance[texel][1]).abs();
+        let error = a.standard_error[texel][1].hypot(b.standard_error[texel][1]);
+        within += usize::from(difference <= 2.0 * error);
+        all += 1;
+    }
+    let share = within as f64 / all as f64;
+    assert!(share > 0.93, "{share}");
+}
+
 /// Where texels are far too coarse, the error says so, for indirect light, too.
 #[test]
 fn coarse_texels_say_what_they_miss() {
@@ -211,13 +265,19 @@ fn occlusion_beside_a_wall_is_known() {
         Object::new("floor", quad(floor)),
         Object::new("wall", quad(wall)),
     ];
+    check_occlusion_beside_a_wall(&scene, options(128, 0.01));
+    check_occlusion_beside_a_wall(&scene, with_rays(128, 1024));
+}
+
+/// The floor is the first object of the scene, and the wall, of height 1, the other.
+fn check_occlusion_beside_a_wall(scene: &Scene, options: BakeOptions) {
     let options = BakeOptions {
         sides: BakedSides::Front,
-        ..options(128, 0.01)
+        ..options
     };
     let bake = |distance: f64| {
-        let tracer = Tracer::new(&scene);
-        bake_occlusion(&scene, &tracer, &[0], &options, distance, &Progress::new()).unwrap()
+        let tracer = Tracer::new(scene);
+        bake_occlusion(scene, &tracer, &[0], &options, distance, &Progress::new()).unwrap()
     };
     let baked = bake(1e4);
     assert!(baked.report.is_none());
@@ -286,26 +346,28 @@ fn a_white_furnace_is_even() {
         glowing,
         true,
     );
-    let options = BakeOptions {
-        sides: BakedSides::Front,
-        ..options(96, 0.02)
-    };
-    let baked = baked(&scene, &options);
-    let expected = PI / (1.0 - 0.6);
-    let mean = baked.lightmap.mean().mean();
-    assert!(
-        (mean / expected - 1.0).abs() < 0.01,
-        "{mean} for {expected}"
-    );
-    let page = &baked.lightmap.pages[0];
-    for (t, e) in page
-        .irradiance
-        .iter()
-        .enumerate()
-        .filter(|(t, _)| page.areas[*t] > 0.0)
-    {
-        let off = (f64::from(e[1]) / expected - 1.0).abs();
-        assert!(off < 0.15, "texel {t}: {e:?}");
+    for options in [options(96, 0.02), with_rays(96, 256)] {
+        let options = BakeOptions {
+            sides: BakedSides::Front,
+            ..options
+        };
+        let baked = baked(&scene, &options);
+        let expected = PI / (1.0 - 0.6);
+        let mean = baked.lightmap.mean().mean();
+        assert!(
+            (mean / expected - 1.0).abs() < 0.01,
+            "{mean} for {expected}"
+        );
+        let page = &baked.lightmap.pages[0];
+        for (t, e) in page
+            .irradiance
+            .iter()
+            .enumerate()
+            .filter(|(t, _)| page.areas[*t] > 0.0)
+        {
+            let off = (f64::from(e[1]) / expected - 1.0).abs();
+            assert!(off < 0.15, "texel {t}: {e:?}");
+        }
     }
 }
 
@@ -620,7 +682,11 @@ fn processes_do_not_matter() {
         },
         ..options(32, 0.3)
     };
-    for options in [brighter, limited] {
+    let of_rays = BakeOptions {
+        sides: BakedSides::Both,
+        ..with_rays(48, 32)
+    };
+    for options in [brighter, limited, of_rays] {
         check_shared(&baked(&scene, &options), |journal| {
             let progress = Progress::new();
             bake_in_blocks(&scene, &tracer, &objects, &options, (journal, &progress)).unwrap()
@@ -632,11 +698,13 @@ fn processes_do_not_matter() {
 fn processes_do_not_matter_to_occlusion() {
     let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
     let objects: Vec<u32> = (0..scene.objects.len() as u32).collect();
-    let (tracer, options) = (Tracer::new(&scene), options(64, 0.1));
-    let whole = bake_occlusion(&scene, &tracer, &objects, &options, 0.3, &Progress::new());
-    check_shared(&whole.unwrap(), |journal| {
-        let progress = Progress::new();
-        let work = (journal, &progress);
-        bake_occlusion_in_blocks(&scene, &tracer, &objects, &options, 0.3, work).unwrap()
-    });
+    let tracer = Tracer::new(&scene);
+    for options in [options(64, 0.1), with_rays(48, 64)] {
+        let whole = bake_occlusion(&scene, &tracer, &objects, &options, 0.3, &Progress::new());
+        check_shared(&whole.unwrap(), |journal| {
+            let progress = Progress::new();
+            let work = (journal, &progress);
+            bake_occlusion_in_blocks(&scene, &tracer, &objects, &options, 0.3, work).unwrap()
+        });
+    }
 }
