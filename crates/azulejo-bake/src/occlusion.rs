@@ -5,7 +5,7 @@ use crate::batches::{SHORT_BLOCK, Work, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::journal::{Division, digest, resumed};
+use azulejo_trace::journal::{Division, LoopSize, digest, resumed};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
 use azulejo_trace::{
     Cancelled, GatherPoint, Gathered, JournalStage, KernelRay, REPLICATES, Tracer,
@@ -69,8 +69,12 @@ impl Hemispheres<'_> {
         let places = points.iter().flat_map(|p| [p.position, p.normal]);
         let numbers = places.flat_map(|v| v.to_array());
         journal.rely_on(JournalStage::Points, digest(numbers))?;
-        let size = (points.len(), block_points(strata));
-        let own = Division::new(size.0, size.1, journal).own_items(journal);
+        let size = LoopSize {
+            items: points.len(),
+            block: block_points(strata),
+            at_once: block_points(strata),
+        };
+        let own = Division::new(size.items, size.block, journal).own_items(journal);
         progress.begin("occlusion", own as u64);
         resumed(journal, JournalStage::Points, size, progress, |wanted| {
             let of_batch = |batch: &[usize]| {

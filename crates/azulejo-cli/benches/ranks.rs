@@ -24,7 +24,7 @@ const NETWORK: [f64; 2] = [2e-6, 10e9];
 
 /// Seconds after which a waiting rank looks for messages again, on average: see `PAUSE` of the
 /// messenger.
-const PAUSE: f64 = 1e-3;
+const PAUSE: f64 = 1e-4;
 
 /// Seconds in which rank 0 hands out a block.
 const HANDOUT: f64 = 10e-6;

@@ -44,38 +44,17 @@ impl Card {
     ) -> Result<Card, DrawError> {
         let wanted = wanted(backend, std::env::var("WGPU_BACKEND").ok())?;
         let adapter = best_adapter(wanted)?;
-        let info = adapter.get_info();
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("azulejo"),
-            required_limits: narrow(adapter.limits()),
-            ..wgpu::DeviceDescriptor::default()
-        };
-        let opened = pollster::block_on(adapter.request_device(&descriptor));
-        let (device, queue) = opened.map_err(|e| {
-            let name = described(&info);
-            DrawError::Missing(format!("the driver of {name} refuses to open it: {e}"))
-        })?;
-        let lost = listen(&device);
+        let limits = narrow(adapter.limits());
         let flags = adapter.get_downlevel_capabilities().flags;
-        let limits = device.limits();
         let can_compute = flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
             && limits.max_storage_buffers_per_shader_stage >= 3;
-        let pipelines = Pipelines::new(&device, can_compute);
-        let shared = Shared {
-            is_software: is_software(&info),
-            device,
-            queue,
-            limits,
-            can_compute,
-            pipelines,
-            info,
-            lost,
-            gate: Mutex::new(()),
+        let opened = match opened(&adapter, limits.clone(), can_compute) {
+            // OpenGL of version 3.3 may have compute shaders as an extension, for which its language of
+            // that version has no words.
+            Err(_) if can_compute => opened(&adapter, limits, false),
+            opened => opened,
         };
-        shared.check().map_err(|e| {
-            let name = described(&shared.info);
-            DrawError::Missing(format!("{name} does not take azulejo's shaders: {e}"))
-        })?;
+        let shared = opened?;
         Ok(Card {
             shared: Arc::new(shared),
             reduction: None,
@@ -118,6 +97,43 @@ impl fmt::Debug for Card {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Card").field(&self.name()).finish()
     }
+}
+
+/// The device of an adapter with azulejo's shaders, which it takes.
+fn opened(
+    adapter: &wgpu::Adapter,
+    limits: wgpu::Limits,
+    can_compute: bool,
+) -> Result<Shared, DrawError> {
+    let info = adapter.get_info();
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("azulejo"),
+        required_limits: limits,
+        ..wgpu::DeviceDescriptor::default()
+    };
+    let opened = pollster::block_on(adapter.request_device(&descriptor));
+    let (device, queue) = opened.map_err(|e| {
+        let name = described(&info);
+        DrawError::Missing(format!("the driver of {name} refuses to open it: {e}"))
+    })?;
+    let lost = listen(&device);
+    let pipelines = Pipelines::new(&device, can_compute);
+    let shared = Shared {
+        is_software: is_software(&info),
+        limits: device.limits(),
+        device,
+        queue,
+        can_compute,
+        pipelines,
+        info,
+        lost,
+        gate: Mutex::new(()),
+    };
+    shared.check().map_err(|e| {
+        let name = described(&shared.info);
+        DrawError::Missing(format!("{name} does not take azulejo's shaders: {e}"))
+    })?;
+    Ok(shared)
 }
 
 /// The interfaces to search, given the value of the environment variable.

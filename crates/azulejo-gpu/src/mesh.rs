@@ -53,12 +53,14 @@ impl Mesh {
         let local = UnitCube::around(sound.iter().flat_map(|t| t.corners));
         let optics: Vec<PatchOptics> = (0..world.patches).map(|p| world.optics(p)).collect();
         let facets = prepared(&sound, &local, &optics);
-        let clusters = Clusters::new(&facets, cluster);
         let per_buffer = shared.limits.max_buffer_size.min(MOST_BYTES) / FACET_BYTES;
+        // A buffer has whole clusters, and one at least.
+        let cluster = cluster.min(per_buffer as u32).max(1);
+        let clusters = Clusters::new(&facets, cluster);
         let per_buffer = per_buffer as u32 / cluster * cluster;
         if per_buffer == 0 {
             let most = shared.limits.max_buffer_size;
-            let error = format!("{cluster} facets, but its buffers are limited to {most} bytes");
+            let error = format!("a facet, but its buffers are limited to {most} bytes");
             return Err(DrawError::TooLarge(error));
         }
         let mirror = |m| LocalMirror::new(m, &local);

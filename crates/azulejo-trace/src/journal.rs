@@ -285,8 +285,12 @@ pub fn resumed<R: Record>(
 /// Most blocks of a loop that all processes share: enough for 1,000 of them to be busy to the end.
 const MOST_BLOCKS: usize = 1 << 13;
 
+/// Most blocks of such a loop that a process computes at once, for each of its threads: asking for one after
+/// the other would take as long as computing them.
+const BLOCKS_AT_ONCE: usize = 8;
+
 /// The items of a loop whose results all processes need to go on: as [`resumed`] in the order of the
-/// program, in blocks of `least` items or more, of which a process computes one for each of its threads at
+/// program, in blocks of `least` items or more, of which a process computes a few for each of its threads at
 /// once; all at once where the journal does not divide such loops.
 /// `compute` gets the numbers of items, ascending.
 ///
@@ -302,11 +306,10 @@ pub fn shared<R: Record>(
     if !journal.has_steps() {
         return compute(&all());
     }
-    let at_once = least * rayon::current_num_threads().max(1);
     let size = LoopSize {
         items,
         block: least,
-        at_once,
+        at_once: least * BLOCKS_AT_ONCE * rayon::current_num_threads().max(1),
     }
     .in_steps();
     match resumed(journal, journal.step(), size, progress, &mut compute)? {

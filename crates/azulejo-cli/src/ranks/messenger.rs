@@ -13,8 +13,9 @@ use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::time::Duration;
 
 /// Pause after which a rank looks for messages again: from the first while messages come, doubled up to
-/// the second while none do. Waiting costs next to no time of a processor that others may use.
-const PAUSE: [Duration; 2] = [Duration::from_micros(20), Duration::from_millis(2)];
+/// the second while none do. A rank waits for two of them whenever it asks for blocks of some milliseconds;
+/// looking so often takes a few hundredths of a processor.
+const PAUSE: [Duration; 2] = [Duration::from_micros(20), Duration::from_micros(200)];
 
 /// The same of a rank whose work is done.
 const IDLE: Duration = Duration::from_millis(20);
