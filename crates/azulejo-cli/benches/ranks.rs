@@ -197,16 +197,18 @@ impl Run {
 const LARGER: f64 = 100.0;
 
 /// The model: T(n) = s + p/n + c(n). What every rank does by itself, s, follows from how the CPU time of
-/// all grows with their number; p is the rest of that of one. Communication c(n) is the exchanges, each
+/// all grows with their number, from two on, for one processor alone has a faster clock; p is the rest of that of one. Communication c(n) is the exchanges, each
 /// of which waits for the last and then passes through log₂ n ranks, the bytes that each rank receives,
 /// and rank 0 handing out blocks where that takes longer than computing them. In a work that is
 /// [`LARGER`], s and what is exchanged grow in proportion to the patches or points, and p as the work does;
 /// there are as many rounds.
 fn predict(strong: &[Run], work: &Work) {
-    let one = strong[0].cpu();
-    let last = &strong[strong.len() - 1];
+    let [_, two, .., last] = strong else {
+        return;
+    };
     let n = last.ranks.len() as f64;
-    let own = ((last.cpu() - one) / (n - 1.0)).max(0.0);
+    let own = ((last.cpu() - two.cpu()) / (n - 2.0)).max(0.0);
+    let one = two.cpu() - own;
     let divided = (one - own).max(0.0);
     let rank = &last.ranks[0];
     let blocks = last.sum(|r| r.blocks);

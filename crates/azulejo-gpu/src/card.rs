@@ -74,6 +74,14 @@ impl Card {
         self.shared.is_software
     }
 
+    /// The same as if it were hardware, whose clusters of facets are larger.
+    #[cfg(test)]
+    pub(crate) fn as_hardware(mut self) -> Card {
+        let shared = Arc::get_mut(&mut self.shared).expect("nothing was loaded yet");
+        shared.is_software = false;
+        self
+    }
+
     /// Destroys the device as if it were unplugged.
     #[cfg(test)]
     pub(crate) fn destroy(&self) {

@@ -5,7 +5,7 @@ use super::messages::{FromRoot, ToRoot};
 use super::transport::Transport;
 use crate::file_journal::FileJournal;
 use crate::interrupt::BlockEnd;
-use azulejo_trace::journal::{Blocks, Division};
+use azulejo_trace::journal::{Blocks, Division, guided_share};
 use azulejo_trace::{Journal, JournalStage, Progress};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -327,9 +327,7 @@ impl<'a> Root<'a> {
         }
     }
 
-    /// The next blocks of a stage that nobody has, at most so many: fewer toward the end, so that no rank
-    /// has much to do when there is no more for others (guided self-scheduling: Polychronopoulos and Kuck,
-    /// IEEE Transactions on Computers 36, 1987).
+    /// The next blocks of a stage that nobody has, at most so many, and fewer toward the end.
     fn next(
         &mut self,
         stage: JournalStage,
@@ -339,8 +337,8 @@ impl<'a> Root<'a> {
     ) -> Vec<usize> {
         let stage = self.stages.entry(stage).or_default();
         let (first, blocks) = (stage.next.max(from), division.blocks());
-        let share = blocks.saturating_sub(first).div_ceil(2 * self.states.len());
-        let end = (first + share.min(most)).min(blocks);
+        let left = blocks.saturating_sub(first);
+        let end = first + guided_share(left, self.states.len(), most);
         stage.next = stage.next.max(end);
         (first..end).collect()
     }

@@ -107,7 +107,8 @@ impl Journal for Seat<'_> {
         let mut state = self.table.state();
         let next = state.next.entry(stage).or_default();
         let first = (*next).max(left.start);
-        let end = (first + most).min(division.blocks());
+        let left = division.blocks().saturating_sub(first);
+        let end = first + super::guided_share(left, self.processes, most);
         *next = end.max(*next);
         Ok((first..end).collect())
     }
