@@ -214,7 +214,10 @@ pub fn load_form_factors(
             });
         }
         if path.is_dir() {
-            let message = format!("{} is a folder, expected an .npz or a .zarr", path.display());
+            let message = format!(
+                "{} is a folder, expected an .npz or a .zarr",
+                path.display()
+            );
             return Err(PyIsADirectoryError::new_err(message));
         }
         let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;

@@ -83,7 +83,7 @@ impl Stencil {
 pub type Stencils = Vec<Option<Stencil>>;
 
 /// Who computes which points, and their progress.
-pub type Work<'a> = (&'a dyn Journal, &'a Progress);
+pub type SharedWork<'a> = (&'a dyn Journal, &'a Progress);
 
 /// Without weights where there is none.
 impl Record for Stencil {
@@ -128,7 +128,11 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn stencils(&self, points: &[GatherPoint], work: Work) -> Result<Stencils, Cancelled> {
+    pub fn stencils(
+        &self,
+        points: &[GatherPoint],
+        work: SharedWork,
+    ) -> Result<Stencils, Cancelled> {
         self.in_blocks(points.len(), work, |i, scratch| {
             self.stencil(&points[i], None, scratch)
         })
@@ -139,7 +143,7 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn left_out(&self, work: Work) -> Result<Stencils, Cancelled> {
+    pub fn left_out(&self, work: SharedWork) -> Result<Stencils, Cancelled> {
         self.in_blocks(self.records.len(), work, |i, scratch| {
             self.stencil(&self.records[i], Some(i as u32), scratch)
         })
@@ -149,7 +153,7 @@ impl<'a> Interpolator<'a> {
     fn in_blocks(
         &self,
         count: usize,
-        (journal, progress): Work,
+        (journal, progress): SharedWork,
         of: impl Fn(usize, &mut StencilScratch) -> Option<Stencil> + Sync,
     ) -> Result<Stencils, Cancelled> {
         let found = shared(journal, (count, BLOCK), progress, |wanted| {

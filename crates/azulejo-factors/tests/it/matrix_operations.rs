@@ -386,7 +386,7 @@ impl Journal for Interrupting<'_> {
     fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
         let mut blocks = self.blocks.lock().unwrap();
         blocks.insert((stage, block), bytes.to_vec());
-        if blocks.len() == self.at {
+        if blocks.len() >= self.at {
             self.progress.cancel();
         }
     }
@@ -406,7 +406,7 @@ fn interrupted_work_resumes_to_the_same_bits() {
     check_interrupted(&cube_room(), &formulas, &[1, 2]);
 }
 
-/// Work that is cancelled after some numbers of blocks, and resumed each time.
+/// Work that is cancelled when it has some numbers of blocks, and resumed each time.
 fn check_interrupted(scene: &Scene, options: &FormFactorOptions, cuts: &[usize]) {
     let tracer = Tracer::new(scene);
     let plan = Plan::new(scene, &tracer, options).unwrap();
@@ -424,7 +424,7 @@ fn check_interrupted(scene: &Scene, options: &FormFactorOptions, cuts: &[usize])
         blocks = journal.blocks.into_inner().unwrap();
         if at < usize::MAX {
             assert_eq!(found, Err(FactorsError::Cancelled));
-            assert_eq!(blocks.len(), at);
+            assert!(blocks.len() >= at, "what was computed at once is kept");
         } else {
             assert!(found.unwrap() == whole && blocks.len() > cuts.len());
         }
