@@ -76,7 +76,7 @@ impl Card {
 
     /// The same as if it were hardware, whose clusters of facets are larger.
     #[cfg(test)]
-    pub(crate) fn as_hardware(mut self) -> Card {
+    pub(crate) fn taken_for_hardware(mut self) -> Card {
         let shared = Arc::get_mut(&mut self.shared).expect("nothing was loaded yet");
         shared.is_software = false;
         self

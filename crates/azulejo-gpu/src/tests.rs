@@ -531,7 +531,7 @@ fn small_limits_split_the_world_or_are_named() {
         assert_eq!(found, expected, "{}", card.name());
         // Clusters of hardware would not fit into such buffers.
         let hardware = Card::open_within(backend, limits).expect("opens as well");
-        let hardware = hardware.as_hardware().reducing(Reduction::ReadBack);
+        let hardware = hardware.taken_for_hardware().reducing(Reduction::ReadBack);
         let read_back = card.clone().reducing(Reduction::ReadBack);
         let [expected, found] =
             [&read_back, &hardware].map(|card| draw(card, &world, &settings, &views(5)));
