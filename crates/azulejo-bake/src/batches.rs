@@ -1,12 +1,8 @@
 //! Loops over many items, by all threads of all processes that share the work.
 
 use azulejo_trace::journal::{Record, shared};
-use azulejo_trace::{Cancelled, Journal, Progress};
+use azulejo_trace::{Cancelled, Work};
 use rayon::prelude::*;
-
-/// How work is divided, counted and stopped: processes that share it, through a journal, come to the same loops in
-/// the same order.
-pub type Work<'a> = (&'a dyn Journal, &'a Progress);
 
 /// Batches of a block that one thread of a process computes before it asks for the next: some milliseconds.
 pub(crate) const BLOCK: usize = 4;

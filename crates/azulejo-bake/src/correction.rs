@@ -7,7 +7,7 @@
 //! (Glasserman, *Monte Carlo Methods in Financial Engineering*, 2004, section 4.1). In a cavity that no
 //! light reaches it is 0, and paths alone count.
 
-use crate::batches::{Work, in_batches};
+use crate::batches::in_batches;
 use crate::lattice::{Lattice, place};
 use crate::light::{NodeLight, NodePair, PairRays};
 use crate::nodes::Nodes;
@@ -15,7 +15,7 @@ use crate::rays::READ_RATE;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
 use azulejo_trace::journal::{Record, RecordReader};
-use azulejo_trace::{Cancelled, Gathered, REPLICATES};
+use azulejo_trace::{Cancelled, Gathered, REPLICATES, Work};
 
 /// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
 /// what changes from place to place is blurred.

@@ -2,14 +2,14 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
-use crate::batches::{BLOCK, Work, in_counted_batches};
+use crate::batches::{BLOCK, in_counted_batches};
 use crate::lattice::Lattice;
 use crate::light::{NodeLight, TexelLight};
 use crate::nodes::Nodes;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Work};
 use glam::DVec2;
 use rayon::prelude::*;
 

@@ -6,12 +6,11 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
-use crate::batches::Work;
 use crate::direct::direct;
 use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::samples::{Rows, Samples};
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, Gatherer};
+use azulejo_trace::{Cancelled, Gatherer, Work};
 
 /// Width of the texels with which edges are looked for, relative to that of the lightmap's.
 const COARSER: u32 = 4;

@@ -5,7 +5,6 @@
 //! neither what patches leak nor what they miss; and the last, with as many rays as the requested error takes,
 //! reads that.
 
-use crate::batches::Work;
 use crate::correction::corrected;
 use crate::direct::SampleDirect;
 use crate::lattice::Lattice;
@@ -14,7 +13,7 @@ use crate::nodes::Nodes;
 use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, sequence_gain};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Work, sequence_gain};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

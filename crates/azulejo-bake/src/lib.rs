@@ -19,7 +19,7 @@
 //! This crate knows texels, not how light is computed: that comes from the caller, through
 //! [`LookRequest`] and [`PairRequest`]. `azulejo::lightmap::bake` brings both together.
 //!
-//! Several processes can share the work ([`Work`]): what is expensive is divided between them, and all get the
+//! Several processes can share the work ([`Work`](azulejo_trace::Work)): what is expensive is divided between them, and all get the
 //! results of all, with the bits of one process.
 
 mod atlas;
@@ -56,7 +56,6 @@ pub mod unwrap;
 mod unwrap_mesh;
 pub mod web_page;
 pub use atlas::Atlas;
-pub use batches::Work;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct, direct_from, sample_points};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};

@@ -3,7 +3,7 @@
 //! Leaving out a node and interpolating it from the others measures the error of interpolation, beyond the
 //! noise of both; cells are divided where it is largest, until it is a small part of what is permitted.
 
-use crate::batches::{Work, in_batches};
+use crate::batches::in_batches;
 use crate::correction::MOST_NEIGHBOURS;
 use crate::direct::{SampleDirect, gather_point};
 use crate::lattice::{Lattice, place, weights};
@@ -11,7 +11,7 @@ use crate::light::{NodeLight, TexelLight};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
 use azulejo_trace::journal::Record;
-use azulejo_trace::{Cancelled, GatherPoint};
+use azulejo_trace::{Cancelled, GatherPoint, Work};
 use glam::DVec2;
 use std::sync::OnceLock;
 

@@ -1,14 +1,14 @@
 //! Which share of the hemispheres over points is free of things that are near.
 
 use crate::atlas::Atlas;
-use crate::batches::{SHORT_BLOCK, Work, in_counted_batches};
+use crate::batches::{SHORT_BLOCK, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::journal::{Division, LoopSize, digest, resumed};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
 use azulejo_trace::{
-    Cancelled, GatherPoint, Gathered, JournalStage, KernelRay, REPLICATES, Tracer,
+    Cancelled, GatherPoint, Gathered, JournalStage, KernelRay, REPLICATES, Tracer, Work,
 };
 use glam::DVec3;
 use rayon::prelude::*;

@@ -7,7 +7,7 @@
 //! uneven it is there and whether they lie at the rim of a chart.
 
 use crate::atlas::Atlas;
-use crate::batches::{BLOCK, Work, in_counted_batches};
+use crate::batches::{BLOCK, in_counted_batches};
 use crate::direct::SampleDirect;
 use crate::light::TexelLight;
 use crate::lightmap::{Lightmap, ShownSample, ShownSamples};
@@ -16,7 +16,7 @@ use crate::pad::pad_charts;
 use crate::samples::{PageSampler, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Work};
 use glam::DVec2;
 use rayon::prelude::*;
 

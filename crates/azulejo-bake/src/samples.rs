@@ -6,13 +6,13 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
-use crate::batches::{SHORT_BLOCK, Work, in_blocks, in_counted_batches};
+use crate::batches::{SHORT_BLOCK, in_blocks, in_counted_batches};
 use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
 use azulejo_scene::math::Ray;
 use azulejo_trace::journal::{Record, RecordReader};
-use azulejo_trace::{Cancelled, Tracer};
+use azulejo_trace::{Cancelled, Tracer, Work};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;

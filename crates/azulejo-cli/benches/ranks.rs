@@ -115,12 +115,15 @@ fn main() {
 /// What a work took, and each of its ranks.
 struct Run {
     seconds: f64,
+    /// Seconds of rank 0 from its start to its end.
+    wall: f64,
     ranks: Vec<RankCosts>,
 }
 
 #[derive(Clone, Copy)]
 struct RankCosts {
     cpu: f64,
+    divided: f64,
     waited: f64,
     blocks: f64,
     exchanges: f64,
@@ -154,6 +157,7 @@ impl Run {
         );
         let of = |v: &Value| RankCosts {
             cpu: number(v, "cpu_seconds"),
+            divided: number(v, "divided_seconds"),
             waited: number(v, "waited_seconds"),
             blocks: number(v, "blocks"),
             exchanges: number(v, "exchanges"),
@@ -162,6 +166,7 @@ impl Run {
         };
         Some(Run {
             seconds,
+            wall: number(&said, "wall_seconds"),
             ranks: costs.iter().map(of).collect(),
         })
     }
@@ -196,24 +201,22 @@ impl Run {
 /// How many times as large the larger of the predicted works is.
 const LARGER: f64 = 100.0;
 
-/// The model: T(n) = s + p/n + c(n). What every rank does by itself, s, follows from how the CPU time of
-/// all grows with their number, from two on, for one processor alone has a faster clock; p is the rest of that of one. Communication c(n) is the exchanges, each
-/// of which waits for the last and then passes through log₂ n ranks, the bytes that each rank receives,
-/// and rank 0 handing out blocks where that takes longer than computing them. In a work that is
-/// [`LARGER`], s and what is exchanged grow in proportion to the patches or points, and p as the work does;
-/// there are as many rounds.
+/// The model: T(n) = s + p/n + c(n). What is not divided, s, is the time that rank 0 takes beside its blocks and
+/// waiting, of two ranks, each of which has a processor; p is the time that all take for blocks. Communication c(n) is
+/// the exchanges, each of which waits for the last and then passes through log₂ n ranks, the bytes that each rank
+/// receives, and rank 0 handing out blocks where that takes longer than computing them. In a work that is [`LARGER`], s
+/// and what is exchanged grow in proportion to the patches or points, and p as the work does; there are as many rounds.
 fn predict(strong: &[Run], work: &Work) {
-    let [_, two, .., last] = strong else {
+    let [_, two, ..] = strong else {
         return;
     };
-    let n = last.ranks.len() as f64;
-    let own = ((last.cpu() - two.cpu()) / (n - 2.0)).max(0.0);
-    let one = two.cpu() - own;
-    let divided = (one - own).max(0.0);
-    let rank = &last.ranks[0];
-    let blocks = last.sum(|r| r.blocks);
+    let rank = &two.ranks[0];
+    let own = (two.wall - rank.divided - rank.waited).max(0.0);
+    let divided = two.sum(|r| r.divided);
+    let one = own + divided;
+    let blocks = two.sum(|r| r.blocks);
     println!(
-        "  each rank by itself {own:.3} s of {one:.2} s ({:.2}%), {} exchanges, {:.1} MB to each rank",
+        "  not divided {own:.3} s of {one:.2} s ({:.2}%), {} exchanges, {:.1} MB to each rank",
         100.0 * own / one,
         rank.exchanges,
         rank.gathered * 1e-6

@@ -60,6 +60,7 @@ mod validate;
 mod values;
 mod views;
 mod workbench;
+mod workers;
 
 use args::{Cli, Command};
 use clap::Parser;

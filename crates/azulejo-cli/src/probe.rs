@@ -4,17 +4,18 @@ use super::args::ProbeArgs;
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
-use super::ranks::{RankJournal, Ranks, Sharing};
+use super::ranks::RankJournal;
 use super::report::{Report, count, number, seconds, short};
 use super::session::Session;
 use super::shards::{MergedParts, PartPlan, Shard};
+use super::workers::Workers;
 use super::{input, pass, points};
 use azulejo::output::Output;
 use azulejo_radiosity::{FirstPass, PointNormal, Probed, SolveError};
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
-use azulejo_trace::{Cancelled, Journal, KernelHit, NoJournal, Progress, Tracer};
+use azulejo_trace::{Cancelled, Journal, KernelHit, Progress, Tracer};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -51,7 +52,7 @@ impl ProbeResults {
 pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     match (args.shard, session.ranks().cloned()) {
         (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
         (None, _) => whole(args, None, session),
     }
 }
@@ -95,16 +96,15 @@ fn part(args: &ProbeArgs, shard: Shard, session: &mut Session) -> Result<Report,
 }
 
 /// Takes part in the work of rank 0.
-fn help(args: &ProbeArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+fn help(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let points = shared_points(args)?;
     let prepared = args.first_pass.engine.prepare()?;
     let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
     let points = points::read_points(points, args.normals.as_deref())?;
     let tracer = prepared.tracer(&scene)?;
     let options = pass::options(&args.first_pass, &prepared, session);
-    let key = pass::work_key(&scene, &tracer, &options, &points);
-    let journal = ranks.journal(Sharing::All, &key, None)?;
-    journal.run(session, |journal, session| {
+    let key = || pass::work_key(&scene, &tracer, &options, &points);
+    Workers::new(None, None, session).compute(key, session, |journal, session| {
         probed(&scene, &tracer, &points, args, (&options, journal), session)
     })?;
     Ok(Report::default())
@@ -160,19 +160,22 @@ fn whole(
         shared_points(args)?;
     }
     let mut report = Report::default();
-    let mut shared = None;
+    let mut journal = None;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
         (Some(path), _, _) => {
             let points = points::read_points(path, args.normals.as_deref())?;
-            irradiance(
+            let workers = Workers::new(parts, output.as_ref().and_then(Output::file), session);
+            let (rows, of_ranks) = irradiance(
                 &scene,
-                (&points, parts),
+                &points,
                 args,
-                (output.as_ref(), &mut shared),
+                workers,
                 &prepared,
                 session,
                 &mut report,
-            )?
+            )?;
+            journal = of_ranks;
+            rows
         }
         (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,
         (_, _, Some(path)) => hits(&scene, path, &prepared, session, &mut report)?,
@@ -182,7 +185,7 @@ fn whole(
         points::write_rows(&output, rows.columns, &rows.values, session.progress())?;
         report.value("output", output.path().display().to_string());
     }
-    shared.iter().for_each(RankJournal::remove);
+    journal.iter().for_each(RankJournal::remove);
     Ok(report)
 }
 
@@ -205,37 +208,25 @@ fn spent(label: &str, key: &str, clock: Clock, report: &mut Report) {
 
 fn irradiance(
     scene: &Scene,
-    (points, parts): (&[PointNormal], Option<&MergedParts>),
+    points: &[PointNormal],
     args: &ProbeArgs,
-    (output, shared): (Option<&Output>, &mut Option<RankJournal>),
+    workers: Workers,
     prepared: &PreparedEngine,
     session: &mut Session,
     report: &mut Report,
-) -> Result<ProbeResults, Failure> {
+) -> Result<(ProbeResults, Option<RankJournal>), Failure> {
     let tracer = build(scene, prepared, report)?;
     let options = pass::options(&args.first_pass, prepared, session);
     let clock = Clock::start();
-    let measure = |journal: &dyn Journal, session: &Session| {
-        probed(scene, &tracer, points, args, (&options, journal), session)
-    };
     let key = || pass::work_key(scene, &tracer, &options, points);
-    let probed = match (parts, session.ranks().cloned()) {
-        (Some(parts), _) => {
-            parts.check(&key())?;
-            parts.used(measure(parts, session))?
-        }
-        (None, Some(ranks)) => {
-            let journal = ranks.journal(Sharing::All, &key(), output.and_then(Output::file))?;
-            let found = journal.run(session, |journal, session| measure(journal, session))?;
-            *shared = Some(journal);
-            found
-        }
-        (None, None) => measure(&NoJournal, session)?,
-    };
+    let (probed, journal) = workers.compute(key, session, |journal, session| {
+        probed(scene, &tracer, points, args, (&options, journal), session)
+    })?;
     spent("tracing", "trace", clock, report);
     pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
-    ProbeResults::of_light(IRRADIANCE, probed.estimates.iter().flat_map(row).collect())
+    let values = probed.estimates.iter().flat_map(row).collect();
+    Ok((ProbeResults::of_light(IRRADIANCE, values)?, journal))
 }
 
 fn radiance(

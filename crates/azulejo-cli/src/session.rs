@@ -344,6 +344,7 @@ fn rank_values(costs: &[RankCosts]) -> Vec<Value> {
     let value = |c: &RankCosts| {
         json!({
             "cpu_seconds": report::number(c.cpu),
+            "divided_seconds": report::number(c.traffic.divided),
             "waited_seconds": report::number(c.traffic.waited),
             "blocks": c.traffic.blocks,
             "exchanges": c.traffic.exchanges,

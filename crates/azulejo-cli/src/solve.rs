@@ -5,15 +5,15 @@ use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::in_place::InPlace;
 use super::kept_gltf::KeptGltf;
-use super::ranks::{RankJournal, Ranks, Sharing};
+use super::ranks::RankJournal;
 use super::report::Report;
 use super::session::Session;
 use super::shards::{MergedParts, PartPlan, Shard};
+use super::workers::Workers;
 use super::{convert, input, pass};
 use azulejo::models::ModelOutput;
-use azulejo_radiosity::{FirstPass, LightSolution, SolveError};
+use azulejo_radiosity::{LightSolution, SolveError};
 use azulejo_scene::Scene;
-use azulejo_trace::Tracer;
 use std::path::Path;
 
 /// Digits of light in a file that people edit: far more than its error leaves.
@@ -62,7 +62,7 @@ impl SolvedOutput {
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     match (args.shard, session.ranks().cloned()) {
         (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
         (None, _) => whole(args, None, session),
     }
 }
@@ -111,34 +111,19 @@ fn part(args: &SolveArgs, shard: Shard, session: &mut Session) -> Result<Report,
 }
 
 /// Takes part in the work of rank 0.
-fn help(args: &SolveArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+fn help(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let first_pass = pass_args(args);
     pass::refuse_time(&first_pass)?;
     let prepared = first_pass.engine.prepare()?;
     let scene = input::read_relit(&args.input, first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
     let options = pass::options(&first_pass, &prepared, session);
-    let key = pass::work_key(&scene, &tracer, &options, &[]);
-    let journal = ranks.journal(Sharing::All, &key, None)?;
-    journal.run(session, |journal, session| {
+    let key = || pass::work_key(&scene, &tracer, &options, &[]);
+    Workers::new(None, None, session).compute(key, session, |journal, session| {
         let how = (&options, journal);
         pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
     })?;
     Ok(Report::default())
-}
-
-/// The light at all vertices, with those of parts.
-fn merged(
-    scene: &Scene,
-    tracer: &Tracer,
-    options: &FirstPass,
-    parts: &MergedParts,
-    session: &Session,
-) -> Result<LightSolution, Failure> {
-    parts.check(&pass::work_key(scene, tracer, options, &[]))?;
-    let light = session
-        .with_progress(|p| azulejo_radiosity::solve_in_blocks(scene, tracer, options, parts, p));
-    parts.used(light.map_err(pass::failure))
 }
 
 /// Solves the light, or makes it from parts, and writes the scene with it.
@@ -156,24 +141,17 @@ fn whole(
     let first_pass = pass_args(args);
     let tracer = prepared.tracer(&scene)?;
     let options = pass::options(&first_pass, &prepared, session);
-    let mut shared = None;
-    let light = match (parts, session.ranks().cloned()) {
-        (Some(parts), _) => merged(&scene, &tracer, &options, parts, session)?,
-        (None, Some(ranks)) => {
-            pass::refuse_time(&first_pass)?;
-            let key = pass::work_key(&scene, &tracer, &options, &[]);
-            let journal = ranks.journal(Sharing::All, &key, output.file())?;
-            let light = journal.run(session, |journal, session| {
-                let how = (&options, journal);
-                pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
-            })?;
-            shared = Some(journal);
-            light
-        }
-        (None, None) => pass::solve(&scene, &tracer, &first_pass, &prepared, session)?,
-    };
+    if session.ranks().is_some() {
+        pass::refuse_time(&first_pass)?;
+    }
+    let workers = Workers::new(parts, output.file(), session);
+    let key = || pass::work_key(&scene, &tracer, &options, &[]);
+    let (light, journal) = workers.compute(key, session, |journal, session| {
+        let how = (&options, journal);
+        pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
+    })?;
     let report = write(args, (scene, light), (&output, kept), &prepared, session)?;
-    shared.iter().for_each(RankJournal::remove);
+    journal.iter().for_each(RankJournal::remove);
     Ok(report)
 }
 

@@ -13,7 +13,7 @@ use azulejo_trace::interaction::shadow_ray;
 use azulejo_trace::journal::{Record, RecordReader, shared};
 use azulejo_trace::sampling::{cosine_hemisphere, seeds, sobol};
 use azulejo_trace::{
-    Cancelled, GatherPoint, Gathered, Journal, KernelHit, KernelRay, Progress, Tracer,
+    Cancelled, GatherPoint, Gathered, Journal, KernelHit, KernelRay, Progress, Tracer, Work,
 };
 use glam::{DMat3, DVec3, dvec3};
 use rayon::prelude::*;
@@ -82,9 +82,6 @@ impl Stencil {
 /// The stencil of each point, if there is one.
 pub type Stencils = Vec<Option<Stencil>>;
 
-/// Who computes which points, and their progress.
-pub type SharedWork<'a> = (&'a dyn Journal, &'a Progress);
-
 /// Without weights where there is none.
 impl Record for Stencil {
     fn write(&self, bytes: &mut Vec<u8>) {
@@ -128,11 +125,7 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn stencils(
-        &self,
-        points: &[GatherPoint],
-        work: SharedWork,
-    ) -> Result<Stencils, Cancelled> {
+    pub fn stencils(&self, points: &[GatherPoint], work: Work) -> Result<Stencils, Cancelled> {
         self.in_blocks(points.len(), work, |i, scratch| {
             self.stencil(&points[i], None, scratch)
         })
@@ -143,7 +136,7 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn left_out(&self, work: SharedWork) -> Result<Stencils, Cancelled> {
+    pub fn left_out(&self, work: Work) -> Result<Stencils, Cancelled> {
         self.in_blocks(self.records.len(), work, |i, scratch| {
             self.stencil(&self.records[i], Some(i as u32), scratch)
         })
@@ -153,7 +146,7 @@ impl<'a> Interpolator<'a> {
     fn in_blocks(
         &self,
         count: usize,
-        (journal, progress): SharedWork,
+        (journal, progress): Work,
         of: impl Fn(usize, &mut StencilScratch) -> Option<Stencil> + Sync,
     ) -> Result<Stencils, Cancelled> {
         let found = shared(journal, (count, BLOCK), progress, |wanted| {

@@ -3,7 +3,7 @@
 use crate::deadline::GatherPace;
 use crate::gather::{GatherLight, GatherPass};
 use azulejo_trace::{
-    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Journal, Progress, Termination,
+    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Journal, Progress, Termination, Work,
 };
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ pub(crate) fn gather_pairs(
     points: &[GatherPoint],
     rays: &PairRange,
     seed: u32,
-    (journal, progress): (&dyn Journal, &Progress),
+    (journal, progress): Work,
 ) -> Result<Vec<PathPair>, Cancelled> {
     let pass = GatherPass {
         gatherer,

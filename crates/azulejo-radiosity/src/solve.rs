@@ -13,7 +13,7 @@ use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Journal, JournalStage, NoJournal, Progress, Tracer};
+use azulejo_trace::{Cancelled, Journal, JournalStage, NoJournal, Progress, Tracer, Work};
 use std::fmt;
 
 /// Options of the first pass.
@@ -386,7 +386,7 @@ fn solve_for(
     scene: &Scene,
     tracer: &Tracer,
     pass: &FirstPass,
-    (journal, progress): (&dyn Journal, &Progress),
+    (journal, progress): Work,
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);

@@ -16,7 +16,7 @@ use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Journal, Measure, NoJournal,
-    Progress, SplitIrradiance, Surfaces, Termination, Tracer, journal,
+    Progress, SplitIrradiance, Surfaces, Termination, Tracer, Work, journal,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -109,7 +109,7 @@ impl<'a> SolvedPatches<'a> {
         proxy: &'a ProxyScene,
         pass: &FirstPass,
         purpose: PatchPurpose,
-        (journal, progress): (&dyn Journal, &Progress),
+        (journal, progress): Work,
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
         let (scene, tracer) = (proxy.scene.as_ref(), proxy.tracer.as_ref());
@@ -477,7 +477,7 @@ impl SolverInputs<'_> {
     fn matrix(
         &self,
         pass: &FirstPass,
-        (journal, progress): (&dyn Journal, &Progress),
+        (journal, progress): Work,
         watch: CoarseCallback,
     ) -> Result<Option<PatchSolution>, SolveError> {
         let &SolverInputs {

@@ -12,6 +12,7 @@ use azulejo_trace::journal::shared;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, GatherPoint, Gathered, Gatherer, Journal, JournalStage, NoJournal, Progress, Tracer,
+    Work,
 };
 use rayon::prelude::*;
 
@@ -336,7 +337,7 @@ pub fn probe_in_blocks(
     tracer: &Tracer,
     points: &[PointNormal],
     pass: &FirstPass,
-    (journal, progress): (&dyn Journal, &Progress),
+    (journal, progress): Work,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     SolvedLight::in_blocks(&proxy, pass, journal, progress)?.probe(points, progress)

@@ -37,6 +37,9 @@ pub fn guided_share(left: usize, processes: usize, most: usize) -> usize {
     left.div_ceil(2 * processes.max(1)).min(most)
 }
 
+/// How work is divided, stored, counted and stopped.
+pub type Work<'a> = (&'a dyn Journal, &'a Progress);
+
 /// Finished blocks by their numbers.
 pub type Blocks = Vec<(usize, Vec<u8>)>;
 

@@ -46,7 +46,7 @@ pub use gather::{
     SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
 };
 pub use hit::{Hit, Item};
-pub use journal::{Journal, JournalStage, NoJournal};
+pub use journal::{Journal, JournalStage, NoJournal, Work};
 #[cfg(feature = "embree")]
 pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};

@@ -18,7 +18,7 @@ pub use source::{BakeSource, SourceError, SourceFile};
 
 use azulejo_bake::{
     Atlas, BetweenTexels, Layout, LayoutError, Lightmap, LightmapPage, Receiver, ReceiverLayout,
-    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions, Work,
+    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions,
     layout::NO_CHART,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
@@ -26,7 +26,7 @@ use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::journal::digest;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer, Work};
 use indirect::{IndirectLight, SampleLight};
 use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;

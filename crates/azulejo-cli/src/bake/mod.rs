@@ -12,10 +12,11 @@ mod work;
 mod written;
 
 use crate::failure::Failure;
-use crate::ranks::{RankJournal, Ranks};
+use crate::ranks::RankJournal;
 use crate::report::Report;
 use crate::session::Session;
 use crate::shards::{MergedParts, PartPlan, Shard};
+use crate::workers::Workers;
 use crate::{pass, report as words};
 use args::{BakeArgs, ConventionArg, ImageArg, InstancesArg, LightArg};
 use azulejo::lightmap::Baked;
@@ -38,7 +39,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     refuse_misplaced(args)?;
     match (args.shard, session.ranks().cloned()) {
         (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
+        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
         (None, _) => whole(args, None, session),
     }
 }
@@ -72,12 +73,12 @@ fn part(args: &BakeArgs, shard: Shard, session: &mut Session) -> Result<Report, 
 }
 
 /// Takes part in the work of rank 0.
-fn help(args: &BakeArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
+fn help(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     pass::refuse_time(&args.first_pass)?;
     let prepared = args.first_pass.engine.prepare()?;
     let source = source::read(args, session)?;
     let (work, _) = BakeWork::new(args, &source, &prepared, session)?;
-    work.shared(ranks, None, session)?;
+    work.whole(Workers::new(None, None, session), session)?;
     Ok(Report::default())
 }
 
@@ -89,22 +90,15 @@ fn whole(
 ) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
-    let ranks = session.ranks().cloned();
-    if ranks.is_some() {
+    if session.ranks().is_some() {
         pass::refuse_time(&args.first_pass)?;
     }
     let prepared = args.first_pass.engine.prepare()?;
     let mut source = source::read(args, session)?;
     session.share_files()?;
     let (work, uvs) = BakeWork::new(args, &source, &prepared, session)?;
-    let (mut baked, journal) = match (parts, ranks) {
-        (Some(parts), _) => (work.merged(parts, session)?, None),
-        (None, Some(ranks)) => {
-            let (baked, journal) = work.shared(&ranks, outputs.file(), session)?;
-            (baked, Some(journal))
-        }
-        (None, None) => (work.alone(session)?, None),
-    };
+    let workers = Workers::new(parts, outputs.file(), session);
+    let (mut baked, journal) = work.whole(workers, session)?;
     let options = work.into_options();
     source.turn_to_light(&mut baked).map_err(Failure::failed)?;
     let mut summary = Report::default();

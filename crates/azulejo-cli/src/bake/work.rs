@@ -6,9 +6,10 @@ use crate::content_key::ContentHasher;
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
 use crate::pass;
-use crate::ranks::{RankJournal, Ranks, Sharing};
+use crate::ranks::RankJournal;
 use crate::session::Session;
-use crate::shards::{MergedParts, WorkKey};
+use crate::shards::WorkKey;
+use crate::workers::Workers;
 use azulejo::bake::{ReceiverLayout, Resolution, UnwrapOptions};
 use azulejo::lightmap::{
     BakeError, BakeOptions, BakeSource, Baked, BakedSides, Coordinates, bake_in_blocks,
@@ -18,8 +19,7 @@ use azulejo::surroundings::STUDIO_FLOOR;
 use azulejo_formats::gltf::patch::LightmapUvs;
 use azulejo_radiosity::{FirstPass, SolveError};
 use azulejo_scene::Scene;
-use azulejo_trace::{Journal, NoJournal, Tracer};
-use std::path::Path;
+use azulejo_trace::{Journal, Tracer};
 
 /// Size of pages where none is given, and where the density is.
 const SIZE: u32 = 1024;
@@ -85,31 +85,21 @@ impl<'a> BakeWork<'a> {
         Ok((work, chosen.uvs))
     }
 
-    /// Computes it in this process.
+    /// Computes it, by all of these.
     ///
     /// # Errors
-    /// Those of the bake.
-    pub fn alone(&self, session: &Session) -> Result<Baked, Failure> {
-        session.limit_time(self.args.first_pass.limit());
-        self.baked(&NoJournal, session).map_err(failure)
-    }
-
-    /// Computes it together with all other ranks, each of which gets it. At rank 0, finished blocks are kept next to
-    /// `output`, if there is one, until the journal is removed.
-    ///
-    /// # Errors
-    /// Those of the bake; ranks do not have the same work.
-    pub fn shared(
+    /// Those of the bake and of [`Workers::compute`].
+    pub fn whole(
         &self,
-        ranks: &Ranks,
-        output: Option<&Path>,
+        workers: Workers,
         session: &mut Session,
-    ) -> Result<(Baked, RankJournal), Failure> {
-        let journal = ranks.journal(Sharing::All, &self.key(), output)?;
-        let baked = journal.run(session, |journal, session| {
-            self.baked(journal, session).map_err(failure)
-        })?;
-        Ok((baked, journal))
+    ) -> Result<(Baked, Option<RankJournal>), Failure> {
+        session.limit_time(self.args.first_pass.limit());
+        workers.compute(
+            || self.key(),
+            session,
+            |journal, session| self.baked(journal, session).map_err(failure),
+        )
     }
 
     /// Computes the blocks of a part.
@@ -121,15 +111,6 @@ impl<'a> BakeWork<'a> {
             Ok(_) | Err(BakeError::Solve(SolveError::Elsewhere)) => Ok(()),
             Err(error) => Err(failure(error)),
         }
-    }
-
-    /// Computes it with the blocks of parts.
-    ///
-    /// # Errors
-    /// Those of the bake; these are parts of other work.
-    pub fn merged(&self, parts: &MergedParts, session: &Session) -> Result<Baked, Failure> {
-        parts.check(&self.key())?;
-        parts.used(self.baked(parts, session).map_err(failure))
     }
 
     /// How it was computed.

@@ -122,21 +122,23 @@ impl RankJournal {
             exchanges,
             blocks,
             waited,
+            divided,
         } = self.link.traffic();
         let mut bytes = Vec::new();
         [given, gathered, exchanges, blocks].write(&mut bytes);
-        [cpu, waited].write(&mut bytes);
+        [cpu, waited, divided].write(&mut bytes);
         let all = self.link.all_gather(bytes)?;
         let costs = all.iter().filter_map(|bytes| {
             let mut reader = RecordReader::new(bytes);
             let [given, gathered, exchanges, blocks] = Record::read(&mut reader)?;
-            let [cpu, waited] = Record::read(&mut reader)?;
+            let [cpu, waited, divided] = Record::read(&mut reader)?;
             let traffic = Traffic {
                 given,
                 gathered,
                 exchanges,
                 blocks,
                 waited,
+                divided,
             };
             Some(RankCosts { cpu, traffic })
         });

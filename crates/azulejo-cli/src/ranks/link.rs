@@ -62,6 +62,8 @@ struct LinkEnds {
     requests: Sender<Request>,
     replies: Receiver<Reply>,
     traffic: Traffic,
+    /// When it was handed the blocks that it computes now.
+    handed: Option<Instant>,
 }
 
 /// What a rank exchanges with others.
@@ -77,6 +79,9 @@ pub struct Traffic {
     pub blocks: u64,
     /// Seconds in which its work waited.
     pub waited: f64,
+    /// Seconds in which its work was busy with blocks: what is left of all its time beside these and those in which it
+    /// waited, each rank does by itself.
+    pub divided: f64,
 }
 
 /// The end of the thread that talks to other ranks.
@@ -92,6 +97,7 @@ pub fn connected() -> (Link, WorkEnd) {
         requests,
         replies: found,
         traffic: Traffic::default(),
+        handed: None,
     })));
     let end = WorkEnd {
         requests: asked,
@@ -176,14 +182,22 @@ impl Link {
     fn ask(&self, request: Request) -> Result<Reply, Cancelled> {
         let mut ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let start = Instant::now();
+        if let Some(handed) = ends.handed.take() {
+            ends.traffic.divided += start.duration_since(handed).as_secs_f64();
+        }
         ends.traffic.given += request.size();
         ends.requests.send(request).map_err(|_| Cancelled)?;
         let reply = ends.replies.recv();
-        let traffic = &mut ends.traffic;
+        let LinkEnds {
+            traffic, handed, ..
+        } = &mut *ends;
         traffic.waited += start.elapsed().as_secs_f64();
         match reply {
             Ok(Reply::Stop) | Err(_) => return Err(Cancelled),
-            Ok(Reply::Handed(ref blocks)) => traffic.blocks += blocks.len() as u64,
+            Ok(Reply::Handed(ref blocks)) if !blocks.is_empty() => {
+                traffic.blocks += blocks.len() as u64;
+                *handed = Some(Instant::now());
+            }
             Ok(Reply::Gathered(ref all)) => {
                 traffic.exchanges += 1;
                 traffic.gathered += all.iter().map(|bytes| bytes.len() as u64).sum::<u64>();

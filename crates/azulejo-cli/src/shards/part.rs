@@ -11,7 +11,7 @@ use crate::report::{Report, count};
 use crate::session::Session;
 use azulejo_trace::journal::Division;
 use azulejo_trace::{Cancelled, Journal, JournalStage};
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -209,6 +209,11 @@ impl ShardPart {
             return Err(failure);
         }
         match done {
+            Err(failure) if blocks_of(&state.records) == 0 => {
+                // There is nothing in it to go on from; if it cannot be removed, it does no harm.
+                let _ = fs::remove_file(&self.path);
+                Err(failure)
+            }
             Err(Failure::Cancelled) => {
                 session.say(&format!(
                     "{} blocks are kept in {}: the same command resumes from there",

@@ -3,10 +3,10 @@
 use super::{BakedLight, DEFAULT_ERROR};
 use azulejo_bake::{
     Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
-    ShownSamples, TexelField, TexelLight, TexelStatistics, Work,
+    ShownSamples, TexelField, TexelLight, TexelStatistics,
 };
 use azulejo_radiosity::{IrradianceField, PairRange, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Work};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;

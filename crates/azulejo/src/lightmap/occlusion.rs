@@ -9,12 +9,12 @@ use super::{
 };
 use azulejo_bake::{
     Hemispheres, IndirectGoal, NodePair, SampleDirect, Samples, ShownSamples, TexelLight,
-    TexelStatistics, Work,
+    TexelStatistics,
 };
 use azulejo_radiosity::SolveError;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, NoJournal, Progress, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{Cancelled, NoJournal, Progress, REPLICATES, Surfaces, Tracer, Work};
 
 /// Fewest and most strata along each axis of a replicate's rays.
 const STRATA: [u32; 2] = [4, 32];
