@@ -12,9 +12,7 @@ use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::interaction::shadow_ray;
 use azulejo_trace::journal::{Record, RecordReader, shared};
 use azulejo_trace::sampling::{cosine_hemisphere, seeds, sobol};
-use azulejo_trace::{
-    Cancelled, GatherPoint, Gathered, Journal, KernelHit, KernelRay, Progress, Tracer, Work,
-};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelHit, KernelRay, Tracer, Work};
 use glam::{DMat3, DVec3, dvec3};
 use rayon::prelude::*;
 use rstar::RTree;
@@ -284,7 +282,7 @@ fn plane(
 mod tests {
     use super::*;
     use azulejo_scene::{Rgb, Scene};
-    use azulejo_trace::NoJournal;
+    use azulejo_trace::{NoJournal, Progress};
 
     fn on_floor(x: f64, z: f64) -> GatherPoint {
         GatherPoint {
@@ -320,7 +318,7 @@ mod tests {
         let points: Vec<GatherPoint> = (0..90)
             .map(|k| on_floor(3.0 + 0.15 * f64::from(k), 4.0 + 0.11 * f64::from(k)))
             .collect();
-        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let work: Work = (&NoJournal, &Progress::new());
         let stencils = interpolator.stencils(&points, work).unwrap();
         for (p, stencil) in points.iter().zip(stencils) {
             let stencil = stencil.expect("records all around");
@@ -337,7 +335,7 @@ mod tests {
         let tracer = Tracer::new(&Scene::default());
         let records = records();
         let interpolator = Interpolator::new(&tracer, &records);
-        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let work: Work = (&NoJournal, &Progress::new());
         let left_out = interpolator.left_out(work).unwrap();
         for (record, stencil) in left_out.iter().enumerate() {
             let weights = stencil.iter().flat_map(Stencil::weights);
@@ -355,7 +353,7 @@ mod tests {
             normal: DVec3::X,
             ..on_floor(10.0, 10.0)
         };
-        let work = (&NoJournal as &dyn Journal, &Progress::new());
+        let work: Work = (&NoJournal, &Progress::new());
         let stencils = interpolator.stencils(&[far, bent], work);
         assert_eq!(stencils, Ok(vec![None, None]));
     }

@@ -2,9 +2,7 @@
 
 use crate::deadline::GatherPace;
 use crate::gather::{GatherLight, GatherPass};
-use azulejo_trace::{
-    Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Journal, Progress, Termination, Work,
-};
+use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Termination, Work};
 use std::ops::Range;
 
 /// Indirect irradiance of a point, found in two ways, W/m².

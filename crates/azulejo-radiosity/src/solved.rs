@@ -15,8 +15,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Journal, Measure, NoJournal,
-    Progress, SplitIrradiance, Surfaces, Termination, Tracer, Work, journal,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, NoJournal, Progress,
+    SplitIrradiance, Surfaces, Termination, Tracer, Work, journal,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -67,7 +67,7 @@ pub fn radiosity(
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let purpose = PatchPurpose::Result;
-    let work = (&NoJournal as &dyn Journal, progress);
+    let work: Work = (&NoJournal, progress);
     let solved = SolvedPatches::new(&proxy, pass, purpose, work, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
