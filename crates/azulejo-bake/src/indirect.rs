@@ -155,7 +155,7 @@ pub fn look_again<E: From<Cancelled>>(
     direct: &SampleDirect,
     nodes: &NodeLattice,
     work: Work,
-    gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
+    gather: &mut PairGather<E>,
 ) -> Result<Vec<TexelLight>, E> {
     let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), work);
     paired.gather_new(gather)?;
@@ -177,7 +177,7 @@ pub fn with_indirect<E: From<Cancelled>>(
     goal: IndirectGoal,
     is_final: bool,
     work: Work,
-    gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
+    gather: &mut PairGather<E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
     let mut paired = PairedNodes::new(samples, direct, start.0, work);
     paired.gather_new(gather)?;
@@ -253,7 +253,8 @@ struct PairedNodes<'a> {
     work: Work<'a>,
 }
 
-type PairGather<'g, E> = dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E> + 'g;
+/// The light at the nodes of each request, in their order.
+pub type PairGather<'g, E> = dyn FnMut(&[PairRequest]) -> Result<Vec<Vec<NodePair>>, E> + 'g;
 
 impl<'a> PairedNodes<'a> {
     fn new(
@@ -277,12 +278,13 @@ impl<'a> PairedNodes<'a> {
         if !points.is_empty() {
             let rays = first_rays(self.nodes.lattice().len(), self.work.1);
             self.rays.resize(self.rays.len() + points.len(), rays);
-            self.pairs.extend(gather(&PairRequest {
+            let found = gather(&[PairRequest {
                 points: &points,
                 areas: &areas,
                 read: 0..rays.read,
                 traced: 0..rays.traced,
-            })?);
+            }])?;
+            self.pairs.extend(found.into_iter().flatten());
         }
         self.update()?;
         Ok(())
@@ -317,34 +319,46 @@ impl<'a> PairedNodes<'a> {
             }
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
-        let together = if self.work.1.has_deadline() {
-            BETWEEN_LOOKS
+        // All at once, so that processes that share the work meet once; before a deadline one part after the other.
+        let (together, at_once) = if self.work.1.has_deadline() {
+            (BETWEEN_LOOKS, 1)
         } else {
-            usize::MAX
+            (usize::MAX, alike.len().max(1))
         };
         let parts = alike.iter().flat_map(|(range, members)| {
             let parts = members.chunks(together.min(members.len()));
             parts.map(move |members| (*range, members))
         });
-        for ([read, to_read, traced, to_traced], members) in parts {
+        let parts: Vec<([u32; 4], &[usize])> = parts.collect();
+        for parts in parts.chunks(at_once) {
             if self.work.1.out_of_time() {
                 break;
             }
-            let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
-            let areas: Vec<f64> = members.iter().map(|&n| areas[n]).collect();
-            let more = gather(&PairRequest {
-                points: &points,
-                areas: &areas,
-                read: read..to_read,
-                traced: traced..to_traced,
-            })?;
-            let (read, traced) = (share(read, to_read), share(traced, to_traced));
-            for (&node, more) in members.iter().zip(more) {
-                self.rays[node] = rays[node];
-                let pair = &mut self.pairs[node];
-                pair.read = pair.read.blend(&more.read, read);
-                pair.few = pair.few.blend(&more.few, traced);
-                pair.traced = pair.traced.blend(&more.traced, traced);
+            let targets = parts.iter().map(|(_, members)| {
+                let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
+                let areas: Vec<f64> = members.iter().map(|&n| areas[n]).collect();
+                (points, areas)
+            });
+            let targets: Vec<(Vec<GatherPoint>, Vec<f64>)> = targets.collect();
+            let requests = parts.iter().zip(&targets).map(|((range, _), target)| {
+                let &[read, to_read, traced, to_traced] = range;
+                PairRequest {
+                    points: &target.0,
+                    areas: &target.1,
+                    read: read..to_read,
+                    traced: traced..to_traced,
+                }
+            });
+            let found = gather(&requests.collect::<Vec<_>>())?;
+            for (&([read, to_read, traced, to_traced], members), found) in parts.iter().zip(found) {
+                let (read, traced) = (share(read, to_read), share(traced, to_traced));
+                for (&node, more) in members.iter().zip(found) {
+                    self.rays[node] = rays[node];
+                    let pair = &mut self.pairs[node];
+                    pair.read = pair.read.blend(&more.read, read);
+                    pair.few = pair.few.blend(&more.few, traced);
+                    pair.traced = pair.traced.blend(&more.traced, traced);
+                }
             }
         }
         self.update()?;

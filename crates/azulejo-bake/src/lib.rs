@@ -62,8 +62,8 @@ pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use importance::{ChartImportance, chart_importance};
 pub use indirect::{
-    IndirectGoal, LookRequest, NodeLattice, PairRequest, TexelStatistics, first_look, look_again,
-    with_indirect,
+    IndirectGoal, LookRequest, NodeLattice, PairGather, PairRequest, TexelStatistics, first_look,
+    look_again, with_indirect,
 };
 pub use kept::kept_layout;
 pub use layout::{Layout, ReceiverLayout};

@@ -17,7 +17,7 @@ const RANKS: [usize; 5] = [1, 2, 4, 8, 16];
 const OVERSUBSCRIBED: usize = 8;
 
 /// Ranks of the predictions.
-const PREDICTED: [f64; 5] = [8.0, 64.0, 256.0, 1_000.0, 10_000.0];
+const PREDICTED: [f64; 5] = [8.0, 16.0, 64.0, 1_000.0, 10_000.0];
 
 /// A network as of clusters: seconds of one message, bytes per second.
 const NETWORK: [f64; 2] = [2e-6, 10e9];
@@ -37,6 +37,14 @@ struct Work {
     patches: [f64; 2],
     /// With which power of the patches its CPU time grows.
     growth: f64,
+    /// A work of the same kind of some CPU minutes, as one brings to a cluster, for which the model predicts.
+    larger: &'static str,
+}
+
+impl Work {
+    fn line_of(&self, patches: f64) -> String {
+        self.line.replace("{patches}", &patches.round().to_string())
+    }
 }
 
 const WORKS: [Work; 4] = [
@@ -45,24 +53,28 @@ const WORKS: [Work; 4] = [
         line: "form-factors examples/shapes.grf --patches {patches} --rays 16384 -o OUT.npz",
         patches: [2_000.0, 500.0],
         growth: 1.0,
+        larger: "form-factors examples/shapes.grf --patches 2000 --rays 131072 -o OUT.npz",
     },
     Work {
         name: "form-factors, formulas",
         line: "form-factors examples/shapes.grf --patches {patches} --engine analytic -o OUT.npz",
         patches: [900.0, 300.0],
         growth: 2.0,
+        larger: "form-factors examples/shapes.grf --patches 3600 --engine analytic -o OUT.npz",
     },
     Work {
         name: "solve, 0.4%",
         line: "solve examples/cornell.grf --patches {patches} --error 0.004 -o OUT.grf",
         patches: [4_000.0, 1_000.0],
         growth: 1.0,
+        larger: "solve examples/cornell.grf --patches 4000 --error 0.001 -o OUT.grf",
     },
     Work {
         name: "bake, 2%",
         line: "bake examples/cornell.grf --patches 500 --texels {patches} --error 0.02 -o OUT.glb",
         patches: [80_000.0, 20_000.0],
         growth: 1.0,
+        larger: "bake examples/cornell.grf --patches 500 --texels 80000 --rays 4096 -o OUT.glb",
     },
 ];
 
@@ -91,7 +103,12 @@ fn main() {
             run.print(strong.first().unwrap_or(&run));
             strong.push(run);
         }
-        predict(&strong, work);
+        if let Some(two) = strong.get(1) {
+            two.predict(&work.line_of(work.patches[0]));
+        }
+        if let Some(larger) = Run::of_line(work.larger, 2, &folder) {
+            larger.predict(work.larger);
+        }
         println!("  weak scaling");
         let mut first: Option<Run> = None;
         for &ranks in &counts {
@@ -133,7 +150,11 @@ struct RankCosts {
 
 impl Run {
     fn of(work: &Work, patches: f64, ranks: usize, folder: &Path) -> Option<Run> {
-        let line = work.line.replace("{patches}", &patches.round().to_string());
+        Run::of_line(&work.line_of(patches), ranks, folder)
+    }
+
+    /// `None` without MPI.
+    fn of_line(line: &str, ranks: usize, folder: &Path) -> Option<Run> {
         let line = line.replace("OUT", &folder.join("out").to_string_lossy());
         let mut command = azulejo_testing::mpiexec(ranks)?;
         command.arg(env!("CARGO_BIN_EXE_azulejo"));
@@ -196,48 +217,33 @@ impl Run {
             100.0 * first.cpu() / (count * most)
         );
     }
-}
 
-/// How many times as large the larger of the predicted works is.
-const LARGER: f64 = 100.0;
-
-/// The model: T(n) = s + p/n + c(n). What is not divided, s, is the time that rank 0 takes beside its blocks and
-/// waiting, of two ranks, each of which has a processor; p is the time that all take for blocks. Communication c(n) is
-/// the exchanges, each of which waits for the last and then passes through log₂ n ranks, the bytes that each rank
-/// receives, and rank 0 handing out blocks where that takes longer than computing them. In a work that is [`LARGER`], s
-/// and what is exchanged grow in proportion to the patches or points, and p as the work does; there are as many rounds.
-fn predict(strong: &[Run], work: &Work) {
-    let [_, two, ..] = strong else {
-        return;
-    };
-    let rank = &two.ranks[0];
-    let own = (two.wall - rank.divided - rank.waited).max(0.0);
-    let divided = two.sum(|r| r.divided);
-    let one = own + divided;
-    let blocks = two.sum(|r| r.blocks);
-    println!(
-        "  not divided {own:.3} s of {one:.2} s ({:.2}%), {} exchanges, {:.1} MB to each rank",
-        100.0 * own / one,
-        rank.exchanges,
-        rank.gathered * 1e-6
-    );
-    let time = |n: f64, size: f64| {
-        let [latency, bandwidth] = NETWORK;
-        let divided = divided * size.powf(work.growth);
-        let talk = rank.exchanges * (PAUSE + latency * n.log2()) + size * rank.gathered / bandwidth;
-        let handing = (size * blocks * HANDOUT - divided / n).max(0.0);
-        own * size + divided / n + talk + handing
-    };
-    for n in PREDICTED {
-        let efficiency = |size: f64| {
-            let alone = own * size + divided * size.powf(work.growth);
-            100.0 * alone / (n * time(n, size))
-        };
+    /// What the model says for more ranks, of a run of two, each of which had a processor: T(n) = s + p/n + c(n). What is
+    /// not divided, s, is the time that rank 0 takes beside its blocks and waiting; p is the time that all take for
+    /// blocks. Communication c(n) is the exchanges, each of which waits for the last and then passes through log₂ n
+    /// ranks, the bytes that each rank receives, and rank 0 handing out blocks where that takes longer than computing
+    /// them.
+    fn predict(&self, line: &str) {
+        let rank = &self.ranks[0];
+        let own = (self.wall - rank.divided - rank.waited).max(0.0);
+        let divided = self.sum(|r| r.divided);
+        let blocks = self.sum(|r| r.blocks);
+        println!("  {line}");
         println!(
-            "  predicted for {n:>6} ranks: {:>8.4} s, efficiency {:>3.0}%; of a work {LARGER} times as large {:>3.0}%",
-            time(n, 1.0),
-            efficiency(1.0),
-            efficiency(LARGER)
+            "  not divided {own:.3} s, divided {divided:.2} s: {:.2}%, {} exchanges, {:.1} MB to each rank",
+            100.0 * own / (own + divided),
+            rank.exchanges,
+            rank.gathered * 1e-6
         );
+        for n in PREDICTED {
+            let [latency, bandwidth] = NETWORK;
+            let talk = rank.exchanges * (PAUSE + latency * n.log2()) + rank.gathered / bandwidth;
+            let handing = (blocks * HANDOUT - divided / n).max(0.0);
+            let time = own + divided / n + talk + handing;
+            println!(
+                "  predicted for {n:>6} ranks: {time:>8.3} s, efficiency {:>3.0}%",
+                100.0 * (own + divided) / (n * time)
+            );
+        }
     }
 }

@@ -617,20 +617,25 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         self.progress.begin("irradiance", ways.len() as u64);
         ways.sort_unstable();
         ways.dedup();
-        for way in ways {
-            let chosen: Vec<u32> = (0..groups.len() as u32)
-                .filter(|&i| groups[i as usize] == way)
+        let chosen = |way: &Way| -> Vec<u32> {
+            let points = 0..groups.len() as u32;
+            points.filter(|&i| groups[i as usize] == *way).collect()
+        };
+        let of_ways: Vec<Vec<u32>> = ways.iter().map(chosen).collect();
+        for batch in batches(&ways, self.progress.has_deadline()) {
+            let (ways, of_ways) = (&ways[batch.clone()], &of_ways[batch]);
+            let pairs = ways.iter().zip(of_ways);
+            let together: Vec<PointGroup> = pairs
+                .map(|(way, chosen)| self.group_of(way, chosen))
                 .collect();
-            let (spent, total, termination, kind) = way;
-            let found = match kind {
-                PointKind::Record => self.gather_at(&chosen, spent..total, termination)?,
-                PointKind::Interpolated => self.gather_direct_at(&chosen, spent..total)?,
-            };
-            for (&i, new) in chosen.iter().zip(found) {
-                if let Some(new) = new {
-                    let share = f64::from(total - spent) / f64::from(total);
-                    all.values.add(i as usize, &new, share);
-                    all.spent[i as usize] = total;
+            let found = self.gather_groups(&together)?;
+            for ((&(spent, total, ..), chosen), found) in ways.iter().zip(of_ways).zip(found) {
+                for (&i, new) in chosen.iter().zip(found) {
+                    if let Some(new) = new {
+                        let share = f64::from(total - spent) / f64::from(total);
+                        all.values.add(i as usize, &new, share);
+                        all.spent[i as usize] = total;
+                    }
                 }
             }
         }
@@ -645,8 +650,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         rays: Range<u32>,
         termination: Termination,
     ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
-        let first = rays.start;
-        self.gather_until(|| self.is_over(first), chosen, rays, termination)
+        self.gather_group(self.irradiance_group(chosen, rays, termination))
     }
 
     /// Whether there is no time for rays from this one on: the first of a point have some grace.
@@ -657,56 +661,71 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
     }
 
-    /// Gathers once at all points with a range of their rays, whatever time it is.
-    pub fn gather_all(
+    /// Gathers once at each list of points with its range of their rays, in one loop that processes share; `None` where
+    /// time ran out, if that is minded.
+    pub fn gather_lists(
         &self,
-        rays: Range<u32>,
-        termination: Termination,
-    ) -> Result<Vec<SplitIrradiance>, Cancelled> {
-        let all: Vec<u32> = (0..self.points.len() as u32).collect();
-        let found = self.gather_until(|| false, &all, rays, termination)?;
-        Ok(found.into_iter().flatten().collect())
+        lists: &[PointList],
+        minds_time: bool,
+    ) -> Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> {
+        let groups = lists.iter().map(|list| PointGroup {
+            minds_time,
+            ..self.irradiance_group(&list.points, list.rays.clone(), list.termination)
+        });
+        self.gather_groups(&groups.collect::<Vec<_>>())
     }
 
-    fn gather_until(
-        &self,
-        is_over: impl Fn() -> bool + Sync,
-        chosen: &[u32],
+    /// Points that go the same way.
+    fn group_of<'g>(&'g self, way: &Way, chosen: &'g [u32]) -> PointGroup<'g> {
+        let &(spent, total, termination, kind) = way;
+        match kind {
+            PointKind::Record => self.irradiance_group(chosen, spent..total, termination),
+            PointKind::Interpolated => self.direct_group(chosen, spent..total),
+        }
+    }
+
+    /// Points whose irradiance is gathered with a range of their rays.
+    fn irradiance_group<'g>(
+        &'g self,
+        chosen: &'g [u32],
         rays: Range<u32>,
         termination: Termination,
-    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+    ) -> PointGroup<'g> {
         let (light, ending) = self.light.ending(termination);
         let options = self.options(&rays, ending);
         let directions = DirectionTables::new(&options);
-        let weight = options.rays;
-        self.in_chunks(chosen, weight, is_over, |points| {
-            let start = Instant::now();
-            let found = self
-                .gatherer
-                .gather_with(points, &options, &directions, light);
-            let rays = points.len() as u64 * u64::from(options.rays);
-            self.pace.add(termination, rays, start.elapsed());
-            found
-        })
+        PointGroup {
+            chosen,
+            rays,
+            minds_time: true,
+            gather: Box::new(move |points| {
+                let start = Instant::now();
+                let found = self
+                    .gatherer
+                    .gather_with(points, &options, &directions, light);
+                let rays = points.len() as u64 * u64::from(options.rays);
+                self.pace.add(termination, rays, start.elapsed());
+                found
+            }),
+        }
     }
 
-    /// As [`gather_at`](GatherPass::gather_at), direct light alone.
-    fn gather_direct_at(
-        &self,
-        chosen: &[u32],
-        rays: Range<u32>,
-    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+    /// Points at which direct light alone is gathered.
+    fn direct_group<'g>(&'g self, chosen: &'g [u32], rays: Range<u32>) -> PointGroup<'g> {
         let options = self.options(&rays, Termination::Radiosity);
         let split = |direct| SplitIrradiance {
             direct,
             indirect: Gathered::default(),
         };
-        let first = rays.start;
-        let is_over = || self.is_over(first);
-        self.in_chunks(chosen, options.rays, is_over, |points| {
-            let direct = self.gatherer.gather_direct(points, &options);
-            direct.into_iter().map(split).collect()
-        })
+        PointGroup {
+            chosen,
+            rays,
+            minds_time: true,
+            gather: Box::new(move |points| {
+                let direct = self.gatherer.gather_direct(points, &options);
+                direct.into_iter().map(split).collect()
+            }),
+        }
     }
 
     fn options(&self, rays: &Range<u32>, termination: Termination) -> GatherOptions {
@@ -718,30 +737,91 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
     }
 
-    /// `rays` are those of each point, for the size of blocks that processes share.
-    fn in_chunks(
+    fn gather_group(&self, group: PointGroup) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let found = self.gather_groups(&[group])?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    /// Gathers at the points of all groups, in one loop that processes share; `None` where time ran out.
+    fn gather_groups(
         &self,
-        chosen: &[u32],
-        rays: u32,
-        is_over: impl Fn() -> bool + Sync,
-        gather: impl Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync,
-    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
-        let chunks: Vec<&[u32]> = chosen.chunks(CHUNK).collect();
-        let of_chunk = |&chunk: &usize| {
-            let chunk = chunks[chunk];
+        groups: &[PointGroup],
+    ) -> Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> {
+        let of_group = |(number, group): (usize, &PointGroup)| {
+            let size = CHUNK * step_chunks(group.rays.len() as u32);
+            let starts = (0..group.chosen.len()).step_by(size);
+            let end = |start: usize| (start + size).min(group.chosen.len());
+            starts
+                .map(move |start| (number, start..end(start)))
+                .collect::<Vec<_>>()
+        };
+        let pieces: Vec<(usize, Range<usize>)> =
+            groups.iter().enumerate().flat_map(of_group).collect();
+        let of_chunk = |group: &PointGroup, chunk: &[u32]| {
             self.progress.advance(chunk.len() as u64)?;
-            if is_over() {
-                return Ok(PointChunk(vec![None; chunk.len()]));
+            if group.minds_time && self.is_over(group.rays.start) {
+                return Ok(vec![None; chunk.len()]);
             }
             let points: Vec<GatherPoint> = chunk.iter().map(|&i| self.points[i as usize]).collect();
-            Ok(PointChunk(gather(&points).into_iter().map(Some).collect()))
+            Ok((group.gather)(&points).into_iter().map(Some).collect())
         };
-        let size = (chunks.len(), step_chunks(rays));
-        let found = shared(self.journal, size, self.progress, |wanted| {
-            wanted.par_iter().map(of_chunk).collect()
+        let of_piece = |&piece: &usize| {
+            let (number, range) = &pieces[piece];
+            let group = &groups[*number];
+            let chunks = group.chosen[range.clone()].par_chunks(CHUNK);
+            let found: Result<Vec<Vec<_>>, Cancelled> =
+                chunks.map(|chunk| of_chunk(group, chunk)).collect();
+            Ok(PointChunk(found?.concat()))
+        };
+        let found = shared(self.journal, (pieces.len(), 1), self.progress, |wanted| {
+            wanted.par_iter().map(of_piece).collect()
         })?;
-        Ok(found.into_iter().flat_map(|chunk| chunk.0).collect())
+        let mut of_groups: Vec<Vec<Option<SplitIrradiance>>> = vec![Vec::new(); groups.len()];
+        for ((number, _), piece) in pieces.iter().zip(found) {
+            of_groups[*number].extend(piece.0);
+        }
+        Ok(of_groups)
     }
+}
+
+/// Ways that are gathered in one loop, so that processes that share the work meet once: as many as leave the tables
+/// of directions small; before a deadline one after the other, those of fewest rays first.
+fn batches(ways: &[Way], has_deadline: bool) -> Vec<Range<usize>> {
+    let mut batches: Vec<Range<usize>> = Vec::new();
+    let mut rays = 0;
+    for (number, &(spent, total, ..)) in ways.iter().enumerate() {
+        rays += total - spent;
+        match batches.last_mut() {
+            Some(batch) if rays <= MOST_RAYS && !has_deadline => batch.end = number + 1,
+            _ => {
+                rays = total - spent;
+                batches.push(number..number + 1);
+            }
+        }
+    }
+    batches
+}
+
+/// Points that are gathered alike, all of them.
+pub struct PointList {
+    /// Their numbers.
+    pub points: Vec<u32>,
+    /// Which rays of each.
+    pub rays: Range<u32>,
+    /// How their paths end.
+    pub termination: Termination,
+}
+
+/// Points that are gathered alike.
+struct PointGroup<'g> {
+    /// Their numbers.
+    chosen: &'g [u32],
+    /// Which rays of each.
+    rays: Range<u32>,
+    /// Whether points are left out once time is over.
+    minds_time: bool,
+    /// The light of some of them.
+    gather: Box<dyn Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync + 'g>,
 }
 
 /// Rays of a block that a journal stores, about, and fewest and most of its chunks.
@@ -799,4 +879,27 @@ fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
         .find(enough)
         .unwrap_or(most)
         .clamp(spent, most.max(spent))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_are_gathered_together_while_their_tables_are_small() {
+        let way =
+            |(spent, total): (u32, u32)| (spent, total, Termination::Radiosity, PointKind::Record);
+        let of = |rays: &[(u32, u32)], has_deadline: bool| {
+            let ways: Vec<Way> = rays.iter().copied().map(way).collect();
+            batches(&ways, has_deadline)
+        };
+        assert_eq!(of(&[], false), []);
+        assert_eq!(of(&[(0, 128), (0, 256), (128, 512)], false), [0..3]);
+        assert_eq!(of(&[(0, 128), (0, 256)], true), [0..1, 1..2]);
+        let most = MOST_RAYS;
+        assert_eq!(
+            of(&[(0, 1), (0, most), (0, most - 1), (5, 6)], false),
+            [0..1, 1..2, 2..4]
+        );
+    }
 }

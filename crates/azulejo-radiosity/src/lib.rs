@@ -50,7 +50,7 @@ pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
 pub use fine_light::IrradianceField;
-pub use path_pairs::{PairRange, PathPair};
+pub use path_pairs::{PairTargets, PathPair};
 pub use preview::{Preview, PreviewStage};
 pub use sides::StoredSides;
 pub use solve::{

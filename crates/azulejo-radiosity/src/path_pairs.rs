@@ -1,7 +1,7 @@
 //! Irradiance from light that is read, beside path traced irradiance from the same directions.
 
 use crate::deadline::GatherPace;
-use crate::gather::{GatherLight, GatherPass};
+use crate::gather::{GatherLight, GatherPass, PointList};
 use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Termination, Work};
 use std::ops::Range;
 
@@ -16,54 +16,88 @@ pub struct PathPair {
     pub traced: Gathered,
 }
 
-/// Which rays of every point.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PairRange {
-    /// Those that read light.
+/// Points that get the same rays.
+#[derive(Clone, Debug)]
+pub struct PairTargets<'a> {
+    /// Where.
+    pub points: &'a [GatherPoint],
+    /// Which rays of each read light.
     pub read: Range<u32>,
-    /// Those that are path traced.
+    /// Which rays of each are path traced.
     pub traced: Range<u32>,
 }
 
 /// Gathers at all points in both ways, whatever time it is: a point without light would be dark. Direct light is
-/// left out.
+/// left out. All in one loop that processes share.
 ///
 /// # Errors
 /// The caller cancelled.
 pub(crate) fn gather_pairs(
     gatherer: &Gatherer,
     light: GatherLight<impl DiffuseLight>,
-    points: &[GatherPoint],
-    rays: &PairRange,
+    targets: &[PairTargets],
     seed: u32,
     (journal, progress): Work,
-) -> Result<Vec<PathPair>, Cancelled> {
+) -> Result<Vec<Vec<PathPair>>, Cancelled> {
+    let points: Vec<GatherPoint> = targets.iter().flat_map(|t| t.points).copied().collect();
     let pass = GatherPass {
         gatherer,
         light,
-        points,
+        points: &points,
         journal,
         pace: &GatherPace::default(),
         seed,
         progress,
     };
     progress.begin("irradiance", 3 * points.len() as u64);
-    let indirect = |rays: &Range<u32>, termination| -> Result<Vec<Gathered>, Cancelled> {
-        if rays.is_empty() {
-            return Ok(vec![Gathered::default(); points.len()]);
-        }
-        let found = pass.gather_all(rays.clone(), termination)?;
-        Ok(found.into_iter().map(|f| f.indirect).collect())
+    let mut lists = Vec::new();
+    let mut first = 0;
+    for target in targets {
+        let all = first..first + target.points.len() as u32;
+        first = all.end;
+        let mut add = |rays: &Range<u32>, termination| {
+            // Without rays there is nothing to gather.
+            let points = if rays.start < rays.end {
+                all.clone().collect()
+            } else {
+                Vec::new()
+            };
+            let rays = rays.clone();
+            lists.push(PointList {
+                points,
+                rays,
+                termination,
+            });
+        };
+        add(&target.read, Termination::Radiosity);
+        // Where all rays are path traced, those that read light are the same.
+        let few = if target.read == target.traced {
+            &(0..0)
+        } else {
+            &target.traced
+        };
+        add(few, Termination::Radiosity);
+        add(&target.traced, Termination::Roulette);
+    }
+    let mut found = pass.gather_lists(&lists, false)?.into_iter();
+    let mut next = |count: usize| -> Vec<Gathered> {
+        let list = found.next().unwrap_or_default();
+        let indirect = list.into_iter().flatten().map(|f| f.indirect);
+        let mut light: Vec<Gathered> = indirect.collect();
+        light.resize(count, Gathered::default());
+        light
     };
-    let read = indirect(&rays.read, Termination::Radiosity)?;
-    let few = if rays.read == rays.traced {
-        read.clone()
-    } else {
-        indirect(&rays.traced, Termination::Radiosity)?
-    };
-    let traced = indirect(&rays.traced, Termination::Roulette)?;
-    let pairs = read.into_iter().zip(few).zip(traced);
-    Ok(pairs
-        .map(|((read, few), traced)| PathPair { read, few, traced })
-        .collect())
+    let pairs = targets.iter().map(|target| {
+        let count = target.points.len();
+        let (read, few, traced) = (next(count), next(count), next(count));
+        let few = if target.read == target.traced {
+            read.clone()
+        } else {
+            few
+        };
+        let all = read.into_iter().zip(few).zip(traced);
+        all.map(|((read, few), traced)| PathPair { read, few, traced })
+            .collect()
+    });
+    Ok(pairs.collect())
 }

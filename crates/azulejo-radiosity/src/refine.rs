@@ -131,8 +131,8 @@ pub fn refine(
 
 /// X R₀ of every unknown, for each replicate.
 fn arriving(system: &System, reference: &[Rgb]) -> Result<Vec<Vec<Rgb>>, Cancelled> {
-    let of = |r: usize| system.arriving(r, reference);
-    (0..REPLICATES).map(of).collect()
+    let light: Vec<(usize, &[Rgb])> = (0..REPLICATES).map(|r| (r, reference)).collect();
+    system.arriving(&light)
 }
 
 fn rgb(v: &[f32; 3]) -> Rgb {

@@ -2,7 +2,7 @@
 
 use crate::fine_light::IrradianceField;
 use crate::gather::{GatherEffort, GatherLight, GatherTargets, Gathering, gather, gather_split};
-use crate::path_pairs::{PairRange, PathPair, gather_pairs};
+use crate::path_pairs::{PairTargets, PathPair, gather_pairs};
 use crate::solve::{Estimate, FirstPass, PatchPurpose, Report, SolveError};
 use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
@@ -173,12 +173,11 @@ impl<'a> SolvedLight<'a> {
     /// The caller cancelled.
     pub fn path_pairs(
         &self,
-        points: &[GatherPoint],
+        targets: &[PairTargets],
         fine: Option<&dyn IrradianceField>,
-        rays: &PairRange,
         seed: u32,
         progress: &Progress,
-    ) -> Result<Vec<PathPair>, SolveError> {
+    ) -> Result<Vec<Vec<PathPair>>, SolveError> {
         let light = self.solved.light(&self.pass);
         let light = match fine {
             Some(field) => light.with_fine(field),
@@ -188,8 +187,7 @@ impl<'a> SolvedLight<'a> {
         Ok(gather_pairs(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
-            points,
-            rays,
+            targets,
             hash(&[self.pass.key(), 2, seed]),
             (self.journal, progress),
         )?)

@@ -308,79 +308,106 @@ impl<'j> System<'j> {
             + self.unknowns.len() * size_of::<Unknown>()
     }
 
-    /// Solves the system of one replicate: R per side, W/m².
+    /// Solves the system of each replicate: R per side, W/m².
     ///
     /// Jacobi iteration from R = ρ H₀, one bounce of light per iteration, until the residual is
-    /// below `tolerance` or `bounces` are done. It converges since max ρ_d/(1 − ρ_s) < 1.
+    /// below `tolerance` or `bounces` are done. It converges since max ρ_d/(1 − ρ_s) < 1. All replicates take their
+    /// bounces at once, so that processes that share the rows meet once for each.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn solve(
+    fn solve(
         &self,
-        replicate: usize,
         bounces: Option<u32>,
         tolerance: f64,
         progress: &Progress,
-    ) -> Result<(Vec<Rgb>, Convergence), Cancelled> {
+    ) -> Result<Vec<(Vec<Rgb>, Convergence)>, Cancelled> {
         let most = bounces.unwrap_or(MOST_ITERATIONS);
-        let mut reflected = vec![Rgb::BLACK; self.sides];
-        let mut state = Convergence {
+        let start = Convergence {
             iterations: 0,
             residual: 0.0,
             is_reached: false,
         };
-        while state.iterations < most {
+        let mut all = vec![(vec![Rgb::BLACK; self.sides], start); REPLICATES];
+        loop {
             progress.advance(0)?;
-            let arriving = self.arriving(replicate, &reflected)?;
-            let next = self
-                .unknowns
-                .iter()
-                .zip(arriving)
-                .map(|(u, h)| u.reflectance * (u.unbounced(replicate) + h));
-            let (mut change, mut largest) = (0f64, 0f64);
-            for (u, value) in self.unknowns.iter().zip(next) {
-                let old = &mut reflected[u.side as usize];
-                change = change.max((value - *old).map(f64::abs).max_channel());
-                largest = largest.max(value.max_channel());
-                *old = value;
+            let is_open = |state: &Convergence| !state.is_reached && state.iterations < most;
+            let open = all.iter().enumerate();
+            let open = open.filter(|(_, (_, state))| is_open(state));
+            let open: Vec<(usize, &[Rgb])> = open.map(|(r, (light, _))| (r, &light[..])).collect();
+            if open.is_empty() {
+                return Ok(all);
             }
-            state.iterations += 1;
-            state.residual = if largest > 0.0 { change / largest } else { 0.0 };
-            progress.measured(state.measure(replicate));
-            if state.residual <= tolerance {
-                state.is_reached = true;
-                break;
+            let replicates: Vec<usize> = open.iter().map(|(r, _)| *r).collect();
+            let arriving = self.arriving(&open)?;
+            for (replicate, arriving) in replicates.into_iter().zip(arriving) {
+                let (reflected, state) = &mut all[replicate];
+                self.bounce(replicate, arriving, reflected, state);
+                state.is_reached = state.residual <= tolerance;
+                progress.measured(state.measure(replicate));
             }
         }
-        Ok((reflected, state))
     }
 
-    /// Irradiance of every unknown by light `reflected` from each side: 28 bytes of each row go to all
-    /// processes.
+    /// One bounce more of the light `reflected` from each side, which arrives at every unknown.
+    fn bounce(
+        &self,
+        replicate: usize,
+        arriving: Vec<Rgb>,
+        reflected: &mut [Rgb],
+        state: &mut Convergence,
+    ) {
+        let next = self
+            .unknowns
+            .iter()
+            .zip(arriving)
+            .map(|(u, h)| u.reflectance * (u.unbounced(replicate) + h));
+        let (mut change, mut largest) = (0f64, 0f64);
+        for (u, value) in self.unknowns.iter().zip(next) {
+            let old = &mut reflected[u.side as usize];
+            change = change.max((value - *old).map(f64::abs).max_channel());
+            largest = largest.max(value.max_channel());
+            *old = value;
+        }
+        state.iterations += 1;
+        state.residual = if largest > 0.0 { change / largest } else { 0.0 };
+    }
+
+    /// Irradiance of every unknown by light reflected from each side, for some replicates, with that of each: 28
+    /// bytes of each row and replicate go to all processes.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub(crate) fn arriving(
         &self,
-        replicate: usize,
-        reflected: &[Rgb],
-    ) -> Result<Vec<Rgb>, Cancelled> {
-        let matrix = &self.matrices[replicate];
-        let found = matrix.map_rows(|i| matrix.row_times(i, reflected));
-        let mut all = vec![Rgb::BLACK; self.unknowns.len()];
+        reflected: &[(usize, &[Rgb])],
+    ) -> Result<Vec<Vec<Rgb>>, Cancelled> {
+        let of_rows = |&(replicate, light): &(usize, &[Rgb])| {
+            let matrix = &self.matrices[replicate];
+            matrix.map_rows(|i| matrix.row_times(i, light))
+        };
+        self.journal.begins_part();
+        let found: Vec<Vec<Rgb>> = reflected.iter().map(of_rows).collect();
+        let mut all = vec![vec![Rgb::BLACK; self.unknowns.len()]; reflected.len()];
         if self.journal.processes() == 1 {
-            for (&i, h) in self.rows.iter().zip(found) {
-                all[i as usize] = h;
+            for (all, found) in all.iter_mut().zip(found) {
+                for (&i, h) in self.rows.iter().zip(found) {
+                    all[i as usize] = h;
+                }
             }
             return Ok(all);
         }
-        let own: Vec<(u32, Rgb)> = self.rows.iter().copied().zip(found).collect();
         let mut bytes = Vec::new();
-        own.write(&mut bytes);
+        self.rows.write(&mut bytes);
+        found.write(&mut bytes);
         for bytes in self.journal.all_gather(bytes)? {
-            let found = Vec::<(u32, Rgb)>::read(&mut RecordReader::new(&bytes));
-            for (i, h) in found.ok_or(Cancelled)? {
-                all[i as usize] = h;
+            let mut reader = RecordReader::new(&bytes);
+            let rows = Vec::<u32>::read(&mut reader).ok_or(Cancelled)?;
+            let found = Vec::<Vec<Rgb>>::read(&mut reader).ok_or(Cancelled)?;
+            for (all, found) in all.iter_mut().zip(found) {
+                for (&i, h) in rows.iter().zip(found) {
+                    all[i as usize] = h;
+                }
             }
         }
         Ok(all)
@@ -457,10 +484,13 @@ impl System<'_> {
     ) -> Result<RadiositySolution, Cancelled> {
         progress.begin("bounces", REPLICATES as u64);
         let mut found = RadiositySolution::new(self.sides);
-        for r in 0..REPLICATES {
-            let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
+        let solved = self.solve(bounces, TOLERANCE, progress)?;
+        let light = solved.iter().enumerate();
+        let light: Vec<(usize, &[Rgb])> = light.map(|(r, (light, _))| (r, &light[..])).collect();
+        let arriving = self.arriving(&light)?;
+        for (r, ((solution, state), arriving)) in solved.into_iter().zip(arriving).enumerate() {
             let mut incident = vec![Rgb::BLACK; self.sides];
-            for (u, h) in self.unknowns.iter().zip(self.arriving(r, &solution)?) {
+            for (u, h) in self.unknowns.iter().zip(arriving) {
                 incident[u.side as usize] = u.unbounced(r) + h;
             }
             found.add_replicate(solution, &incident, state);

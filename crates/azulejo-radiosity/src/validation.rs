@@ -4,7 +4,7 @@
 use crate::deadline::{
     FEWEST_RAYS, StratumWays, best_ways, hasty_rays, planned_seconds, seconds_for,
 };
-use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
+use crate::gather::{FIRST_RAYS, GatherPass, Gathering, PointList};
 use crate::strata::StratumError;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseLight, SplitIrradiance, Termination};
@@ -49,6 +49,14 @@ enum Verdict {
     Open(f64, f64),
 }
 
+/// A sample that was gathered both ways.
+struct Compared {
+    /// Rays of each point.
+    spent: u32,
+    sample: Vec<Comparison>,
+    verdict: Verdict,
+}
+
 impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Decides for every stratum whether it may read patches, to reach `goal`, and path traces those
     /// that may not. Without a goal, all read patches, and their error is measured until what is not known of it
@@ -66,13 +74,23 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         if goal.is_some() && self.progress.has_deadline() {
             return self.validate_in_time(all, &permitted, most);
         }
-        for (stratum, permitted) in permitted.into_iter().enumerate() {
-            if all.strata.termination(stratum) == Termination::Roulette {
-                continue;
-            }
+        let reads =
+            |(stratum, _): &(usize, f64)| all.strata.termination(*stratum) != Termination::Roulette;
+        let strata: Vec<(usize, f64)> = permitted.into_iter().enumerate().filter(reads).collect();
+        let samples = strata.iter().map(|&(stratum, permitted)| {
             let sample = self.sample(all.strata.points(stratum));
-            let allowed = SHARE * SHARE * permitted;
-            let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
+            (sample, SHARE * SHARE * permitted)
+        });
+        let compared = self.compare(all, samples.collect(), most)?;
+        for (
+            (stratum, _),
+            Compared {
+                spent,
+                sample,
+                verdict,
+            },
+        ) in strata.into_iter().zip(compared)
+        {
             match verdict {
                 Verdict::Bad(found) if goal.is_some() && !self.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
@@ -105,7 +123,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             self.progress.limit_phase(COMPARISON_SHARE / rest);
             let sample = self.sample(all.strata.points(stratum));
             let allowed = SHARE * SHARE * permitted_here;
-            let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
+            let Some(Compared {
+                spent,
+                sample,
+                verdict,
+            }) = self.compare(all, vec![(sample, allowed)], most)?.pop()
+            else {
+                continue;
+            };
             let (square, is_bad) = match verdict {
                 Verdict::Good(square) => (square, false),
                 Verdict::Bad(square) => (square, true),
@@ -207,16 +232,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         keyed.iter().take(SAMPLE).map(new).collect()
     }
 
-    /// Gathers a sample both ways until it is clear whether the difference is within `allowed`: rays
-    /// spent, the sample, and the verdict.
+    /// Gathers samples both ways until it is clear whether the difference of each is within what is allowed for
+    /// it: all that are not clear together, so that processes that share the work meet seldom.
     fn compare(
         &self,
         all: &Gathering,
-        mut sample: Vec<Comparison>,
-        allowed: f64,
+        samples: Vec<(Vec<Comparison>, f64)>,
         most: u32,
-    ) -> Result<(u32, Vec<Comparison>, Verdict), Cancelled> {
-        let chosen: Vec<u32> = sample.iter().map(|c| c.point).collect();
+    ) -> Result<Vec<Compared>, Cancelled> {
         let most = most.min(MOST_SAMPLE_RAYS);
         let first = if self.progress.has_deadline() {
             FIRST_RAYS / 2
@@ -224,26 +247,52 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             2 * FIRST_RAYS
         };
         let (mut spent, mut next) = (0, first.min(most));
+        let compared = |(sample, allowed)| {
+            let verdict = Verdict::Open(0.0, 0.0);
+            let start = Compared {
+                spent,
+                sample,
+                verdict,
+            };
+            (start, allowed, true)
+        };
+        let mut samples: Vec<(Compared, f64, bool)> = samples.into_iter().map(compared).collect();
         loop {
-            self.progress
-                .begin("comparing with paths", 2 * chosen.len() as u64);
-            let patches = self.gather_at(&chosen, spent..next, Termination::Radiosity)?;
-            let paths = self.gather_at(&chosen, spent..next, Termination::Roulette)?;
-            let share = f64::from(next - spent) / f64::from(next);
-            for (known, (patches, paths)) in sample.iter_mut().zip(patches.iter().zip(&paths)) {
-                if let (Some(patches), Some(paths)) = (patches, paths) {
-                    known.patches = known.patches.blend(patches, share);
-                    known.paths = known.paths.blend(paths, share);
-                }
+            let mut open: Vec<_> = samples.iter_mut().filter(|sample| sample.2).collect();
+            if open.is_empty() {
+                return Ok(samples.into_iter().map(|sample| sample.0).collect());
             }
+            let ways = [Termination::Radiosity, Termination::Roulette];
+            let lists = open.iter().flat_map(|(compared, ..)| {
+                ways.map(|termination| PointList {
+                    points: compared.sample.iter().map(|c| c.point).collect(),
+                    rays: spent..next,
+                    termination,
+                })
+            });
+            let lists: Vec<PointList> = lists.collect();
+            let points: usize = lists.iter().map(|list| list.points.len()).sum();
+            self.progress.begin("comparing with paths", points as u64);
+            let found = self.gather_lists(&lists, true)?;
+            let share = f64::from(next - spent) / f64::from(next);
             spent = next;
             let is_last = spent >= most || self.progress.phase_is_over();
-            let mut verdict = judge(all, &sample, allowed);
-            if let (Verdict::Bad(found), true) = (&verdict, spent < LEAST_SURE && !is_last) {
-                verdict = Verdict::Open(*found, *found);
-            }
-            if is_last || !matches!(verdict, Verdict::Open(..)) {
-                return Ok((spent, sample, verdict));
+            for ((compared, allowed, is_open), found) in open.iter_mut().zip(found.chunks(2)) {
+                compared.spent = spent;
+                let (patches, paths) = (found[0].iter(), found[1].iter());
+                for (known, (patches, paths)) in compared.sample.iter_mut().zip(patches.zip(paths))
+                {
+                    if let (Some(patches), Some(paths)) = (patches, paths) {
+                        known.patches = known.patches.blend(patches, share);
+                        known.paths = known.paths.blend(paths, share);
+                    }
+                }
+                let mut verdict = judge(all, &compared.sample, *allowed);
+                if let (Verdict::Bad(found), true) = (&verdict, spent < LEAST_SURE && !is_last) {
+                    verdict = Verdict::Open(*found, *found);
+                }
+                *is_open = !is_last && matches!(verdict, Verdict::Open(..));
+                compared.verdict = verdict;
             }
             next = (2 * spent).min(most);
         }

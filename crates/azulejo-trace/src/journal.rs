@@ -133,6 +133,10 @@ pub trait Journal: Sync {
         Ok(Blocks::new())
     }
 
+    /// Says that what follows, until this process asks for something, is its part of a work that is divided though
+    /// not in blocks: for journals that measure what is not.
+    fn begins_part(&self) {}
+
     /// The bytes that each process gives, in their order.
     ///
     /// # Errors

@@ -243,6 +243,10 @@ impl Journal for RankJournal {
         }
     }
 
+    fn begins_part(&self) {
+        self.link.begins_part();
+    }
+
     fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
         self.link.all_gather(own)
     }

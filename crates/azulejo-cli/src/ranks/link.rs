@@ -62,7 +62,7 @@ struct LinkEnds {
     requests: Sender<Request>,
     replies: Receiver<Reply>,
     traffic: Traffic,
-    /// When it was handed the blocks that it computes now.
+    /// When the work was handed the blocks that it computes now, or began its part.
     handed: Option<Instant>,
 }
 
@@ -79,7 +79,7 @@ pub struct Traffic {
     pub blocks: u64,
     /// Seconds in which its work waited.
     pub waited: f64,
-    /// Seconds in which its work was busy with blocks: what is left of all its time beside these and those in which it
+    /// Seconds in which its work was busy with blocks or its part of rows: what is left of all its time beside these and those in which it
     /// waited, each rank does by itself.
     pub divided: f64,
 }
@@ -168,6 +168,12 @@ impl Link {
     /// Says that the work has ended.
     pub fn end(&self, failure: Option<String>, status: u8) {
         self.say(Request::Ended(failure, status));
+    }
+
+    /// From now on, until it asks for something, the work is busy with its part.
+    pub fn begins_part(&self) {
+        let mut ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        ends.handed = Some(Instant::now());
     }
 
     /// What it has exchanged so far.

@@ -60,13 +60,21 @@ fn every_encoding_is_the_same_scene() {
     }
 }
 
+/// Places in a file: all of a small one, of others some, in all parts and at even and odd distances.
+fn places(length: usize) -> impl Iterator<Item = usize> {
+    const MOST: usize = 400;
+    let step = length.div_ceil(MOST) | 1;
+    (0..length).step_by(step)
+}
+
 /// What is cut off is an error, unless whole sections or only a part of the last word are missing.
 #[test]
 fn cut_files_are_refused() {
     for (name, bytes) in files() {
         let expected = load(&name, &bytes).scene;
-        let mut refused = 0;
-        for end in 0..bytes.len() {
+        let (mut refused, mut all) = (0, 0);
+        for end in places(bytes.len()) {
+            all += 1;
             match read(&bytes[..end], &name, &Memory::new()) {
                 Err(_) => refused += 1,
                 Ok(model) => {
@@ -82,7 +90,7 @@ fn cut_files_are_refused() {
                 }
             }
         }
-        assert!(refused > bytes.len() / 2, "{name}: {refused}");
+        assert!(refused > all / 2, "{name}: {refused} of {all}");
     }
 }
 
@@ -90,7 +98,7 @@ fn cut_files_are_refused() {
 #[test]
 fn changed_bytes_are_harmless() {
     for (name, bytes) in files() {
-        for at in 0..bytes.len() {
+        for at in places(bytes.len()) {
             let mut bytes = bytes.clone();
             // A digit becomes another one, or a small number a large one.
             bytes[at] ^= if at % 2 == 0 { 0x01 } else { 0x80 };

@@ -212,6 +212,10 @@ impl Journal for CountedJournal<'_> {
         self.journal.of_others(stage, own)
     }
 
+    fn begins_part(&self) {
+        self.journal.begins_part();
+    }
+
     fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
         self.journal.all_gather(own)
     }

@@ -5,7 +5,7 @@ use azulejo_bake::{
     Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
     ShownSamples, TexelField, TexelLight, TexelStatistics,
 };
-use azulejo_radiosity::{IrradianceField, PairRange, PathPair, SolveError, SolvedLight};
+use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
 use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Work};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
@@ -100,17 +100,13 @@ impl IndirectLight<'_> {
         let mut look = |request: &LookRequest| {
             let is_late = self.work.1.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
-            let range = PairRange {
-                read: 0..rays,
-                traced: 0..0,
-            };
-            let found = self.pairs(request.points, None, &range, 0)?;
-            Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
+            Ok::<_, SolveError>(self.read_at(request.points, None, rays, 0)?)
         };
         let (mut light, nodes) =
             azulejo_bake::first_look(samples, direct, goal, self.work, &mut look)?;
         if self.bounces.is_some() {
-            let mut gather = |request: &PairRequest| self.limited(request);
+            let mut gather =
+                |requests: &[PairRequest]| requests.iter().map(|r| self.limited(r)).collect();
             let found = azulejo_bake::with_indirect(
                 samples,
                 direct,
@@ -128,12 +124,12 @@ impl IndirectLight<'_> {
             }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             drop(std::mem::take(&mut light));
-            let mut gather = |request: &PairRequest| self.paired(request, &field, number);
+            let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, number);
             light = azulejo_bake::look_again(samples, direct, &nodes, self.work, &mut gather)?;
         }
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
-        let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
+        let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, LOOKS + 1);
         azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.work, &mut gather)
     }
 
@@ -184,12 +180,7 @@ impl IndirectLight<'_> {
                 .solved
                 .indirect(points, &areas, error, LOOKS + 2, self.work.1);
         }
-        let range = PairRange {
-            read: 0..FIRST_RAYS,
-            traced: 0..0,
-        };
-        let found = self.pairs(points, Some(&FieldOfTexels(field)), &range, LOOKS + 2)?;
-        Ok(found.into_iter().map(|pair| pair.read).collect())
+        self.read_at(points, Some(&FieldOfTexels(field)), FIRST_RAYS, LOOKS + 2)
     }
 
     /// Root mean square of the direct light that texels are too coarse for, W/m², about.
@@ -223,33 +214,46 @@ impl IndirectLight<'_> {
 
     fn paired(
         &self,
-        request: &PairRequest,
+        requests: &[PairRequest],
         field: &TexelField,
         look: u32,
-    ) -> Result<Vec<NodePair>, SolveError> {
-        let range = PairRange {
+    ) -> Result<Vec<Vec<NodePair>>, SolveError> {
+        let targets = requests.iter().map(|request| PairTargets {
+            points: request.points,
             read: request.read.clone(),
             traced: request.traced.clone(),
-        };
-        self.pairs(request.points, Some(&FieldOfTexels(field)), &range, look)
-    }
-
-    fn pairs(
-        &self,
-        points: &[GatherPoint],
-        field: Option<&dyn IrradianceField>,
-        range: &PairRange,
-        look: u32,
-    ) -> Result<Vec<NodePair>, SolveError> {
+        });
+        let targets: Vec<PairTargets> = targets.collect();
+        let field = FieldOfTexels(field);
         let found = self
             .solved
-            .path_pairs(points, field, range, look, self.work.1)?;
+            .path_pairs(&targets, Some(&field), look, self.work.1)?;
         let pair = |pair: PathPair| NodePair {
             read: pair.read,
             few: pair.few,
             traced: pair.traced,
         };
-        Ok(found.into_iter().map(pair).collect())
+        let of_request = |found: Vec<PathPair>| found.into_iter().map(pair).collect();
+        Ok(found.into_iter().map(of_request).collect())
+    }
+
+    /// The light at points by so many rays that read that of patches, or `field`.
+    fn read_at(
+        &self,
+        points: &[GatherPoint],
+        field: Option<&dyn IrradianceField>,
+        rays: u32,
+        look: u32,
+    ) -> Result<Vec<Gathered>, SolveError> {
+        let targets = PairTargets {
+            points,
+            read: 0..rays,
+            traced: 0..0,
+        };
+        let found = self
+            .solved
+            .path_pairs(&[targets], field, look, self.work.1)?;
+        Ok(found.into_iter().flatten().map(|pair| pair.read).collect())
     }
 
     /// Where bounces are limited, all is path traced.

@@ -8,8 +8,8 @@ use super::{
     receivers_of,
 };
 use azulejo_bake::{
-    Hemispheres, IndirectGoal, NodePair, SampleDirect, Samples, ShownSamples, TexelLight,
-    TexelStatistics,
+    Hemispheres, IndirectGoal, NodePair, PairRequest, SampleDirect, Samples, ShownSamples,
+    TexelLight, TexelStatistics,
 };
 use azulejo_radiosity::SolveError;
 use azulejo_scene::Scene;
@@ -130,13 +130,16 @@ fn to_error(
         hemispheres.free(request.points, FEW_STRATA)
     })?;
     drop(light);
-    azulejo_bake::with_indirect(samples, none, nodes, goal, true, work, &mut |request| {
+    let free = |request: &PairRequest| -> Result<Vec<NodePair>, Cancelled> {
         let found = hemispheres.free(request.points, strata)?;
         let node = |read| NodePair {
             read,
             ..NodePair::default()
         };
         Ok(found.into_iter().map(node).collect())
+    };
+    azulejo_bake::with_indirect(samples, none, nodes, goal, true, work, &mut |requests| {
+        requests.iter().map(free).collect()
     })
 }
 
