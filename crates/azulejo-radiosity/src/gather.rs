@@ -812,6 +812,9 @@ pub struct PointList {
     pub termination: Termination,
 }
 
+/// The light at points that are gathered together.
+type BatchGather<'g> = dyn Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync + 'g;
+
 /// Points that are gathered alike.
 struct PointGroup<'g> {
     /// Their numbers.
@@ -821,7 +824,7 @@ struct PointGroup<'g> {
     /// Whether points are left out once time is over.
     minds_time: bool,
     /// The light of some of them.
-    gather: Box<dyn Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync + 'g>,
+    gather: Box<BatchGather<'g>>,
 }
 
 /// Rays of a block that a journal stores, about, and fewest and most of its chunks.

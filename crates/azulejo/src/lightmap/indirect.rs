@@ -100,7 +100,7 @@ impl IndirectLight<'_> {
         let mut look = |request: &LookRequest| {
             let is_late = self.work.1.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
-            Ok::<_, SolveError>(self.read_at(request.points, None, rays, 0)?)
+            self.read_at(request.points, None, rays, 0)
         };
         let (mut light, nodes) =
             azulejo_bake::first_look(samples, direct, goal, self.work, &mut look)?;
