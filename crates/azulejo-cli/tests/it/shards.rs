@@ -706,3 +706,15 @@ fn interrupted_texels_go_on_to_the_same_bytes() {
     folder.ok("merge part -o merged.glb");
     assert!(folder.read("merged.glb") == folder.read("whole.glb"));
 }
+
+/// There is nothing to go on from in the part of a shard that fails at once.
+#[test]
+fn a_shard_that_fails_leaves_no_part() {
+    let folder = Folder::new();
+    folder.write("dark.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    for command in ["solve", "bake"] {
+        let line = format!("{command} dark.obj --rays 16 --shard 1/2 -o part");
+        folder.fails(&line, 1, "nothing in the scene emits light");
+        assert_eq!(folder.names(), ["dark.obj"], "{command}");
+    }
+}
