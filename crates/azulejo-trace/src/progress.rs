@@ -52,8 +52,8 @@ impl Clock {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Measure {
-    /// The convergence of the solver. The systems of all replicates are solved one after the other,
-    /// and again if their rows are refined.
+    /// The convergence of the solver. The systems of all replicates take their bounces together, or one after the
+    /// other without a matrix, and again if their rows are refined.
     Residual {
         /// Index of the independent replicate, from 0.
         replicate: u32,
