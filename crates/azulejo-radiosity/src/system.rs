@@ -373,8 +373,8 @@ impl<'j> System<'j> {
         state.residual = if largest > 0.0 { change / largest } else { 0.0 };
     }
 
-    /// Irradiance of every unknown by light reflected from each side, for some replicates, with that of each: 28
-    /// bytes of each row and replicate go to all processes.
+    /// Irradiance of every unknown by light reflected from each side, for some replicates, with that of each: 4
+    /// bytes of each row and 24 for each replicate go to all processes.
     ///
     /// # Errors
     /// [`Cancelled`].
