@@ -1,7 +1,7 @@
 //! Polygon meshes.
 
 use crate::math::{Aabb, area_vector};
-use crate::{BackIrradiance, MaterialId, Rgb};
+use crate::{BackIrradiance, MaterialId, PositionHistory, Rgb};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -34,6 +34,9 @@ pub struct Mesh {
     /// Smoothing group of each face, 0 for none; empty when the file has no groups. Faces of one
     /// group that meet at an edge are one smooth surface there.
     pub smoothing: Vec<u32>,
+    /// How exactly the positions are known, where they were mapped:
+    /// [`coordinate_rounding`](Mesh::coordinate_rounding) tells.
+    pub history: PositionHistory,
 }
 
 /// Values per vertex, or per corner of a face through an index.

@@ -143,9 +143,11 @@ impl Object {
 impl Mesh {
     /// Transforms the mesh by an affine map; a map that mirrors reverses the corners of faces.
     pub fn transform(&mut self, map: &DAffine3) {
+        let rounding = self.coordinate_rounding();
         for p in &mut self.positions {
             *p = map.transform_point3(*p);
         }
+        self.note_map(rounding, map);
         if let Some(normals) = &mut self.normals {
             let matrix = normal_matrix(map.matrix3);
             for n in &mut normals.values {

@@ -37,14 +37,20 @@ pub(crate) struct Blocker {
     /// Whether only lines that hit its front count: enough if it is part of a closed surface and
     /// lines start outside.
     pub is_one_sided: bool,
+    /// Depth that does not count: how far what lies in its plane may be from it.
+    pub graze: f64,
 }
 
 impl Blocker {
     /// `None` for polygons without area or with coordinates that are not finite.
     pub fn new(polygon: ArrayPolygon) -> Option<Blocker> {
         let area = area_vector(&polygon);
-        let normal = area / area.length();
-        if !normal.is_finite() {
+        Blocker::facing(polygon, area / area.length())
+    }
+
+    /// The same with the normal of the plane that it is known to lie in.
+    pub fn facing(polygon: ArrayPolygon, normal: DVec3) -> Option<Blocker> {
+        if !normal.is_finite() || normal == DVec3::ZERO {
             return None;
         }
         let next = |k: usize| polygon[(k + 1) % polygon.len()];
@@ -64,6 +70,7 @@ impl Blocker {
             edges: polygon.iter().zip(next).map(edge).collect(),
             polygon,
             is_one_sided: false,
+            graze: 0.0,
         })
     }
 
@@ -83,8 +90,9 @@ impl Blocker {
     /// points where lines between corners cross it. A polygon that the plane cuts is first cut
     /// there, because only lines from its part above to what lies below matter: neighbours on a
     /// convex body, whose planes cut everything around it, hide nothing from each other. `graze` is
-    /// the depth that does not count.
+    /// the depth that does not count, if it is more than the polygon's own.
     pub fn effect(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
+        let graze = graze.max(self.graze);
         let range = |points: &[DVec3]| {
             points
                 .iter()

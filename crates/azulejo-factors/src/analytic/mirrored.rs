@@ -84,6 +84,8 @@ pub(crate) struct Chain {
     pub image: DAffine3,
     /// Images of the occluders on all legs but the last, with their indices.
     obstructions: Vec<(ArrayPolygon, usize)>,
+    /// Distance from a mirror's plane that does not count.
+    graze: f64,
 }
 
 /// A mirror of a chain: light goes through the window, from the front of the plane to its back.
@@ -98,6 +100,8 @@ struct ChainMirror {
 struct MirrorPlane {
     point: DVec3,
     normal: DVec3,
+    /// Distance that does not count.
+    graze: f64,
 }
 
 impl MirrorPlane {
@@ -108,9 +112,10 @@ impl MirrorPlane {
             .iter()
             .map(|&c| (c - self.point).length())
             .fold(0.0, f64::max);
-        if heights().all(|h| h <= IN_PLANE * size) {
+        let graze = self.graze.max(IN_PLANE * size);
+        if heights().all(|h| h <= graze) {
             None
-        } else if heights().all(|h| h >= -IN_PLANE * size) {
+        } else if heights().all(|h| h >= -graze) {
             Some(polygon.iter().copied().collect())
         } else {
             Some(clip(polygon, self.point, self.normal)).filter(|p| p.len() > 2)
@@ -138,6 +143,14 @@ impl MirrorPlane {
 }
 
 impl Chain {
+    /// No mirrors yet; what is closer than `graze` to the plane of one lies in it.
+    pub fn with_graze(graze: f64) -> Chain {
+        Chain {
+            graze,
+            ..Chain::default()
+        }
+    }
+
     /// This chain with one more mirror at its end, which reflects on the side that `side` times its
     /// normal points to; `None` if no light can take this path.
     pub fn extended(&self, mirror: &[DVec3], side: f64, occluders: &[&[DVec3]]) -> Option<Chain> {
@@ -148,6 +161,7 @@ impl Chain {
         let plane = MirrorPlane {
             point: self.image.transform_point3(mirror[0]),
             normal: self.image.transform_vector3(normal),
+            graze: self.graze,
         };
         let window = self.placed(mirror)?;
         // Occluders before the new mirror are clipped to its front.
@@ -167,6 +181,7 @@ impl Chain {
             obstructions: obstructions
                 .filter_map(|(polygon, k)| Some((plane.front(&polygon)?, k)))
                 .collect(),
+            graze: self.graze,
         })
     }
 

@@ -16,12 +16,22 @@ pub(super) struct ConvexPolygon {
     pub polygon: Vec<DVec3>,
     /// The closed surface that it is part of, if all of it belongs to one.
     pub surface: Option<u32>,
+    /// One of the polygons that it was joined from.
+    pub first: usize,
 }
 
 /// Convex polygons that together cover the same points as the convex `polygons`, and for each of
 /// `polygons` the closed surface that it is part of, if any.
-pub(super) fn merged(polygons: &[Vec<DVec3>], size: f64) -> (Vec<ConvexPolygon>, Vec<Option<u32>>) {
-    let mut mesh = Mesh::new(polygons, size);
+///
+/// Polygons with the same number in `planes` are coplanar. Corners closer than `graze` to a straight line
+/// lie on it.
+pub(super) fn merged(
+    polygons: &[Vec<DVec3>],
+    planes: &[u32],
+    size: f64,
+    graze: f64,
+) -> (Vec<ConvexPolygon>, Vec<Option<u32>>) {
+    let mut mesh = Mesh::new(polygons, planes, size, graze);
     let surfaces = closed_surfaces(&mesh.loops);
     loop {
         let before = mesh.alive;
@@ -33,6 +43,7 @@ pub(super) fn merged(polygons: &[Vec<DVec3>], size: f64) -> (Vec<ConvexPolygon>,
     let joined = |(k, ring): (usize, &Vec<u32>)| ConvexPolygon {
         polygon: ring.iter().map(|&v| mesh.vertices[v as usize]).collect(),
         surface: surfaces[k],
+        first: k,
     };
     let rings = mesh.loops.iter().enumerate();
     let joined = rings.filter(|(_, r)| !r.is_empty()).map(joined).collect();
@@ -90,7 +101,7 @@ fn root(parents: &mut [u32], mut k: u32) -> u32 {
     k
 }
 
-struct Mesh {
+struct Mesh<'a> {
     vertices: Vec<DVec3>,
     /// Corners of each polygon; empty once it has been joined to another.
     loops: Vec<Vec<u32>>,
@@ -98,11 +109,14 @@ struct Mesh {
     /// The last polygon that had each directed edge.
     edges: HashMap<(u32, u32), u32>,
     alive: usize,
+    /// The plane of each polygon.
+    planes: &'a [u32],
+    /// Distance from a straight line that does not count.
     rounding: f64,
 }
 
-impl Mesh {
-    fn new(polygons: &[Vec<DVec3>], size: f64) -> Mesh {
+impl<'a> Mesh<'a> {
+    fn new(polygons: &[Vec<DVec3>], planes: &'a [u32], size: f64, graze: f64) -> Mesh<'a> {
         let cell = (SAME * size).max(f64::MIN_POSITIVE);
         let mut numbers: HashMap<[i64; 3], u32> = HashMap::new();
         let mut vertices = Vec::new();
@@ -122,7 +136,8 @@ impl Mesh {
             loops,
             vertices,
             edges: HashMap::new(),
-            rounding: cell,
+            planes,
+            rounding: cell.max(graze),
         };
         (0..mesh.loops.len()).for_each(|k| mesh.note_edges(k));
         mesh
@@ -177,10 +192,7 @@ impl Mesh {
     }
 
     fn is_coplanar(&self, k: usize, other: usize) -> bool {
-        let (normal, origin) = (self.normals[k], self.vertices[self.loops[k][0] as usize]);
-        let is_in_plane =
-            |&v: &u32| (self.vertices[v as usize] - origin).dot(normal).abs() <= self.rounding;
-        normal.dot(self.normals[other]) > 0.0 && self.loops[other].iter().all(is_in_plane)
+        self.planes[k] == self.planes[other] && self.normals[k].dot(self.normals[other]) > 0.0
     }
 
     /// The ring without corners on straight edges; `None` if it is not convex.
@@ -223,7 +235,7 @@ mod tests {
     }
 
     fn check(polygons: &[Vec<DVec3>], count: usize) {
-        let (joined, _) = merged(polygons, 3.0);
+        let (joined, _) = merged(polygons, &vec![0; polygons.len()], 3.0, 0.0);
         let joined: Vec<Vec<DVec3>> = joined.into_iter().map(|j| j.polygon).collect();
         let area = |all: &[Vec<DVec3>]| all.iter().map(|p| area_vector(p)).sum::<DVec3>();
         assert_eq!(joined.len(), count);
@@ -250,12 +262,12 @@ mod tests {
         let far = |face: &Vec<DVec3>| face.iter().map(|&c| c + 5.0 * DVec3::X).collect();
         let mut all = faces.to_vec();
         all.extend(faces[..3].iter().map(far));
-        let (_, surfaces) = merged(&all, 6.0);
+        let (_, surfaces) = merged(&all, &[0, 1, 2, 3, 4, 5, 6], 6.0, 0.0);
         let closed = [0; 4].map(Some).into_iter().chain([None; 3]);
         assert_eq!(surfaces, closed.collect::<Vec<_>>());
         // Back to back, two sheets share their edges but enclose nothing.
         let sheet = faces[0].clone();
         let back = sheet.iter().rev().copied().collect();
-        assert_eq!(merged(&[sheet, back], 6.0).1, [Some(0); 2]);
+        assert_eq!(merged(&[sheet, back], &[0, 0], 6.0, 0.0).1, [Some(0); 2]);
     }
 }

@@ -52,7 +52,7 @@ impl<'a> AnalyticEstimator<'a> {
 
     /// The engine and the kernel in use.
     pub fn engine_used(&self) -> EngineUsed {
-        let mut notes = Vec::new();
+        let mut notes = Vec::from_iter(self.exchanger.flatness.clone());
         if !self.exchanger.is_complete() {
             notes.push("curved surfaces, glass and long chains of mirrors take rays".to_owned());
         }

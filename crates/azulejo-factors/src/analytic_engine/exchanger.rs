@@ -3,6 +3,7 @@
 pub(crate) use super::horizon::Horizon;
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
+use super::planes::SurfacePlanes;
 use super::traversal::{
     ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows,
 };
@@ -74,6 +75,10 @@ pub(crate) struct Exchanger<'a> {
     positions: Vec<u32>,
     images: Vec<MirrorImage>,
     truncated: f64,
+    /// What is taken as flat, where coordinates are rounded.
+    pub flatness: Option<String>,
+    /// Distance by which rounding moves corners; 0 where coordinates are exact.
+    rounding: f64,
     accuracy: PairAccuracy,
     /// For each patch, whether some side may see its back.
     shows_back: Vec<bool>,
@@ -96,9 +101,10 @@ impl<'a> Exchanger<'a> {
         sides: Vec<Side>,
         options: ExchangerOptions,
     ) -> Exchanger<'a> {
-        let facet = |(row, &side): (usize, &Side)| facet(patches, side, row as u32);
-        let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
         let scene_occluders = SceneOccluders::new(patches, surfaces, &sides);
+        let planes = &scene_occluders.planes;
+        let facet = |(row, &side): (usize, &Side)| facet(patches, planes, side, row as u32);
+        let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
         let (images, known) = images(
             patches,
             surfaces,
@@ -120,6 +126,8 @@ impl<'a> Exchanger<'a> {
             positions,
             images: images.list,
             truncated: images.truncated,
+            flatness: planes.note(),
+            rounding: planes.rounding.map_or(0.0, |_| planes.graze),
             shows_back: scene_occluders.shows_back,
             known,
             seed: options.seed,
@@ -348,6 +356,16 @@ impl<'a> Exchanger<'a> {
         sums
     }
 
+    /// The share of a row's light that may pass cracks which the rounding of coordinates opens: of a
+    /// strip along its border.
+    pub fn crack(&self, row: usize) -> f64 {
+        let facet = &self.facets.list[self.positions[row] as usize];
+        let corners = facet.polygon();
+        let next = corners.iter().cycle().skip(1);
+        let border: f64 = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).sum();
+        self.rounding * border / facet.area
+    }
+
     /// A row's horizon.
     pub fn horizon(&self, row: usize, up: DVec3) -> Horizon {
         let facet = &self.facets.list[self.positions[row] as usize];
@@ -479,7 +497,7 @@ impl Record for RowGroup {
     }
 }
 
-fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {
+fn facet(patches: &Patches, planes: &SurfacePlanes, side: Side, row: u32) -> Option<Facet> {
     let patch = (side / 2) as usize;
     let mut polygon = patches.polygon(patch)?.to_vec();
     let mut normal = patches.normal(patch);
@@ -487,7 +505,8 @@ fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {
         polygon.reverse();
         normal = -normal;
     }
-    Some(Facet::new(row, &polygon, normal))
+    let plane = planes.of(patch, normal)?;
+    Some(Facet::new(row, &polygon, plane.normal).in_plane(plane))
 }
 
 /// The accuracy of pairs that gives the sums of rows the requested one.

@@ -9,9 +9,6 @@ use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Depth that does not count, relative to the size of the scene.
-const GRAZE: f64 = 1e-10;
-
 /// Rows as columns see them, directly or through a chain of mirrors: their images, behind windows.
 pub(super) struct MirrorImage {
     /// Convex polygons in between: first windows, then blockers.
@@ -75,8 +72,13 @@ impl MirrorImage {
             .blockers(occluders)
             .into_iter()
             .filter_map(|(polygon, of)| {
+                let original = &scene_occluders.flat[of];
+                if chain.length == 0 {
+                    return Some(original.clone());
+                }
                 let mut blocker = Blocker::new(polygon)?;
-                blocker.is_one_sided = scene_occluders.flat[of].is_one_sided;
+                blocker.is_one_sided = original.is_one_sided;
+                blocker.graze = original.graze;
                 Some(blocker)
             });
         MirrorImage {
@@ -85,7 +87,8 @@ impl MirrorImage {
             curved: scene_occluders.curved.clone(),
             weight: reflectance.mean(),
             order: chain.length.min(2),
-            graze: GRAZE * scene_occluders.size,
+            // Each mirror has a rounding of its own.
+            graze: scene_occluders.planes.graze * (1 + chain.length) as f64,
             chain,
         }
     }
@@ -135,8 +138,9 @@ impl MirrorImages {
         let image_of = |g: &GrowingChain| {
             MirrorImage::new(g.chain.clone(), scene_occluders, &occluders, g.reflectance)
         };
+        let graze = scene_occluders.planes.graze;
         let mut ends = vec![GrowingChain {
-            chain: Chain::default(),
+            chain: Chain::with_graze(graze),
             reflectance: Rgb::WHITE,
         }];
         let mut list = vec![image_of(&ends[0])];
@@ -150,7 +154,6 @@ impl MirrorImages {
                 truncated: 0.0,
             };
         }
-        let graze = GRAZE * scene_occluders.size;
         let lean = |chain: &Chain, others: &[&Chain]| chain.without_passed(corners, graze, others);
         let bound = |mut g: GrowingChain| {
             g.chain = lean(&g.chain, &[&Chain::default()]);

@@ -5,7 +5,8 @@
 //! are merged into large convex ones ([`convex_merge`], [`occluders`]). Unoccluded pairs take
 //! Gauss's rule ([`gauss_points`]) or, when close, a contour integral; partially occluded ones are
 //! cut along the discontinuities of the view ([`partial`]). Chains of planar mirrors are traversed
-//! in the same way, as images behind windows ([`images`]). [`horizon`] tells light that leaves
+//! in the same way, as images behind windows ([`images`]). What lies in one plane within the rounding of
+//! coordinates does so exactly ([`planes`]). [`horizon`] tells light that leaves
 //! upwards from the rest, and [`slabs`] does so where facets touch. [`exchanger`] distributes the rows
 //! over threads.
 
@@ -17,6 +18,7 @@ mod horizon;
 mod images;
 mod occluders;
 mod partial;
+mod planes;
 mod shaft;
 mod slabs;
 mod traversal;
@@ -27,6 +29,7 @@ use azulejo_scene::math::{Aabb, area_vector};
 use azulejo_trace::lambert::clip;
 use gauss_points::GaussPoints;
 use glam::DVec3;
+use planes::SurfacePlane;
 
 /// Most facets per leaf of a tree.
 const LEAF: usize = 4;
@@ -70,6 +73,15 @@ impl Facet {
             centre,
             radius,
             area: area_vector(corners).length(),
+        }
+    }
+
+    /// The same facet in the plane that it lies in together with others.
+    fn in_plane(self, plane: SurfacePlane) -> Facet {
+        Facet {
+            normal: plane.normal,
+            offset: plane.offset,
+            ..self
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::convex_merge::{ConvexPolygon, merged};
 use super::images::FlatMirror;
+use super::planes::SurfacePlanes;
 use crate::analytic::Blocker;
 use crate::patch::Patches;
 use crate::row::Side;
@@ -22,6 +23,8 @@ pub(super) struct SceneOccluders {
     /// For each patch, whether the sides may see its back: it is no part of a closed surface, or
     /// some side is inside.
     pub shows_back: Vec<bool>,
+    /// The planes of flat patches, and the depth that does not count.
+    pub planes: SurfacePlanes,
     /// Size of the scene.
     pub size: f64,
 }
@@ -47,7 +50,9 @@ impl SceneOccluders {
             .iter()
             .fold(Aabb::around(points), |all, b| all.union(*b));
         let size = bounds.diagonal();
-        let (joined, flat_surfaces) = merged(&polygons, size);
+        let planes = SurfacePlanes::new(patches, surfaces.scene, &bounds);
+        let numbers: Vec<u32> = flat.iter().map(|&i| planes.number(i)).collect();
+        let (joined, flat_surfaces) = merged(&polygons, &numbers, size, planes.graze);
         let mut surface = vec![None; patches.len()];
         let known = flat.iter().zip(&flat_surfaces);
         known.for_each(|(&i, &of)| surface[i] = of);
@@ -56,7 +61,11 @@ impl SceneOccluders {
         let is_inside = |of: &Option<u32>| of.is_none_or(|s| entered.contains(&s));
         let shows_back = surface.iter().map(is_inside).collect();
         let blocker = |part: ConvexPolygon| {
-            let mut blocker = Blocker::new(part.polygon.into_iter().collect())?;
+            let front = area_vector(&part.polygon).normalize_or_zero();
+            let plane = planes.of(flat[part.first], front)?;
+            let mut blocker = Blocker::facing(part.polygon.into_iter().collect(), plane.normal)?;
+            blocker.offset = plane.offset;
+            blocker.graze = planes.graze.max(2.0 * plane.thickness);
             blocker.is_one_sided = part.surface.is_some_and(|s| !entered.contains(&s));
             Some(blocker)
         };
@@ -66,6 +75,7 @@ impl SceneOccluders {
             flat: blockers.filter(|b| !corners.is_wall(b, size)).collect(),
             curved,
             shows_back,
+            planes,
             size,
         }
     }
@@ -78,13 +88,12 @@ impl SceneOccluders {
         materials.sort_unstable();
         materials.dedup();
         let joined = materials.iter().flat_map(|&material| {
-            let polygons: Vec<Vec<DVec3>> = of
-                .iter()
-                .filter(|&&i| patches.material(i) == material)
-                .filter_map(|&i| Some(patches.polygon(i)?.to_vec()))
-                .collect();
+            let flat = of.iter().filter(|&&i| patches.material(i) == material);
+            let (planes, polygons): (Vec<u32>, Vec<Vec<DVec3>>) = flat
+                .filter_map(|&i| Some((self.planes.number(i), patches.polygon(i)?.to_vec())))
+                .unzip();
             let reflectance = surfaces.scene.materials[material as usize].mirror;
-            let (joined, _) = merged(&polygons, self.size);
+            let (joined, _) = merged(&polygons, &planes, self.size, self.planes.graze);
             joined.into_iter().map(move |j| FlatMirror {
                 polygon: j.polygon,
                 reflectance,
@@ -189,10 +198,11 @@ impl ExtremePoints {
     /// Whether the whole scene lies on one side, so that the polygon occludes nothing.
     fn is_wall(&self, blocker: &Blocker, size: f64) -> bool {
         let (mut is_above, mut is_below) = (false, false);
+        let graze = blocker.graze.max(1e-9 * size);
         self.corners.iter().all(|&c| {
             let height = blocker.height(c);
-            is_above |= height > 1e-9 * size;
-            is_below |= height < -1e-9 * size;
+            is_above |= height > graze;
+            is_below |= height < -graze;
             !(is_above && is_below)
         })
     }

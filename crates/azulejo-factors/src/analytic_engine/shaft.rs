@@ -93,7 +93,7 @@ impl ClusterShaft {
             .ends
             .each_ref()
             .map(|end| end.range(blocker.normal, blocker.offset));
-        let graze = self.graze;
+        let graze = self.graze.max(blocker.graze);
         if a[0].min(b[0]) >= -graze || a[1].max(b[1]) <= graze || self.misses(&blocker.polygon) {
             return Effect::None;
         }

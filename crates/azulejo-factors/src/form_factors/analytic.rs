@@ -43,7 +43,7 @@ impl PreparedPlan<'_> {
             let engine_used = EngineUsed {
                 name: "analytic".to_owned(),
                 device: self.gatherer.surfaces().tracer.kernel_name(),
-                notes: notes(&all, is_complete, 0),
+                notes: notes(&all, &exchanger, is_complete, 0),
             };
             let by_rays = FormFactors {
                 engine_used,
@@ -75,7 +75,7 @@ impl PreparedPlan<'_> {
         let engine_used = EngineUsed {
             name: "analytic".to_owned(),
             device: estimator.engine_used().device,
-            notes: notes(&all, is_complete, rays),
+            notes: notes(&all, &exchanger, is_complete, rays),
         };
         let mut factors = FormFactors {
             engine_used,
@@ -229,7 +229,7 @@ fn settled_remainder(
 }
 
 /// How the pairs were resolved.
-fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
+fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) -> Vec<String> {
     let t = &all.counts;
     let mut notes = vec![format!(
         "{} pairs are unoccluded, {} partially occluded, {} fully occluded",
@@ -243,6 +243,7 @@ fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
             t.unresolved
         ));
     }
+    notes.extend(exchanger.flatness.clone());
     if !is_complete {
         notes.push(format!("what has no formula took {rays} rays per row"));
     }

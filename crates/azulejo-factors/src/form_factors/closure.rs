@@ -20,6 +20,10 @@ const SPREAD: f64 = 1e-3;
 /// Most times that deficits are spread: each time entries at their least start from there.
 const SPREADS: usize = 4;
 
+/// Most that a row may move: this many times the sum of its errors, and the worst deficit so many times.
+/// What moves further does not err, but sees only what cannot be reconciled with it.
+const MOST_MOVED: (f64, f64) = (4.0, 30.0);
+
 /// Share of a row's light that a closed scene may lose: rays through cracks.
 const LOSS: f64 = 1e-6;
 
@@ -47,19 +51,28 @@ impl FormFactors {
     ///
     /// Rows without an entry or share that could change stay as they are, no entry falls below a tenth of
     /// its value at a time, and two halves that see only each other may have sums that no change
-    /// reconciles: [`Adjustment::deficit`] is what a row lacks then.
+    /// reconciles: [`Adjustment::deficit`] is what a row lacks then. Where a row would move by far more than
+    /// its errors and all deficits explain, nothing is changed, and the notes of the engine say so.
     ///
     /// # Errors
     /// [`Cancelled`]; what was changed by then stays changed.
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
         self.rest.iter_mut().for_each(put_back_leaks);
-        let mut moved = self.close_within(self.closure_weight(), progress)?;
+        let Some(mut moved) = self.close_within(self.closure_weight(), progress)? else {
+            let note = "rows were not closed, because some would move by many times their errors: they see only \
+                        each other";
+            self.engine_used.notes.push(note.to_owned());
+            return Ok(());
+        };
         for _ in 0..SPREADS {
             let is_left = |d: &f64| (LEFT..=MISSING).contains(&d.abs());
             if !self.deficits().iter().any(is_left) {
                 break;
             }
-            let more = self.close_within(ClosureWeight::Errors { least: SPREAD }, progress)?;
+            let weight = ClosureWeight::Errors { least: SPREAD };
+            let Some(more) = self.close_within(weight, progress)? else {
+                break;
+            };
             moved.iter_mut().zip(more).for_each(|(m, more)| *m += more);
         }
         self.closed = Some(self.adjustment(&moved, &self.deficits()));
@@ -76,12 +89,13 @@ impl FormFactors {
         }
     }
 
-    /// One smoothing; returns Σ_j |ΔX_ij| of each row, with sky and ground.
+    /// One smoothing; returns Σ_j |ΔX_ij| of each row, with sky and ground. `None`, and nothing is changed,
+    /// if a row would move too far.
     fn close_within(
         &mut self,
         weight: ClosureWeight,
         progress: &Progress,
-    ) -> Result<Vec<f64>, Cancelled> {
+    ) -> Result<Option<Vec<f64>>, Cancelled> {
         let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
         let ended = self.ended();
         let rows = || self.areas.iter().zip(&self.rest);
@@ -118,9 +132,32 @@ impl FormFactors {
             *moved += (rest[i].sky - self.rest[i].sky).abs();
             *moved += (rest[i].ground - self.rest[i].ground).abs();
         }
+        let limits = self.movable();
+        if moved
+            .iter()
+            .zip(limits)
+            .any(|(moved, limit)| !(*moved <= limit))
+        {
+            return Ok(None);
+        }
         self.scale(false, ratio);
         self.rest = rest;
-        Ok(moved)
+        Ok(Some(moved))
+    }
+
+    /// The largest Σ_j |ΔX_ij| of each row that its errors and the deficits explain.
+    fn movable(&self) -> Vec<f64> {
+        let worst = self
+            .deficits()
+            .iter()
+            .fold(LEFT, |most: f64, d| most.max(d.abs()));
+        let errors = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
+        let rows = self.per_area(errors).into_iter().zip(&self.rest);
+        rows.map(|(errors, rest)| {
+            let own = errors + rest.sky_error + rest.ground_error;
+            MOST_MOVED.0 * own + MOST_MOVED.1 * worst
+        })
+        .collect()
     }
 
     /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
@@ -238,6 +275,34 @@ mod tests {
             ends: vec![1.0; 3],
             ..FormFactors::default()
         }
+    }
+
+    /// A floor and a ceiling whose walls look away see only each other, and rounding keeps their rows from
+    /// agreeing: F was 1.3e8.
+    #[test]
+    fn rows_that_cannot_be_reconciled_stay() {
+        let entry = Exchange {
+            column: 1,
+            value: 0.34,
+            error: 1e-9,
+        };
+        let rest = |hidden| RowRemainder {
+            hidden,
+            ..RowRemainder::default()
+        };
+        let mut factors = FormFactors {
+            exchange: [vec![entry], vec![]].into_iter().collect(),
+            areas: vec![1.0; 2],
+            rest: vec![rest(0.66 - 1e-6), rest(0.66 + 1e-6)],
+            ends: vec![1.0; 2],
+            ..FormFactors::default()
+        };
+        factors.close(&Progress::new()).unwrap();
+        assert!(
+            (factors.get(0, 1).0 - 0.34).abs() < 1e-4,
+            "{:?}",
+            factors.get(0, 1)
+        );
     }
 
     /// The first row has no error, and lacks something nevertheless.

@@ -32,7 +32,8 @@ impl PreparedPlan<'_> {
             .iter()
             .map(|&count| count > 0)
             .collect();
-        let lacks = |i: usize, share: f64| share > 2.0 * most[i] + ROUNDING;
+        let allowed = |i: usize| 2.0 * most[i] + ROUNDING + exchanger.crack(i);
+        let lacks = |i: usize, share: f64| share > allowed(i);
         let is_short = |i: usize| lacks(i, missing[i]);
         let is_short_somewhere = (0..n).any(|i| is_seeing[i] && is_short(i));
         let rows: Vec<usize> = (0..n)

@@ -375,6 +375,11 @@ impl Patches {
             .map_or(&[], |lists| lists.get(vertex as usize))
     }
 
+    /// The flat piece of a face that a patch is a piece of.
+    pub(crate) fn region_number(&self, i: usize) -> u32 {
+        self.owner[i]
+    }
+
     fn region(&self, i: usize) -> &FlatRegion {
         &self.regions[self.owner[i] as usize]
     }

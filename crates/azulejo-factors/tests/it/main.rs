@@ -15,5 +15,6 @@ mod hemicube_errors;
 mod hemicubes;
 mod matrix_operations;
 mod polygons;
+mod poses;
 mod rays;
 mod scenes;

@@ -191,19 +191,37 @@ content_of_fields!(VertexLight {
     error,
     back
 });
-content_of_fields!(Mesh {
-    positions,
-    normals,
-    uvs,
-    lightmap_uvs,
-    colors,
-    irradiance,
-    irradiance_error,
-    back,
-    faces,
-    face_materials,
-    smoothing,
-});
+impl ContentBytes for Mesh {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        let Mesh {
+            positions,
+            normals,
+            uvs,
+            lightmap_uvs,
+            colors,
+            irradiance,
+            irradiance_error,
+            back,
+            faces,
+            face_materials,
+            smoothing,
+            // What came before is not what is there.
+            history: _,
+        } = self;
+        positions.feed(sink);
+        normals.feed(sink);
+        uvs.feed(sink);
+        lightmap_uvs.feed(sink);
+        colors.feed(sink);
+        irradiance.feed(sink);
+        irradiance_error.feed(sink);
+        back.feed(sink);
+        faces.feed(sink);
+        face_materials.feed(sink);
+        smoothing.feed(sink);
+    }
+}
+
 content_of_fields!(Faces { starts, corners });
 content_of_fields!(BackIrradiance { irradiance, error });
 

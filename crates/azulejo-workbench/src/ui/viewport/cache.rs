@@ -162,6 +162,7 @@ static EMPTY: Mesh = Mesh {
     },
     face_materials: Vec::new(),
     smoothing: Vec::new(),
+    history: azulejo::scene::PositionHistory::NONE,
 };
 
 impl ViewportCache {
