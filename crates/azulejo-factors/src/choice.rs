@@ -1,28 +1,42 @@
 //! What [`Engine::Auto`] means for a scene: the engine expected to reach the error soonest.
 //!
-//! Formulas cost by pairs that see each other: a town of 60,000 patches may have fewer of them than
-//! a room of 10,000. A few rays between random pairs show how many there are. Costs are those of
-//! one core, measured on rooms of 500 to 20,000 facets; only their ratios matter. Graphics cards are
-//! never chosen automatically, because their speed is unknown.
+//! Formulas cost by pairs that see each other, and most where these see each other partially: a town of
+//! 60,000 patches may cost less than a room of 10,000, and three boxes more than both. The pairs of a few
+//! rows are therefore computed and their work counted ([`Exchanger::forecast`]). Costs are those of one
+//! core; that they are counts keeps the choice, and with it the result, the same on every machine.
+//! Graphics cards are never chosen automatically, because their speed is unknown.
 
+use crate::analytic_engine::exchanger::{Exchanger, ExchangerOptions, WorkForecast};
 use crate::engine::Engine;
 use crate::patch::Patches;
 use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};
 use azulejo_trace::{KernelRay, Surfaces};
 
-/// Formulas are worth this many times the time of rays: their rows are some fifty times better, for
-/// which rays would need a few hundred times as long.
-const WORTH: f64 = 30.0;
+/// Formulas are worth this many times the time of rays. In rooms their rows are some fifty times better, for
+/// which rays would need a few hundred times as long; among buildings twice, but exact for near pairs.
+const WORTH: f64 = 10.0;
+
+/// Seconds that formulas may always take.
+const SHORT: f64 = 1.0;
+
+/// What takes this many times its forecast is left to rays.
+const OUTLASTED: f64 = 5.0;
+
+/// Seconds of a row that are no surprise.
+const LEAST_ROW: f64 = 1e-3;
+
+/// Share of the time of rays that a forecast may take, and seconds that it always may.
+const FORECAST: (f64, f64) = (0.02, 0.1);
+
+/// More patches than this are not even tried.
+const MOST_PATCHES: usize = 200_000;
 
 /// Share of the area that has to be flat for formulas to be worth while.
 const MOSTLY_FLAT: f64 = 0.95;
 
 /// Seconds per ray, including sampling its start and locating the patch it hits.
 const SECONDS_PER_RAY: f64 = 0.4e-6;
-
-/// Seconds per pair of patches by formulas: unoccluded, partially occluded, and not seen at all.
-const SECONDS_PER_PAIR: [f64; 3] = [0.5e-6, 20e-6, 20e-9];
 
 /// Rays per row of a matrix by default.
 const ROW_RAYS: f64 = 4_096.0;
@@ -44,6 +58,11 @@ pub struct EngineChoice {
     pub is_specular: bool,
     /// Shares of all pairs that see each other: fully, and partially. Of sampled pairs.
     pub visible: [f64; 2],
+    /// Seconds that formulas for all pairs take on one core, by counted work; infinite where they are not
+    /// considered.
+    pub seconds: f64,
+    /// Mean seconds of the pairs of a row.
+    pub row_seconds: f64,
     /// Bytes that may be used.
     pub memory: u64,
 }
@@ -60,13 +79,47 @@ impl EngineChoice {
             }
         }
         let materials = patches.materials_in_use(surfaces.scene);
-        EngineChoice {
+        let choice = EngineChoice {
             patches: patches.len(),
             flat: flat / f64::max(all, f64::MIN_POSITIVE),
             is_specular: materials.iter().any(|m| m.is_specular()),
             visible: visible_shares(surfaces, patches),
+            seconds: f64::INFINITY,
+            row_seconds: f64::INFINITY,
             memory,
+        };
+        if choice.flat < MOSTLY_FLAT || !choice.fits() || choice.patches > MOST_PATCHES {
+            return choice;
         }
+        let work = choice.forecast(surfaces, patches);
+        EngineChoice {
+            seconds: work.seconds,
+            row_seconds: work.row,
+            ..choice
+        }
+    }
+
+    /// The work of all pairs of fronts.
+    fn forecast(&self, surfaces: &Surfaces, patches: &Patches) -> WorkForecast {
+        let options = ExchangerOptions {
+            accuracy: None,
+            is_per_channel: false,
+            seed: 0,
+            row_budget: f64::INFINITY,
+        };
+        let fronts = (0..patches.len() as u32).map(|patch| 2 * patch).collect();
+        let most = FORECAST.0 * self.ray_seconds(ROW_RAYS) + FORECAST.1;
+        Exchanger::new(patches, surfaces, fronts, options).forecast(most)
+    }
+
+    /// Seconds that so many rays from each patch take.
+    fn ray_seconds(&self, rays: f64) -> f64 {
+        self.patches as f64 * rays * SECONDS_PER_RAY
+    }
+
+    /// Seconds of counted work after which a row of formulas is left to rays: five times the forecast.
+    pub fn row_budget(&self) -> f64 {
+        OUTLASTED * self.row_seconds.max(LEAST_ROW)
     }
 
     /// All pairs, each counted once.
@@ -83,19 +136,11 @@ impl EngineChoice {
         self.pair_bytes() <= self.memory as f64
     }
 
-    /// Seconds that formulas for all pairs take.
-    fn seconds(&self) -> f64 {
-        let [clear, partial] = self.visible;
-        let shares = [clear, partial, 1.0];
-        let costs = shares.iter().zip(SECONDS_PER_PAIR);
-        self.pairs() * costs.map(|(share, seconds)| share * seconds).sum::<f64>()
-    }
-
     /// The engine for a matrix of form factors, and the reason.
     pub fn for_factors(&self) -> (Engine, String) {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
-        let by_rays = n as f64 * ROW_RAYS * SECONDS_PER_RAY;
+        let (by_rays, by_formulas) = (self.ray_seconds(ROW_RAYS), self.seconds);
         if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);
             let why = format!(
@@ -107,16 +152,16 @@ impl EngineChoice {
             let curved = 100.0 * (1.0 - self.flat);
             let why = format!("rays, because {curved:.0}% of the area is curved");
             (Engine::Rays, why)
-        } else if self.seconds() > WORTH * by_rays {
+        } else if by_formulas > f64::max(WORTH * by_rays, SHORT) {
             let why = format!(
-                "rays, because {n} patches, of whose pairs {seen:.1}% see each other, are too many \
-                 to pair by formulas"
+                "rays, because they take about {by_rays:.2} s of CPU time, and formulas for {n} patches, of \
+                 whose pairs {seen:.1}% see each other, {by_formulas:.0} s or more"
             );
             (Engine::Rays, why)
         } else {
             let why = format!(
-                "analytic, because {n} flat patches, of whose pairs {seen:.1}% see each other, can \
-                 be paired by formulas"
+                "analytic, because formulas for {n} flat patches, of whose pairs {seen:.1}% see each other, \
+                 take about {by_formulas:.2} s of CPU time"
             );
             (Engine::Analytic, why)
         }
@@ -125,17 +170,16 @@ impl EngineChoice {
     /// The engine for solving light to a relative `error`, and the reason. Formulas pay where
     /// many rays would be needed; at least `least` rays leave each patch.
     pub fn for_light(&self, error: f64, least: u32) -> (Engine, String) {
-        let n = self.patches as f64;
         // A patch's error from N rays is about a half N^−0.63.
         let rays = (0.5 / error).powf(1.0 / 0.63).max(f64::from(least));
-        let by_rays = n * rays * SECONDS_PER_RAY;
+        let by_rays = self.ray_seconds(rays);
         // Solvers request whole rows, which compute each pair twice.
-        let by_formulas = 2.0 * self.seconds();
+        let by_formulas = 2.0 * self.seconds;
         let is_possible = self.flat >= MOSTLY_FLAT && !self.is_specular;
         if is_possible && self.fits() && by_formulas < by_rays {
             let why = format!(
-                "analytic, because {} flat patches are paired sooner than about {rays:.0} rays \
-                 of each are traced",
+                "analytic, because {} flat patches are paired in {by_formulas:.2} s of CPU time, sooner than \
+                 about {rays:.0} rays of each are traced",
                 self.patches
             );
             return (Engine::Analytic, why);
@@ -222,6 +266,8 @@ mod tests {
         flat: 1.0,
         is_specular: false,
         visible: [0.5, 0.1],
+        seconds: 30.0,
+        row_seconds: 0.01,
         memory: 4 << 30,
     };
 
@@ -238,10 +284,11 @@ mod tests {
         check(curved.for_factors(), &Engine::Rays, "50%");
         let many = EngineChoice {
             patches: 60_000,
+            seconds: 4_500.0,
             memory: u64::MAX,
             ..ROOM
         };
-        check(many.for_factors(), &Engine::Rays, "too many");
+        check(many.for_factors(), &Engine::Rays, "4500 s");
         let tight = EngineChoice {
             memory: 100 << 20,
             ..ROOM
@@ -249,12 +296,13 @@ mod tests {
         check(tight.for_factors(), &Engine::Rays, "may take 0.1 GiB");
     }
 
-    /// Pairs that do not see each other cost next to nothing.
+    /// What counts is the work, not the number of patches.
     #[test]
     fn factors_of_towns_are_formulas() {
         let town = EngineChoice {
             patches: 60_000,
             visible: [0.006, 0.003],
+            seconds: 100.0,
             ..ROOM
         };
         check(town.for_factors(), &Engine::Analytic, "0.9%");
@@ -287,6 +335,7 @@ mod tests {
         check(ROOM.for_light(0.03, 128), &Engine::Rays, "about 128 of");
         let few = EngineChoice {
             patches: 100,
+            seconds: 0.01,
             ..ROOM
         };
         check(few.for_light(0.001, 128), &Engine::Analytic, "paired");

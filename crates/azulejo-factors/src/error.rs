@@ -14,6 +14,13 @@ pub enum FactorsError {
     /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
     /// ([`Journal::assembles`](azulejo_trace::Journal::assembles)).
     Elsewhere,
+    /// A few rays contradict the formulas of many rows.
+    Doubtful {
+        /// Rows whose light rays find elsewhere.
+        doubtful: usize,
+        /// All rows.
+        rows: usize,
+    },
     /// The forecast of the matrix exceeds the memory that may be used.
     TooLarge {
         /// Rows of the matrix.
@@ -37,6 +44,11 @@ impl fmt::Display for FactorsError {
             FactorsError::NoSurface => f.write_str("the scene has no surface for light to fall on"),
             FactorsError::Cancelled => f.write_str("cancelled"),
             FactorsError::Elsewhere => f.write_str("the result is made elsewhere"),
+            FactorsError::Doubtful { doubtful, rows } => write!(
+                f,
+                "a few rays contradict the formulas of {doubtful} of {rows} rows: trace rays instead, and look for \
+                 faces that overlap"
+            ),
             FactorsError::TooLarge {
                 rows,
                 bytes,

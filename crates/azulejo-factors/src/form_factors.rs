@@ -17,6 +17,7 @@ mod analytic;
 mod boxes;
 mod closure;
 mod design_effect;
+mod doubt;
 mod enclosure;
 pub(crate) mod exchange;
 mod forecast;
@@ -172,6 +173,9 @@ pub struct PreparedPlan<'a> {
     engine: Engine,
     /// Why this engine, if it was chosen automatically.
     why: Option<String>,
+    /// Seconds of counted work after which a row of formulas is left to rays; infinite where formulas were
+    /// asked for.
+    row_budget: f64,
     /// The forecast, once there is one.
     forecast: OnceLock<Forecast>,
 }
@@ -188,11 +192,13 @@ impl<'a> PreparedPlan<'a> {
     fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
         let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);
         let seed = plan.options.seed;
+        let mut row_budget = f64::INFINITY;
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
                 let surfaces = Surfaces::new(scene, tracer);
                 let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
                 let (engine, why) = choice.for_factors();
+                row_budget = choice.row_budget();
                 (engine, Some(why))
             }
             requested => (requested.clone(), None),
@@ -206,6 +212,7 @@ impl<'a> PreparedPlan<'a> {
             seed: hash(&[seed as u32, (seed >> 32) as u32]),
             engine,
             why,
+            row_budget,
             forecast: OnceLock::new(),
         }
     }
@@ -316,9 +323,9 @@ impl<'a> PreparedPlan<'a> {
         refuse(self.plan.options, forecast.rows, forecast.bytes as f64)
     }
 
-    fn estimator(&self) -> Estimator<'_> {
+    fn estimator(&self, engine: &Engine) -> Estimator<'_> {
         Estimator::new(
-            &self.engine,
+            engine,
             &self.gatherer,
             &self.plan.patches,
             self.row_rays(),
@@ -355,14 +362,33 @@ impl<'a> PreparedPlan<'a> {
         journal: &dyn Journal,
         progress: &Progress,
     ) -> Result<FormFactors, FactorsError> {
-        let options = self.plan.options;
-        if self.engine == Engine::Analytic {
-            let mut factors = self.by_formulas(journal, progress)?;
-            factors.engine_used = factors.engine_used.because(self.why.clone());
-            return Ok(factors);
+        if self.engine != Engine::Analytic {
+            return self.by_rows(&self.engine, self.why.clone(), journal, progress);
         }
+        match self.by_formulas(journal, progress) {
+            Err(doubt @ FactorsError::Doubtful { .. }) if !self.has_engine_by_name() => {
+                let why = format!("rays, because {doubt}");
+                self.by_rows(&Engine::Rays, Some(why), journal, progress)
+            }
+            Err(error) => Err(error),
+            Ok(mut factors) => {
+                factors.engine_used = factors.engine_used.because(self.why.clone());
+                Ok(factors)
+            }
+        }
+    }
+
+    /// All rows by the estimator of an engine, before closure.
+    fn by_rows(
+        &self,
+        engine: &Engine,
+        why: Option<String>,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, FactorsError> {
+        let options = self.plan.options;
         self.refuse_too_large(journal, progress)?;
-        let estimator = self.estimator();
+        let estimator = self.estimator(engine);
         let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
             near::exact(
@@ -387,7 +413,7 @@ impl<'a> PreparedPlan<'a> {
         let traced = traced.ok_or(FactorsError::Elsewhere)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;
         Ok(FormFactors {
-            engine_used: estimator.engine_used().because(self.why.clone()),
+            engine_used: estimator.engine_used().because(why),
             ..factors
         })
     }

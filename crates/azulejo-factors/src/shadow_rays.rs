@@ -13,6 +13,9 @@ const RAYS: u32 = 16;
 /// Further shadow rays where the first ones find the pair partially visible.
 const MORE_RAYS: u32 = 64;
 
+/// Most shadow rays of a pair.
+pub(crate) const SHADOW_RAYS: usize = (RAYS + MORE_RAYS) as usize * REPLICATES;
+
 /// A pair of patches whose visibility is estimated.
 pub(crate) struct View<'a> {
     pub patches: &'a Patches,

@@ -56,15 +56,16 @@ pub fn visible_form_factor<P: AsRef<[DVec3]>>(
     pair.share_past(between, accuracy)
 }
 
-/// Exchange area through windows and past blockers to about `tolerance`, with its error.
+/// Exchange area through windows and past blockers to about `tolerance`, with its error, and the number of
+/// views times obstructions that it took.
 pub(crate) fn exchange_area_past<'a>(
     p1: &[DVec3],
     p2: &[DVec3],
     screens: impl Iterator<Item = (&'a Blocker, bool)>,
     tolerance: f64,
-) -> Approximate {
+) -> (Approximate, usize) {
     let Some(pair) = Pair::new(p1, p2) else {
-        return Approximate::default();
+        return (Approximate::default(), 0);
     };
     let mut between = Obstructions::default();
     for (screen, is_window) in screens {
@@ -76,14 +77,15 @@ pub(crate) fn exchange_area_past<'a>(
         list.push(pair.moved(&screen.polygon));
     }
     let unit = pair.scale * pair.scale;
-    let found = match pair.simplified(between) {
+    let (seen, views) = match pair.simplified(between) {
         Some(between) => pair.past(&between, tolerance / unit),
-        None => Approximate::default(),
+        None => (Approximate::default(), 0),
     };
-    Approximate {
-        value: found.value.max(0.0) * unit,
-        error: found.error * unit,
-    }
+    let seen = Approximate {
+        value: seen.value.max(0.0) * unit,
+        error: seen.error * unit,
+    };
+    (seen, views)
 }
 
 impl Pair {
@@ -99,7 +101,7 @@ impl Pair {
     /// coordinates.
     pub(super) fn share_past(&self, between: Obstructions, accuracy: f64) -> Approximate {
         let exchange = match self.simplified(between) {
-            Some(between) => self.past(&between, accuracy * self.whole_area),
+            Some(between) => self.past(&between, accuracy * self.whole_area).0,
             None => Approximate::default(),
         };
         let value = self.share(exchange.value);
@@ -138,8 +140,8 @@ impl Pair {
         Some(kept)
     }
 
-    /// Exchange area past the obstructions, to about `tolerance`.
-    fn past(&self, between: &Obstructions, tolerance: f64) -> Approximate {
+    /// Exchange area past the obstructions, to about `tolerance`, and the views times obstructions.
+    fn past(&self, between: &Obstructions, tolerance: f64) -> (Approximate, usize) {
         let whole = if between.windows.is_empty() {
             self.exact(EXACT)
         } else {
@@ -150,7 +152,7 @@ impl Pair {
             error: WHOLE_ERROR * whole,
         };
         if between.is_empty() {
-            return known;
+            return (known, 0);
         }
         let (from, to) = self.small_and_large();
         let pieces: Vec<ArrayPolygon> = from
@@ -158,15 +160,19 @@ impl Pair {
             .iter()
             .flat_map(|p| discontinuities::cells(p, from.normal, &to.polygon, between))
             .collect();
-        let most = MOST_VALUES / (between.windows.len() + between.blockers.len());
+        let count = between.windows.len() + between.blockers.len();
+        let most = MOST_VALUES / count;
+        let mut views = 0;
         let mut memory = ViewScratch::default();
         let change = cells::integrate(&pieces, from.normal, tolerance, most, |x| {
+            views += 1;
             between.change(x, &to.polygon, &mut memory).dot(from.normal)
         });
-        Approximate {
+        let seen = Approximate {
             value: known.value + change.value,
             error: known.error + change.error,
-        }
+        };
+        (seen, views * count)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Rows of exchange areas, distributed over threads.
 
+use super::check::STRATA;
 pub(crate) use super::horizon::Horizon;
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
@@ -7,6 +8,7 @@ use super::planes::SurfacePlanes;
 use super::traversal::{
     ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows,
 };
+use super::work::PairWork;
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
 use crate::form_factors::exchange::{read_row, write_row};
@@ -63,6 +65,8 @@ pub(crate) struct ExchangerOptions {
     pub is_per_channel: bool,
     /// Seed of the shadow rays.
     pub seed: u32,
+    /// Seconds of counted work after which a row is left to rays; infinite if it never is.
+    pub row_budget: f64,
 }
 
 /// Computes exchange areas. Immutable; shared by all threads.
@@ -85,6 +89,7 @@ pub(crate) struct Exchanger<'a> {
     /// Orders that are known completely by formulas.
     pub known: [bool; ORDERS],
     seed: u32,
+    row_budget: f64,
 }
 
 /// The position of sides without a facet: curved ones.
@@ -131,6 +136,7 @@ impl<'a> Exchanger<'a> {
             shows_back: scene_occluders.shows_back,
             known,
             seed: options.seed,
+            row_budget: options.row_budget,
         }
     }
 
@@ -143,6 +149,17 @@ impl<'a> Exchanger<'a> {
     /// Whether formulas know everything.
     pub fn is_complete(&self) -> bool {
         self.known == [true; ORDERS] && self.positions.iter().all(|&p| p != NOWHERE)
+    }
+
+    /// The stratum of neighbours that a column belongs to, for [`Strata`](super::check::Strata); `None` if it has no formula.
+    pub fn stratum(&self, column: usize) -> Option<usize> {
+        let position = self.positions[column];
+        (position != NOWHERE).then(|| position as usize * STRATA / self.facets.list.len())
+    }
+
+    /// The rows that have formulas, neighbours next to each other.
+    pub fn rows_in_order(&self) -> Vec<usize> {
+        self.facets.list.iter().map(|f| f.id as usize).collect()
     }
 
     /// Whether a row has a formula.
@@ -174,8 +191,7 @@ impl<'a> Exchanger<'a> {
             if progress.out_of_time() {
                 return Ok(RowGroup::default());
             }
-            let (rows, counts) = self.group(groups[group], true);
-            Ok(RowGroup { rows, counts })
+            Ok(self.group(groups[group], true).0)
         };
         let done = resumed(journal, JournalStage::Pairs, size, progress, |wanted| {
             wanted.par_iter().map(group).collect()
@@ -193,13 +209,14 @@ impl<'a> Exchanger<'a> {
         for group in done {
             counts.add(&group.counts);
             for (id, row) in group.rows {
-                is_done[id as usize] = true;
+                is_done[id as usize] = !group.given_up.contains(&id);
                 for (order, row) in orders.iter_mut().zip(row) {
                     order[id as usize] = row.into();
                 }
             }
         }
         AllPairs {
+            is_doubtful: vec![false; n],
             orders: orders.map(ExchangeAreas::from_rows),
             is_done,
             counts,
@@ -208,20 +225,51 @@ impl<'a> Exchanger<'a> {
 
     /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
     /// own facet alone, whichever others are requested with it.
-    pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
+    pub fn rows(&self, rows: &[usize]) -> Vec<Option<Orders>> {
         let positions = self.sorted_positions(rows);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
-        let groups = groups.par_iter();
-        let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
+        let groups: Vec<RowGroup> = groups.par_iter().map(|g| self.group(g, false).0).collect();
         let mut places = vec![NOWHERE; self.sides.len()];
         for (k, &row) in rows.iter().enumerate() {
             places[row] = k as u32;
         }
-        let mut sorted = vec![Orders::default(); rows.len()];
-        for (id, row) in found {
-            sorted[places[id as usize] as usize] = row;
+        let mut sorted = vec![None; rows.len()];
+        for group in groups {
+            let given_up = group.given_up;
+            for (id, row) in group
+                .rows
+                .into_iter()
+                .filter(|(id, _)| !given_up.contains(id))
+            {
+                sorted[places[id as usize] as usize] = Some(row);
+            }
         }
         sorted
+    }
+
+    /// What all pairs will take, from a few rows all over the scene. Ends early where these take more
+    /// than `most` seconds of counted work by themselves.
+    pub fn forecast(&self, most: f64) -> WorkForecast {
+        let count = self.facets.list.len();
+        let samples = count.min(SAMPLED_ROWS);
+        // Numbers that a multiple of the golden ratio leaves are spread evenly, however many are used.
+        let place = |k: usize| ((k as f64 * GOLDEN).fract() * count as f64) as u32;
+        let (mut work, mut pairs, mut done) = (PairWork::default(), 0.0, 0usize);
+        for k in 0..samples {
+            let (_, row_work, seconds) = self.group(&[place(k)], false);
+            work.add(&row_work);
+            pairs += seconds;
+            done += 1;
+            if work.seconds() > most {
+                break;
+            }
+        }
+        let rows = count as f64 / done.max(1) as f64;
+        WorkForecast {
+            // Each pair is computed once.
+            seconds: 0.5 * rows * work.seconds(),
+            row: pairs / done.max(1) as f64,
+        }
     }
 
     /// Positions of the facets of rows that have one: neighbours together, so that clusters are
@@ -233,21 +281,31 @@ impl<'a> Exchanger<'a> {
         positions
     }
 
-    /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`.
-    fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
+    /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`; the work, and the
+    /// seconds of it that were pairs.
+    fn group(&self, rows: &[u32], upper: bool) -> (RowGroup, PairWork, f64) {
         let group = RowGroupPlaces::new(rows, self.facets.list.len());
         let requested = RequestedRows {
             places: &group.places,
             upper,
             split: None,
+            budget: self.row_budget,
         };
         let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
         let mut counts = PairCounts::default();
+        let (mut work, mut seconds) = (PairWork::default(), 0.0);
+        let mut given_up = Vec::new();
         for image in &self.images {
             let found = found[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            counts.add(&self.add_image(image, &group, requested, found));
+            let done = self.add_image(image, &group, requested, found);
+            counts.add(&done.counts);
+            work.add(&done.work);
+            seconds += done.seconds;
+            given_up.extend(done.given_up);
         }
+        given_up.sort_unstable();
+        given_up.dedup();
         let row = |(k, position): (usize, &u32)| {
             let sorted = |found: &Option<ExchangeBlock>| {
                 let mut entries = found.as_ref().map_or(Vec::new(), |f| self.entries(f, k));
@@ -257,7 +315,12 @@ impl<'a> Exchanger<'a> {
             let id = self.facets.list[*position as usize].id;
             (id, found.each_ref().map(sorted))
         };
-        (rows.iter().enumerate().map(row).collect(), counts)
+        let group = RowGroup {
+            rows: rows.iter().enumerate().map(row).collect(),
+            counts,
+            given_up,
+        };
+        (group, work, seconds)
     }
 
     /// Adds what an image contributes to the requested rows of a group.
@@ -267,7 +330,7 @@ impl<'a> Exchanger<'a> {
         group: &RowGroupPlaces,
         requested: RequestedRows,
         found: &mut ExchangeBlock,
-    ) -> PairCounts {
+    ) -> ImagePairs {
         let rows = image.rows(self.facets.list[group.whole.clone()].iter());
         let mut traversal =
             PairTraversal::new(image, &rows, &self.facets, self.accuracy, requested);
@@ -284,7 +347,15 @@ impl<'a> Exchanger<'a> {
                 found.add_upward(place, column, value, error);
             }
         }
-        traversal.counts
+        let own = group.whole.clone().enumerate();
+        let given_up =
+            own.filter(|&(row, _)| group.places[row].is_some() && traversal.is_given_up(row));
+        ImagePairs {
+            counts: traversal.counts,
+            work: traversal.work,
+            seconds: traversal.pair_seconds(),
+            given_up: given_up.map(|(_, k)| self.facets.list[k].id).collect(),
+        }
     }
 
     /// Of some rows, what no matrix of theirs tells: how much leaves upwards of the light to columns
@@ -316,6 +387,7 @@ impl<'a> Exchanger<'a> {
                 places: &group.places,
                 upper: false,
                 split: Some(split),
+                budget: f64::INFINITY,
             };
             let mut found = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
             for image in self.images.iter().filter(|image| image.order == 0) {
@@ -456,7 +528,10 @@ pub(crate) struct SplitRow {
 /// The result of [`Exchanger::all`].
 pub(crate) struct AllPairs {
     pub orders: [ExchangeAreas; ORDERS],
+    /// Rows that are complete, from the diagonal on.
     pub is_done: Vec<bool>,
+    /// Rows that rays contradict: neither they nor their columns are there.
+    pub is_doubtful: Vec<bool>,
     pub counts: PairCounts,
 }
 
@@ -465,6 +540,33 @@ pub(crate) struct AllPairs {
 struct RowGroup {
     rows: Vec<(u32, Orders)>,
     counts: PairCounts,
+    /// Those of the rows that took more than their budget, in order, and are not complete.
+    given_up: Vec<u32>,
+}
+
+/// What one image was for a group of rows.
+struct ImagePairs {
+    counts: PairCounts,
+    work: PairWork,
+    /// Of the work, pairs.
+    seconds: f64,
+    /// Rows that took more than their budget.
+    given_up: Vec<u32>,
+}
+
+/// Most rows of a forecast.
+const SAMPLED_ROWS: usize = 32;
+
+/// The fractional part of the golden ratio.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Work before it is done.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WorkForecast {
+    /// Seconds that all pairs take on one core.
+    pub seconds: f64,
+    /// Mean seconds of the pairs of a whole row.
+    pub row: f64,
 }
 
 impl Record for RowGroup {
@@ -479,6 +581,9 @@ impl Record for RowGroup {
         });
         let counts = self.counts.counts();
         bytes.extend(counts.into_iter().flat_map(u64::to_le_bytes));
+        write_list(&self.given_up, bytes, |id, bytes| {
+            bytes.extend(id.to_le_bytes())
+        });
     }
 
     fn read(bytes: &mut RecordReader) -> Option<RowGroup> {
@@ -493,7 +598,12 @@ impl Record for RowGroup {
             *count = bytes.u64()?;
         }
         let counts = PairCounts::of(counts);
-        Some(RowGroup { rows, counts })
+        let given_up = bytes.list(RecordReader::u32)?;
+        Some(RowGroup {
+            rows,
+            counts,
+            given_up,
+        })
     }
 }
 

@@ -7,9 +7,11 @@
 //! cut along the discontinuities of the view ([`partial`]). Chains of planar mirrors are traversed
 //! in the same way, as images behind windows ([`images`]). What lies in one plane within the rounding of
 //! coordinates does so exactly ([`planes`]). [`horizon`] tells light that leaves
-//! upwards from the rest, and [`slabs`] does so where facets touch. [`exchanger`] distributes the rows
+//! upwards from the rest, and [`slabs`] does so where facets touch. [`work`] counts what all of this costs.
+//! [`check`] compares rows with a few rays. [`exchanger`] distributes the rows
 //! over threads.
 
+pub(crate) mod check;
 mod convex_merge;
 pub(crate) mod estimator;
 pub(crate) mod exchanger;
@@ -22,6 +24,7 @@ mod planes;
 mod shaft;
 mod slabs;
 mod traversal;
+mod work;
 
 use crate::analytic::gauss;
 use crate::cluster_tree::{ClusterNode, ClusterTree};

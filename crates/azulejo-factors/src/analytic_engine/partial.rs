@@ -8,6 +8,7 @@
 
 use super::horizon::{Elevation, Horizon};
 use super::slabs::exchange_above;
+use super::work::{PairWork, WorkKind};
 use super::{Facet, MOST_CORNERS};
 use crate::analytic::{Approximate, Blocker, Effect, PLANE, edge_bit, exchange_area_fast, gauss};
 use azulejo_scene::math::area_vector;
@@ -40,6 +41,8 @@ pub(super) struct PartialVisibility {
     next: Vec<ClippedPolygon>,
     planes: Vec<(DVec3, f64)>,
     rest: [ClippedPolygon; 2],
+    /// What was done.
+    pub work: PairWork,
 }
 
 /// Most corners of a piece: a quadrilateral clipped eight times.
@@ -158,6 +161,7 @@ impl PartialVisibility {
             depth: 0,
             wants_seen,
         };
+        self.work.count(WorkKind::Contour, 1);
         let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
         let value = base
             + if goal.up.is_some() {
@@ -182,6 +186,7 @@ impl PartialVisibility {
             Some(Elevation::Below) => return 0.0,
             Some(Elevation::Above) => PairGoal { up: None, ..goal },
         };
+        self.work.count(WorkKind::Effect, obstructions.len());
         let mut kept: Vec<Obstruction> = Vec::with_capacity(obstructions.len());
         for obstruction in obstructions {
             let effect = obstruction
@@ -390,6 +395,7 @@ impl PartialVisibility {
         is_far: bool,
         horizon: Option<DVec3>,
     ) -> f64 {
+        self.work.count(WorkKind::View, 1);
         let to = pair[1];
         let mut target = ClippedPolygon::default();
         target.set(to.polygon().iter().map(|&p| p - eye));
@@ -421,6 +427,7 @@ impl PartialVisibility {
             if !self.cone(eye, obstruction, to, way) {
                 continue;
             }
+            self.work.count(WorkKind::Cut, self.pieces.len());
             self.next.clear();
             for piece in &self.pieces {
                 let outside = blockers.peek().map(|_| &mut self.next);

@@ -5,8 +5,10 @@ use super::horizon::{Elevation, Horizon};
 use super::images::MirrorImage;
 use super::partial::{PairGoal, PartialVisibility};
 use super::shaft::ClusterShaft;
+use super::work::{PairWork, WorkKind};
 use super::{Cluster, Facet, FacetTree, Facing};
 use crate::analytic::{Approximate, Effect, exchange_area, exchange_area_fast, exchange_area_past};
+use crate::shadow_rays::SHADOW_RAYS;
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 use std::ops::Range;
@@ -82,6 +84,8 @@ pub(super) struct RequestedRows<'a> {
     pub upper: bool,
     /// Whether the parts that leave upwards are computed, and only of pairs that need it.
     pub split: Option<HorizonSplit>,
+    /// Seconds of pairs after which a row is given up.
+    pub budget: f64,
 }
 
 /// Which pairs are split at the horizon: those with light both above and below it, and those with
@@ -196,6 +200,10 @@ pub(super) struct PairTraversal<'a> {
     partial: PartialVisibility,
     sums: Vec<f64>,
     pub counts: PairCounts,
+    /// What was done.
+    pub work: PairWork,
+    /// Seconds of the pairs of each row so far.
+    spent: Vec<f64>,
     /// Pairs left to shadow rays.
     pub unresolved: Vec<UnresolvedPair>,
 }
@@ -222,6 +230,8 @@ impl<'a> PairTraversal<'a> {
             partial: PartialVisibility::default(),
             sums: Vec::new(),
             counts: PairCounts::default(),
+            work: PairWork::default(),
+            spent: vec![0.0; rows.list.len()],
             unresolved: Vec::new(),
         };
         traversal.halve(0..rows.list.len());
@@ -262,8 +272,11 @@ impl<'a> PairTraversal<'a> {
         let upper = self.requested.upper;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
         let (row_range, second_row) = (row.range.clone(), row.second);
+        self.work.count(WorkKind::Visit, 1);
         let node = &self.columns.tree.nodes[c];
+        let goes_on = |row: usize| !self.is_given_up(row);
         if !row.is_requested
+            || !row_range.clone().any(goes_on)
             || row.cluster.is_empty()
             || column.is_empty()
             || upper && column.last_id < row.cluster.first_id
@@ -290,6 +303,7 @@ impl<'a> PairTraversal<'a> {
         };
         let top = self.obstructions.len();
         if !obstructions.is_empty() {
+            self.work.count(WorkKind::Shaft, obstructions.len());
             let shaft = ClusterShaft::new(&row.cluster.bounds, &column.bounds, image.graze);
             if !self.cull(&shaft, obstructions) {
                 self.obstructions.truncate(top);
@@ -307,7 +321,9 @@ impl<'a> PairTraversal<'a> {
         } else if is_row_leaf && is_leaf {
             for row in row_range {
                 for column in node.range.start as usize..node.range.end as usize {
+                    let before = self.work;
                     self.pair(row, column, kept.clone(), found);
+                    self.spent[row] += self.work.seconds() - before.seconds();
                 }
             }
         } else {
@@ -346,6 +362,16 @@ impl<'a> PairTraversal<'a> {
         true
     }
 
+    /// Seconds of the pairs of all rows.
+    pub fn pair_seconds(&self) -> f64 {
+        self.spent.iter().sum()
+    }
+
+    /// Whether a row took more than its budget.
+    pub fn is_given_up(&self, row: usize) -> bool {
+        self.spent[row] > self.requested.budget
+    }
+
     /// Pairs of unoccluded clusters, if Gauss's rule is accurate enough for all.
     fn clear(
         &mut self,
@@ -373,6 +399,8 @@ impl<'a> PairTraversal<'a> {
             let range = &self.columns.tree.nodes[c].range;
             range.start as usize..range.end as usize
         };
+        let values = rows.len() * columns.len() * if is_four { 16 } else { 81 };
+        self.work.count(WorkKind::Kernel, values);
         self.sums.resize(columns.len(), 0.0);
         for row in rows.clone() {
             let own = &self.rows.list[row];
@@ -419,9 +447,11 @@ impl<'a> PairTraversal<'a> {
         let Some(place) = self.requested.places[row] else {
             return;
         };
-        if a.is_empty() || b.is_empty() || self.requested.upper && b.id < a.id {
+        let is_lower = self.requested.upper && b.id < a.id;
+        if a.is_empty() || b.is_empty() || is_lower || self.is_given_up(row) {
             return;
         }
+        self.work.count(WorkKind::Visit, 1);
         let split = self.requested.split;
         let elevation = split.map(|split| split.elevation(a, b, image.graze));
         let is_row = split.is_none_or(|split| b.id < split.rows);
@@ -456,6 +486,7 @@ impl<'a> PairTraversal<'a> {
             self.counts.occluded += 1;
         } else if self.is_too_complex(&kept) {
             self.unresolved.push((row, column));
+            self.work.count(WorkKind::Ray, SHADOW_RAYS);
             self.counts.unresolved += 1;
         } else {
             if elevation.is_none() || !is_row {
@@ -510,13 +541,17 @@ impl<'a> PairTraversal<'a> {
             )
         });
         if !self.accuracy.is_exact || goal.up.is_some() {
-            return self.partial.exchange([a, b], obstructions, goal);
+            let seen = self.partial.exchange([a, b], obstructions, goal);
+            self.work.add(&std::mem::take(&mut self.partial.work));
+            return seen;
         }
         match image.lit_parts(a, b) {
             Some([a, b]) => {
                 let obstructions =
                     obstructions.map(|(obstruction, _, is_window)| (obstruction, is_window));
-                exchange_area_past(&a, &b, obstructions, goal.error)
+                let (seen, views) = exchange_area_past(&a, &b, obstructions, goal.error);
+                self.work.count(WorkKind::ExactView, views);
+                seen
             }
             None => Approximate::default(),
         }
@@ -524,6 +559,7 @@ impl<'a> PairTraversal<'a> {
 
     /// As [`cull`](PairTraversal::cull), for one pair; records which edges matter.
     fn cull_for_pair(&mut self, a: &Facet, b: &Facet, obstructions: Range<usize>) -> bool {
+        self.work.count(WorkKind::Effect, obstructions.len());
         self.edges.clear();
         for k in obstructions {
             let index = self.obstructions[k] as usize;
@@ -555,18 +591,21 @@ impl<'a> PairTraversal<'a> {
         let mut value = [0.0];
         if is_plain && four < self.accuracy.whole {
             self.counts.single += 1;
+            self.work.count(WorkKind::Kernel, 16);
             columns
                 .four
                 .exchange(&rows.four.own(row), column..column + 1, &mut value);
             (value[0], four * value[0])
         } else if is_plain && nine < self.accuracy.whole {
             self.counts.single += 1;
+            self.work.count(WorkKind::Kernel, 81);
             columns
                 .nine
                 .exchange(&rows.nine.own(row), column..column + 1, &mut value);
             (value[0], nine * value[0])
         } else {
             self.counts.close += 1;
+            self.work.count(WorkKind::Contour, 1);
             let value = if self.accuracy.is_exact {
                 exchange_area(a.polygon(), b.polygon())
             } else {

@@ -1,5 +1,6 @@
 //! The matrix by the analytic engine, with rays for what has no formula.
 
+use super::doubt::RowCheck;
 use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::RowRemainder;
@@ -24,18 +25,32 @@ impl PreparedPlan<'_> {
         let (n, options) = (self.sides.len(), self.plan.options);
         self.refuse_too_large(journal, progress)?;
         let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
-        let exchanger = self.exchanger(list);
+        // Only one process knows of all rows which are given up.
+        let is_alone = journal.parts() == 1 && journal.processes() == 1;
+        let row_budget = if is_alone {
+            self.row_budget
+        } else {
+            f64::INFINITY
+        };
+        let exchanger = self.exchanger(list, row_budget);
         let all = exchanger.all(journal, progress)?;
-        // Others have the rows that are not here.
+        let all = match all {
+            Some(all) => Some(self.checked(all, &exchanger, is_alone, progress)?),
+            // Others have the rows that are not here.
+            None => None,
+        };
         let is_done = |row: usize| all.as_ref().is_none_or(|all| all.is_done[row]);
+        let is_doubtful = |row: usize| all.as_ref().is_some_and(|all| all.is_doubtful[row]);
         let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
         let is_known = |i: usize, j: u32, order: Order| {
             let j = j as usize;
             exchanger.known[usize::from(order)]
                 && (has_formula[i] && has_formula[j])
                 && is_done(i.min(j))
+                && !is_doubtful(i)
+                && !is_doubtful(j)
         };
-        let is_complete = exchanger.is_complete() && (0..n).all(is_done);
+        let is_complete = exchanger.is_complete() && (0..n).all(|i| is_done(i) && !is_doubtful(i));
         let patches = &self.plan.patches;
         let materials = patches.materials_in_use(&self.plan.proxy.scene);
         if is_complete && !materials.iter().any(|m| m.is_specular()) {
@@ -88,12 +103,50 @@ impl PreparedPlan<'_> {
         Ok(factors)
     }
 
+    /// The exchange areas without those of rows that a few rays contradict.
+    ///
+    /// # Errors
+    /// [`FactorsError::Doubtful`] if there are many of these, or if others computed the rows and go on with
+    /// them.
+    fn checked(
+        &self,
+        mut all: AllPairs,
+        exchanger: &Exchanger,
+        is_alone: bool,
+        progress: &Progress,
+    ) -> Result<AllPairs, FactorsError> {
+        let check = RowCheck {
+            sides: &self.sides,
+            gatherer: &self.gatherer,
+            exchanger,
+            seed: hash(&[self.seed, 3]),
+        };
+        let doubtful = check.doubtful(&all, progress)?;
+        if doubtful.is_empty() {
+            return Ok(all);
+        }
+        let rows = self.sides.len();
+        if doubtful.len() as f64 > MOST_DOUBTFUL * rows as f64 || !is_alone {
+            return Err(FactorsError::Doubtful {
+                doubtful: doubtful.len(),
+                rows,
+            });
+        }
+        doubtful.iter().for_each(|&row| all.is_doubtful[row] = true);
+        let is_doubtful = &all.is_doubtful;
+        for order in &mut all.orders {
+            order.retain(|i, e| !is_doubtful[i] && !is_doubtful[e.column as usize]);
+        }
+        Ok(all)
+    }
+
     /// An exchanger between these sides.
-    pub(super) fn exchanger(&self, sides: Vec<Side>) -> Exchanger<'_> {
+    pub(super) fn exchanger(&self, sides: Vec<Side>, row_budget: f64) -> Exchanger<'_> {
         let wanted = ExchangerOptions {
             accuracy: self.plan.options.accuracy,
             is_per_channel: false,
             seed: hash(&[self.seed, 0]),
+            row_budget,
         };
         let surfaces = self.gatherer.surfaces();
         Exchanger::new(&self.plan.patches, surfaces, sides, wanted)
@@ -128,6 +181,9 @@ impl PreparedPlan<'_> {
         Ok(costs.forecast(progress)?)
     }
 }
+
+/// Share of the rows that rays may take instead of formulas which they contradict.
+const MOST_DOUBTFUL: f64 = 0.1;
 
 /// The sum of the exchange areas by formulas and by rays.
 fn joined(all: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
@@ -244,6 +300,22 @@ fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) ->
         ));
     }
     notes.extend(exchanger.flatness.clone());
+    let doubtful = all
+        .is_doubtful
+        .iter()
+        .filter(|&&is_doubtful| is_doubtful)
+        .count();
+    if doubtful > 0 {
+        notes.push(format!(
+            "{doubtful} rows took rays, which contradict their formulas"
+        ));
+    }
+    let given_up = all.is_done.iter().filter(|&&is_done| !is_done).count();
+    if given_up > 0 {
+        notes.push(format!(
+            "{given_up} rows were left to rays, because formulas took too long"
+        ));
+    }
     if !is_complete {
         notes.push(format!("what has no formula took {rays} rays per row"));
     }

@@ -103,7 +103,7 @@ impl PreparedPlan<'_> {
         let estimator = if is_analytic {
             self.ray_estimator(options.rays)
         } else {
-            self.estimator()
+            self.estimator(&self.engine)
         };
         let tracing = RowTracing {
             sides,

@@ -99,7 +99,8 @@ impl PreparedPlan<'_> {
         }
         let sides = (0..n).map(|row| self.sides.side(row));
         let all: Vec<Side> = sides.chain(hidden.iter().copied()).collect();
-        self.exchanger(all).split_at_horizon(rows, up, n, progress)
+        self.exchanger(all, f64::INFINITY)
+            .split_at_horizon(rows, up, n, progress)
     }
 }
 
