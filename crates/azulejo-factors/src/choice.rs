@@ -35,8 +35,9 @@ const MOST_PATCHES: usize = 200_000;
 /// Share of the area that has to be flat for formulas to be worth while.
 const MOSTLY_FLAT: f64 = 0.95;
 
-/// Seconds per ray, including sampling its start and locating the patch it hits.
-const SECONDS_PER_RAY: f64 = 0.4e-6;
+/// Seconds per ray, including sampling its start and locating the patch it hits, and per binary digit of the
+/// number of patches.
+const SECONDS_PER_RAY: (f64, f64) = (0.1e-6, 0.012e-6);
 
 /// Rays per row of a matrix by default.
 const ROW_RAYS: f64 = 4_096.0;
@@ -61,6 +62,8 @@ pub struct EngineChoice {
     /// Seconds that formulas for all pairs take on one core, by counted work; infinite where they are not
     /// considered.
     pub seconds: f64,
+    /// Seconds that the view factors of the sky take besides.
+    pub sky_seconds: f64,
     /// Mean seconds of the pairs of a row.
     pub row_seconds: f64,
     /// Bytes that may be used.
@@ -85,6 +88,7 @@ impl EngineChoice {
             is_specular: materials.iter().any(|m| m.is_specular()),
             visible: visible_shares(surfaces, patches),
             seconds: f64::INFINITY,
+            sky_seconds: 0.0,
             row_seconds: f64::INFINITY,
             memory,
         };
@@ -94,6 +98,7 @@ impl EngineChoice {
         let work = choice.forecast(surfaces, patches);
         EngineChoice {
             seconds: work.seconds,
+            sky_seconds: work.sky,
             row_seconds: work.row,
             ..choice
         }
@@ -114,7 +119,8 @@ impl EngineChoice {
 
     /// Seconds that so many rays from each patch take.
     fn ray_seconds(&self, rays: f64) -> f64 {
-        self.patches as f64 * rays * SECONDS_PER_RAY
+        let patches = self.patches.max(1) as f64;
+        patches * rays * (SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2())
     }
 
     /// Seconds of counted work after which a row of formulas is left to rays: five times the forecast.
@@ -140,7 +146,8 @@ impl EngineChoice {
     pub fn for_factors(&self) -> (Engine, String) {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
-        let (by_rays, by_formulas) = (self.ray_seconds(ROW_RAYS), self.seconds);
+        let by_rays = self.ray_seconds(ROW_RAYS);
+        let by_formulas = self.seconds + self.sky_seconds;
         if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);
             let why = format!(
@@ -267,6 +274,7 @@ mod tests {
         is_specular: false,
         visible: [0.5, 0.1],
         seconds: 30.0,
+        sky_seconds: 0.0,
         row_seconds: 0.01,
         memory: 4 << 30,
     };

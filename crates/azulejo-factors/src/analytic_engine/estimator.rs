@@ -81,9 +81,10 @@ impl<'a> AnalyticEstimator<'a> {
     /// [`Cancelled`].
     pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
         let rows: Vec<usize> = sides.iter().map(|&side| side as usize).collect();
-        let known = self.exchanger.rows(&rows);
+        let known = self.exchanger.rows(&rows, progress)?;
         let row = |(&side, known): (&Side, &Option<Orders>)| {
-            progress.advance(1)?;
+            // Rows without a formula were not counted.
+            progress.advance(u64::from(!self.exchanger.has(side as usize)))?;
             let row = self.rays.row(side);
             Ok(match known {
                 Some(known) if self.agree(&row, side, known) => self.joined(row, side, known),

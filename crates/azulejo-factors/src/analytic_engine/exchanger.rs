@@ -225,10 +225,24 @@ impl<'a> Exchanger<'a> {
 
     /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
     /// own facet alone, whichever others are requested with it.
-    pub fn rows(&self, rows: &[usize]) -> Vec<Option<Orders>> {
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn rows(
+        &self,
+        rows: &[usize],
+        progress: &Progress,
+    ) -> Result<Vec<Option<Orders>>, Cancelled> {
         let positions = self.sorted_positions(rows);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
-        let groups: Vec<RowGroup> = groups.par_iter().map(|g| self.group(g, false).0).collect();
+        let group = |rows: &&[u32]| {
+            progress.advance(rows.len() as u64)?;
+            Ok(self.group(rows, false).0)
+        };
+        let groups: Vec<RowGroup> = groups
+            .par_iter()
+            .map(group)
+            .collect::<Result<_, Cancelled>>()?;
         let mut places = vec![NOWHERE; self.sides.len()];
         for (k, &row) in rows.iter().enumerate() {
             places[row] = k as u32;
@@ -244,7 +258,7 @@ impl<'a> Exchanger<'a> {
                 sorted[places[id as usize] as usize] = Some(row);
             }
         }
-        sorted
+        Ok(sorted)
     }
 
     /// What all pairs will take, from a few rows all over the scene. Ends early where these take more
@@ -255,12 +269,18 @@ impl<'a> Exchanger<'a> {
         // Numbers that a multiple of the golden ratio leaves are spread evenly, however many are used.
         let place = |k: usize| ((k as f64 * GOLDEN).fract() * count as f64) as u32;
         let (mut work, mut pairs, mut done) = (PairWork::default(), 0.0, 0usize);
+        let mut sky = PairWork::default();
+        let split = self.horizon_split(self.surfaces.scene.units.up.axis(), self.sides.len());
         for k in 0..samples {
-            let (_, row_work, seconds) = self.group(&[place(k)], false);
+            let row = [place(k)];
+            let (group, row_work, seconds) = self.group(&row, false);
             work.add(&row_work);
             pairs += seconds;
             done += 1;
-            if work.seconds() > most {
+            if self.loses_light(&group) {
+                sky.add(&self.split_group(&row, split).1);
+            }
+            if work.seconds() + sky.seconds() > most {
                 break;
             }
         }
@@ -268,6 +288,7 @@ impl<'a> Exchanger<'a> {
         WorkForecast {
             // Each pair is computed once.
             seconds: 0.5 * rows * work.seconds(),
+            sky: rows * sky.seconds(),
             row: pairs / done.max(1) as f64,
         }
     }
@@ -279,6 +300,15 @@ impl<'a> Exchanger<'a> {
         let mut positions: Vec<u32> = positions.filter(|&p| p != NOWHERE).collect();
         positions.sort_unstable();
         positions
+    }
+
+    /// Whether direct light of some row ends on no column.
+    fn loses_light(&self, group: &RowGroup) -> bool {
+        group.rows.iter().any(|(id, orders)| {
+            let facet = &self.facets.list[self.positions[*id as usize] as usize];
+            let arrived: f64 = orders[0].iter().map(|e| e.value).sum();
+            arrived < (1.0 - LOST) * facet.area
+        })
     }
 
     /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`; the work, and the
@@ -373,31 +403,11 @@ impl<'a> Exchanger<'a> {
     ) -> Result<Vec<SplitRow>, Cancelled> {
         let positions = self.sorted_positions(of);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
-        let split = HorizonSplit {
-            up,
-            rows: rows as u32,
-            // Exact formulas know no horizon.
-            error: self.accuracy.partial.max(EXACT),
-        };
+        let split = self.horizon_split(up, rows);
         progress.begin("sky view factors", groups.len() as u64);
         let group = |rows: &&[u32]| {
             progress.advance(1)?;
-            let group = RowGroupPlaces::new(rows, self.facets.list.len());
-            let requested = RequestedRows {
-                places: &group.places,
-                upper: false,
-                split: Some(split),
-                budget: f64::INFINITY,
-            };
-            let mut found = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
-            for image in self.images.iter().filter(|image| image.order == 0) {
-                self.add_image(image, &group, requested, &mut found);
-            }
-            let row = |(k, &position): (usize, &u32)| {
-                let id = self.facets.list[position as usize].id;
-                (id, self.split_row(&found, k, split.rows))
-            };
-            Ok(rows.iter().enumerate().map(row).collect())
+            Ok(self.split_group(rows, split).0)
         };
         let found: Vec<Vec<(u32, SplitRow)>> = groups
             .par_iter()
@@ -412,6 +422,36 @@ impl<'a> Exchanger<'a> {
             sorted[places[id as usize] as usize] = row;
         }
         Ok(sorted)
+    }
+
+    fn horizon_split(&self, up: DVec3, rows: usize) -> HorizonSplit {
+        HorizonSplit {
+            up,
+            rows: rows as u32,
+            // Exact formulas know no horizon.
+            error: self.accuracy.partial.max(EXACT),
+        }
+    }
+
+    /// Some rows of one group of neighbours, split at the horizon, and the work.
+    fn split_group(&self, rows: &[u32], split: HorizonSplit) -> (Vec<(u32, SplitRow)>, PairWork) {
+        let group = RowGroupPlaces::new(rows, self.facets.list.len());
+        let requested = RequestedRows {
+            places: &group.places,
+            upper: false,
+            split: Some(split),
+            budget: f64::INFINITY,
+        };
+        let mut block = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
+        let mut work = PairWork::default();
+        for image in self.images.iter().filter(|image| image.order == 0) {
+            work.add(&self.add_image(image, &group, requested, &mut block).work);
+        }
+        let row = |(k, &position): (usize, &u32)| {
+            let id = self.facets.list[position as usize].id;
+            (id, self.split_row(&block, k, split.rows))
+        };
+        (rows.iter().enumerate().map(row).collect(), work)
     }
 
     /// The sums of one row of a block, over columns in their fixed order.
@@ -557,6 +597,9 @@ struct ImagePairs {
 /// Most rows of a forecast.
 const SAMPLED_ROWS: usize = 32;
 
+/// Share of a row's light that is lost if some leaves the scene.
+const LOST: f64 = 1e-3;
+
 /// The fractional part of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -565,6 +608,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub(crate) struct WorkForecast {
     /// Seconds that all pairs take on one core.
     pub seconds: f64,
+    /// Seconds of what the horizon divides, where light leaves the scene.
+    pub sky: f64,
     /// Mean seconds of the pairs of a whole row.
     pub row: f64,
 }

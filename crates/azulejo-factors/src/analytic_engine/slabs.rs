@@ -14,8 +14,9 @@ use glam::DVec3;
 /// Fewest and most slabs between two heights of corners.
 const SLABS: [usize; 2] = [4, 128];
 
-/// The exchange area of what points of `a` see of `b` above their own height, nothing being between them.
-pub(super) fn exchange_above([a, b]: [&Facet; 2], up: DVec3, goal: PairGoal) -> f64 {
+/// The exchange area of what points of `a` see of `b` above their own height, nothing being between them,
+/// and the number of slabs that it took.
+pub(super) fn exchange_above([a, b]: [&Facet; 2], up: DVec3, goal: PairGoal) -> (f64, usize) {
     let corners = shared_heights([a, b], up, goal.graze);
     let [mut slabs, most] = SLABS;
     let of = |slabs| {
@@ -27,13 +28,15 @@ pub(super) fn exchange_above([a, b]: [&Facet; 2], up: DVec3, goal: PairGoal) -> 
         )
     };
     let mut coarse = of(slabs);
+    let mut cut = slabs * (corners.len() - 1);
     loop {
         slabs *= 2;
+        cut += slabs * (corners.len() - 1);
         let fine = of(slabs);
         // Halves of thin slabs err with the square of their height.
         let change = (fine - coarse) / 3.0;
         if change.abs() < goal.error || slabs >= most {
-            return (fine + change).max(0.0);
+            return ((fine + change).max(0.0), cut);
         }
         coarse = fine;
     }

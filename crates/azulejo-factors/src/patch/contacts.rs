@@ -10,7 +10,7 @@ use super::Lists;
 use super::box_pairs::{Bounds, for_each_pair};
 use super::outline::{Form, Outline, Region};
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Primitive, Shape};
+use azulejo_scene::{CoordinateDigits, CoordinateRounding, Primitive, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -18,6 +18,11 @@ use std::collections::HashMap;
 /// Tolerance of contacts, as a share of both diameters and of the coordinates.
 const TOUCH: f64 = 1e-6;
 const TOUCH_COORDINATES: f64 = 1e-12;
+/// Largest errors of coordinates within which faces touch as well, and how much of a diameter that may be:
+/// of single precision, and of decimals, of which there may be few because no more are needed.
+const TOUCH_ROUNDING: f64 = 2.0;
+const MOST_SINGLE: f64 = 1e-3;
+const MOST_DECIMALS: f64 = 2e-5;
 /// A line on a face's border matters only if the other face rises from it: the cosine of the angle
 /// between the planes is at most this.
 const STANDING_COSINE: f64 = 0.866_025_403_784_438_6;
@@ -44,6 +49,15 @@ impl Contact {
     pub fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
+}
+
+/// Distance within which rounding may have moved a face of this diameter that touches another.
+fn touching(rounding: &CoordinateRounding, diameter: f64) -> f64 {
+    let most = match rounding.digits {
+        CoordinateDigits::Single => MOST_SINGLE,
+        CoordinateDigits::Decimals(_) | CoordinateDigits::Double => MOST_DECIMALS,
+    };
+    (TOUCH_ROUNDING * rounding.error).min(most * diameter)
 }
 
 /// The contacts of every region.
@@ -139,10 +153,19 @@ impl<'a> ContactFacets<'a> {
         };
         facets.edges = facets.regions.par_iter().map(first_edges).collect();
         let count = (facets.regions.len() + facets.exact.len()) as u32;
+        let roundings = outline
+            .scene
+            .objects
+            .iter()
+            .map(|o| o.shape.coordinate_rounding());
+        let roundings: Vec<CoordinateRounding> = roundings.collect();
         let grown = |f| {
             let b = Bounds::around((0..facets.count(f)).map(|k| facets.point(f, k)));
             let reach = b.low.abs().max(b.high.abs()).max_element();
-            b.grown(TOUCH * b.low.distance(b.high) + TOUCH_COORDINATES * reach)
+            let diameter = b.low.distance(b.high);
+            let object = facets.region(f).map(|region| region.object as usize);
+            let rounding = object.map_or(0.0, |o| touching(&roundings[o], diameter));
+            b.grown((TOUCH * diameter + TOUCH_COORDINATES * reach).max(rounding))
         };
         facets.boxes = (0..count).into_par_iter().map(grown).collect();
         facets
