@@ -123,6 +123,14 @@ impl EngineChoice {
         patches * rays * (SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2())
     }
 
+    /// Seconds of CPU time of an engine that was chosen for form factors.
+    pub fn seconds_of(&self, engine: &Engine, rays: u32) -> f64 {
+        match engine {
+            Engine::Analytic => self.seconds + self.sky_seconds,
+            _ => self.ray_seconds(f64::from(rays)),
+        }
+    }
+
     /// Seconds of counted work after which a row of formulas is left to rays: five times the forecast.
     pub fn row_budget(&self) -> f64 {
         OUTLASTED * self.row_seconds.max(LEAST_ROW)

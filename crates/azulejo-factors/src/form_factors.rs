@@ -176,6 +176,8 @@ pub struct PreparedPlan<'a> {
     /// Seconds of counted work after which a row of formulas is left to rays; infinite where formulas were
     /// asked for.
     row_budget: f64,
+    /// Seconds of CPU time of the chosen engine, if it was chosen automatically.
+    seconds: Option<f64>,
     /// The forecast, once there is one.
     forecast: OnceLock<Forecast>,
 }
@@ -192,13 +194,14 @@ impl<'a> PreparedPlan<'a> {
     fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
         let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);
         let seed = plan.options.seed;
-        let mut row_budget = f64::INFINITY;
+        let (mut row_budget, mut seconds) = (f64::INFINITY, None);
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
                 let surfaces = Surfaces::new(scene, tracer);
                 let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
                 let (engine, why) = choice.for_factors();
                 row_budget = choice.row_budget();
+                seconds = Some(choice.seconds_of(&engine, plan.options.rays));
                 (engine, Some(why))
             }
             requested => (requested.clone(), None),
@@ -213,11 +216,13 @@ impl<'a> PreparedPlan<'a> {
             engine,
             why,
             row_budget,
+            seconds,
             forecast: OnceLock::new(),
         }
     }
 
-    /// How much memory the matrix will take, from a few sampled rows and pairs; computed once.
+    /// How much memory the matrix will take, from a few sampled rows and pairs, and how much time if the engine
+    /// was chosen for it; computed once.
     ///
     /// # Errors
     /// [`FactorsError::Cancelled`].
@@ -231,7 +236,11 @@ impl<'a> PreparedPlan<'a> {
             let rays = self.engine.rays_per_row(self.row_rays());
             self.forecast_of_rows(rays, progress)?
         };
-        Ok(*self.forecast.get_or_init(|| forecast))
+        let seconds = self.seconds;
+        Ok(*self.forecast.get_or_init(|| Forecast {
+            seconds,
+            ..forecast
+        }))
     }
 
     /// Computes the matrix, continuing from the blocks that the journal holds.

@@ -461,15 +461,20 @@ fn forecast(
         rows,
         pairs,
         bytes: needed,
+        seconds,
     } = forecast;
+    let time = seconds.map_or(String::new(), |s| format!(", about {s:.2} s of CPU time"));
     session.say(&format!(
-        "forecast  {} rows, up to {} pairs, {} of memory",
+        "forecast  {} rows, up to {} pairs, {} of memory{time}",
         count(rows),
         count(pairs),
         bytes(needed)
     ));
     report.value("forecast_pairs", pairs);
     report.value("forecast_bytes", needed);
+    if let Some(seconds) = seconds {
+        report.value("forecast_seconds", seconds);
+    }
     Ok(())
 }
 

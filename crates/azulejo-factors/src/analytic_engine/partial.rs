@@ -22,9 +22,6 @@ const MOST_CELLS: usize = 32;
 /// Relative error of Gauss points, m² per cell for m from 1, over (radius/distance)^2m: measured.
 const SHARES: [f64; 3] = [1.5, 0.1, 0.1];
 
-/// Largest error of a part that is not divided enough, relative to its unoccluded exchange area.
-const COARSE: f64 = 0.05;
-
 /// The same for replacing a piece by its centroid.
 const FAR: f64 = 0.1;
 
@@ -46,8 +43,6 @@ pub(super) struct PartialVisibility {
     rest: [ClippedPolygon; 2],
     /// What was done.
     pub work: PairWork,
-    /// Errors of the current pair beyond its goal, of parts that are too close to be divided enough.
-    excess: f64,
 }
 
 /// Most corners of a piece: a quadrilateral clipped eight times.
@@ -159,7 +154,6 @@ impl PartialVisibility {
             is_window,
         });
         let obstructions: Vec<Obstruction> = all.collect();
-        self.excess = 0.0;
         let wants_seen = goal.up.is_some() || obstructions.iter().any(|s| s.is_window);
         let pair = PairPart {
             a,
@@ -177,7 +171,7 @@ impl PartialVisibility {
             };
         Approximate {
             value: value.max(0.0),
-            error: goal.error.hypot(self.excess),
+            error: goal.error,
         }
     }
 
@@ -228,10 +222,9 @@ impl PartialVisibility {
         let PairPart { a, b, .. } = pair;
         let (ratio_a, ratio_b) = (ratio(a, b, kept), ratio(b, a, kept));
         let size = rough(a, b);
-        let error = |points: usize| {
-            SHARES[points - 1] * ratio_a.min(ratio_b).powi(2 * points as i32) * size
+        let fits = |points: usize| {
+            SHARES[points - 1] * ratio_a.min(ratio_b).powi(2 * points as i32) * size < goal.error
         };
-        let fits = |points: usize| error(points) < goal.error;
         // From afar, a piece is as visible as its centroid.
         let is_far = |ratio: f64| FAR * ratio * ratio * size < goal.error;
         let points = (1..3).find(|&m| fits(m)).unwrap_or(3);
@@ -243,10 +236,6 @@ impl PartialVisibility {
         }
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
             return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
-        }
-        if !fits(points) {
-            // Where the view is not smooth at all, three points still see their share of it.
-            self.excess += error(points).min(COARSE * size);
         }
         let seen = if ratio_a <= ratio_b {
             self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)

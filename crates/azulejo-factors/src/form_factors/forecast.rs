@@ -40,6 +40,8 @@ pub struct Forecast {
     pub pairs: u64,
     /// Bytes at the peak.
     pub bytes: u64,
+    /// Seconds of CPU time on a usual core; `None` where the engine has no forecast.
+    pub seconds: Option<f64>,
 }
 
 /// Cost model of an engine.
@@ -97,6 +99,7 @@ impl Costs<'_> {
             rows: self.sides.len(),
             pairs: pairs as u64,
             bytes: bytes as u64,
+            seconds: None,
         })
     }
 

@@ -541,6 +541,7 @@ impl VertexSplitter<'_> {
             faces,
             face_materials: old.face_materials.clone(),
             smoothing: old.smoothing.clone(),
+            history: old.history,
         }
     }
 
