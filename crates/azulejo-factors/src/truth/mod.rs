@@ -13,6 +13,7 @@
 //! | `polygons`, `bodies`, `specular`, `systems` | the cases |
 //! | `catalogue/` | more cases: closed forms over ranges of their parameters |
 //! | `builders` | construction of the scenes |
+//! | `poses` | the same cases turned, moved and rounded |
 //! | `answers` | from form factors to the answer and its standard error |
 
 mod answers;
@@ -21,6 +22,7 @@ mod builders;
 mod catalogue;
 pub mod formulas;
 mod polygons;
+mod poses;
 mod quadrature;
 mod specular;
 mod systems;
@@ -29,6 +31,7 @@ use crate::patch::PatchSize;
 pub use answers::Answer;
 use azulejo_scene::Scene;
 pub use catalogue::catalogue;
+pub use poses::Pose;
 use std::borrow::Cow;
 
 /// A scene and a question about its form factors, with the known answer.
