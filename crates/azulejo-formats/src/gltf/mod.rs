@@ -16,6 +16,7 @@ mod image_based;
 mod irradiance;
 mod json_parts;
 mod lightmap;
+mod local_origin;
 mod losses;
 mod material;
 mod mesh;
@@ -30,6 +31,7 @@ mod skin;
 #[cfg(test)]
 mod tests;
 mod topology;
+mod transforms;
 mod uri;
 mod vertices;
 mod walk;
@@ -101,7 +103,7 @@ fn read_recorded(
     let mut messages = GltfMessages::default();
     let container = container::split(bytes, name, &mut messages)?;
     let root = document::parse(&container, name, &mut messages)?;
-    let tree = Tree::of(&root, name)?;
+    let tree = Tree::of(&root, container.json, name)?;
     let buffers = Buffers::load(&root, container.bin, files, options);
     let data = Data {
         root: &root,
