@@ -12,9 +12,11 @@ use glam::DVec3;
 /// positions relative to the origin of all.
 const ACCEPTED: f64 = 1e-3;
 
-/// The origin for all of a scene: that of its coordinates, unless it is far away and has positions that single precision
-/// would change.
-pub(super) fn of_scene(scene: &Scene) -> DVec3 {
+/// The origin relative to which positions of a scene are best stored in single precision: that of its
+/// coordinates, unless it is far away and has positions that single precision would change there.
+///
+/// In coordinates of the scene, with few decimal digits.
+pub fn local_origin(scene: &Scene) -> DVec3 {
     let bounds = scene.bounds();
     let is_far = Extent::of(bounds).is_some_and(|extent| extent.is_far());
     if is_far && scene.objects.iter().any(|o| is_changed(&o.shape)) {
@@ -28,7 +30,9 @@ pub(super) fn of_scene(scene: &Scene) -> DVec3 {
 fn is_changed(shape: &Shape) -> bool {
     match shape {
         Shape::Mesh(mesh) => rounding(mesh, DVec3::ZERO) > 0.0,
-        Shape::Instance(_) => false,
+        Shape::Instance(instance) => {
+            single::rounding([instance.world_from_mesh.translation].into_iter()) > 0.0
+        }
         Shape::Primitive(_) | Shape::Exact(_) => true,
     }
 }

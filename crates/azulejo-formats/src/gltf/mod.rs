@@ -40,6 +40,7 @@ mod write_image_based;
 mod write_material;
 mod write_mesh;
 
+pub use local_origin::local_origin;
 pub use losses::losses;
 pub use origin::{FaceOrigin, ObjectOrigin, Stillness};
 pub use write::{write, write_json, write_with};

@@ -3,7 +3,7 @@
 use super::image_based;
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
-use super::local_origin;
+use super::local_origin::local_origin;
 use super::pack::Pack;
 use super::write_image_based;
 use super::write_material::{Materials, MattSurfaces};
@@ -104,7 +104,7 @@ impl<'a> Document<'a> {
         let mut pack = Pack::default();
         let mut document = Document {
             scene,
-            origin: local_origin::of_scene(scene),
+            origin: local_origin(scene),
             materials: Materials::of(scene, matt, &mut pack)?,
             pack,
             meshes: Vec::new(),
