@@ -269,6 +269,32 @@ fn gltf_has_one_translation_for_all_of_a_house() {
     );
 }
 
+/// Whole numbers that single precision holds: nothing is lost, and nothing is said.
+#[test]
+fn what_loses_nothing_says_nothing() {
+    let whole = scene(
+        vec![slab(DVec3::new(5e5, 5.4e6, 300.0), DVec3::ONE, 0.0)],
+        1.0,
+    );
+    for written in WRITTEN
+        .iter()
+        .filter(|w| matches!(w.name, "a.ply" | "a.obj" | "a.wrl"))
+    {
+        let losses = (written.losses)(&whole);
+        assert!(
+            losses.iter().all(|said| !said.contains("float32")),
+            "{losses:?}"
+        );
+        let (found, warnings) = volume_again(written, &whole);
+        assert_eq!(
+            (found, warnings.len()),
+            (1.0, 0),
+            "{}: {warnings:?}",
+            written.name
+        );
+    }
+}
+
 #[test]
 fn what_single_precision_holds_is_written_as_ever() {
     let near = scene(
