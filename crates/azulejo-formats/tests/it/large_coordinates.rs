@@ -204,7 +204,7 @@ fn check(given: &Scene, exact: f64) {
 
 #[test]
 fn sheets_of_a_millimetre_ten_kilometres_away() {
-    let at = DVec3::new(10_000.1234, -10_000.4321, 12.3456);
+    let at = DVec3::new(10_000.123_4, -10_000.432_1, 12.3456);
     let size = DVec3::new(10.0, 8.0, 0.001);
     check(
         &scene(
@@ -329,7 +329,7 @@ fn a_sheet_far_from_everything_else_keeps_its_thickness() {
         0.0,
     );
     let sheet = slab(
-        DVec3::new(10_000.1234, -10_000.4321, 12.3456),
+        DVec3::new(10_000.123_4, -10_000.432_1, 12.3456),
         DVec3::new(10.0, 8.0, 0.001),
         0.7,
     );

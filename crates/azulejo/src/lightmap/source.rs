@@ -328,14 +328,25 @@ mod tests {
             order.sort_unstable();
             assert!(order.into_iter().eq(0..origin.faces.len() as u32));
         }
-        let mut tiny = cube_room();
-        if let Shape::Mesh(mesh) = &mut tiny.objects[0].shape {
-            for position in &mut mesh.positions {
-                *position += DVec3::splat(1e9);
-            }
+        let mut far = cube_room();
+        let Shape::Mesh(mesh) = &mut far.objects[0].shape else {
+            panic!("a mesh")
+        };
+        for position in &mut mesh.positions {
+            *position += DVec3::splat(1e9);
         }
-        // Where single precision has steps of 64, nothing of a room is left.
-        let refused = BakeSource::written(&tiny, false);
+        // Positions are relative to a point near the mesh.
+        let source = BakeSource::written(&far, false).unwrap();
+        let Shape::Mesh(mesh) = &mut far.objects[0].shape else {
+            panic!("a mesh")
+        };
+        assert!(source.order.iter().all(Option::is_some));
+        // There is no such point where one mesh is here and there: single precision has steps of 64, and nothing of a
+        // room is left.
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        mesh.push_face(&[first, first + 1, first + 2], 0);
+        let refused = BakeSource::written(&far, false);
         let said = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
         assert!(matches!(said, Err(SourceError::Precision)), "{said:?}");
     }
