@@ -3,14 +3,10 @@
 //! Positions of glTF have 32 bits, but the numbers in its JSON 64: what is far from the origin is written
 //! relative to a point near it, which becomes the translation of a node.
 
-use crate::surface::single::{self, Extent, near};
+use crate::surface::single::{self, CoordinateReach, near};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Mesh, Scene, Shape};
 use glam::DVec3;
-
-/// Largest change of a coordinate by rounding, relative to the details of a mesh, that is accepted for
-/// positions relative to the origin of all.
-const ACCEPTED: f64 = 1e-3;
 
 /// The origin relative to which positions of a scene are best stored in single precision: that of its
 /// coordinates, unless it is far away and has positions that single precision would change there.
@@ -18,7 +14,7 @@ const ACCEPTED: f64 = 1e-3;
 /// In coordinates of the scene, with few decimal digits.
 pub fn local_origin(scene: &Scene) -> DVec3 {
     let bounds = scene.bounds();
-    let is_far = Extent::of(bounds).is_some_and(|extent| extent.is_far());
+    let is_far = CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far());
     if is_far && scene.objects.iter().any(|o| is_changed(&o.shape)) {
         near(bounds)
     } else {
@@ -45,8 +41,8 @@ pub(super) fn of_mesh(mesh: &Mesh, scene_origin: DVec3) -> DVec3 {
         min: bounds.min - scene_origin,
         max: bounds.max - scene_origin,
     };
-    let is_far = Extent::of(bounds).is_some_and(|extent| extent.is_far());
-    let is_lost = || rounding(mesh, scene_origin) > ACCEPTED * single::detail(mesh);
+    let is_far = CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far());
+    let is_lost = || single::is_noticed(rounding(mesh, scene_origin), mesh);
     if is_far && is_lost() {
         near(bounds)
     } else {

@@ -1,7 +1,7 @@
 //! Writes scenes as PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
-use crate::surface::single::Extent;
+use crate::surface::single::CoordinateReach;
 use crate::surface::tessellate::{self, lit_mesh_of};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Up};
@@ -202,7 +202,7 @@ impl ScalarFormat {
     /// as if digits had been lost.
     fn of_positions(positions: impl Iterator<Item = DVec3> + Clone) -> ScalarFormat {
         let bounds = Aabb::around(positions.clone());
-        if Extent::of(bounds).is_some_and(|extent| extent.is_far()) {
+        if CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far()) {
             return ScalarFormat::Double;
         }
         ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array()))

@@ -34,17 +34,17 @@ pub(crate) fn spacing(coordinate: f64) -> f64 {
 
 /// Where a set of coordinates lies, seen from the origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
+pub(crate) struct CoordinateReach {
     /// The largest coordinate.
     pub reach: f64,
     /// The diagonal of the box around them.
     pub diagonal: f64,
 }
 
-impl Extent {
+impl CoordinateReach {
     /// That of a box; `None` if it is empty or not finite.
-    pub fn of(bounds: Aabb) -> Option<Extent> {
-        let extent = Extent {
+    pub fn of(bounds: Aabb) -> Option<CoordinateReach> {
+        let extent = CoordinateReach {
             reach: bounds.min.abs().max(bounds.max.abs()).max_element(),
             diagonal: bounds.diagonal(),
         };
@@ -72,7 +72,7 @@ pub(crate) fn used_positions(mesh: &Mesh) -> impl Iterator<Item = DVec3> {
 
 /// Length that most edges of the faces of a mesh have at least: the size of its details. Edges without
 /// length count, since they are what rounding makes of short ones.
-pub(crate) fn detail(mesh: &Mesh) -> f64 {
+fn detail(mesh: &Mesh) -> f64 {
     let step = mesh.faces.corners.len() / MEASURED_EDGES + 1;
     let mut lengths: Vec<f64> = Vec::new();
     for face in (0..mesh.faces.len()).step_by(step) {
@@ -89,6 +89,11 @@ pub(crate) fn detail(mesh: &Mesh) -> f64 {
     }
     let rank = (SHORTEST * lengths.len() as f64) as usize;
     *lengths.select_nth_unstable_by(rank, f64::total_cmp).1
+}
+
+/// Whether it shows in the details of a mesh that both ends of an edge may be off by so much.
+pub(crate) fn is_noticed(off: f64, mesh: &Mesh) -> bool {
+    2.0 * off > NOTICED * detail(mesh)
 }
 
 /// A point near the middle of a box, with few decimal digits.
@@ -119,11 +124,10 @@ pub(crate) struct CoarseCoordinates {
 
 impl CoarseCoordinates {
     /// Adds a mesh that is at some place, and whose coordinates are off by `off`.
-    fn add(&mut self, mesh: &Mesh, off: impl FnOnce(Extent) -> f64) {
-        let extent = Extent::of(mesh.bounds()).filter(Extent::is_far);
+    fn add(&mut self, mesh: &Mesh, off: impl FnOnce(CoordinateReach) -> f64) {
+        let extent = CoordinateReach::of(mesh.bounds()).filter(CoordinateReach::is_far);
         let Some(extent) = extent else { return };
-        // Both ends of an edge are rounded, each by half of the spacing at most.
-        if 2.0 * off(extent) > NOTICED * detail(mesh) {
+        if is_noticed(off(extent), mesh) {
             self.count += 1;
             self.reach = self.reach.max(extent.reach);
         }
@@ -145,7 +149,7 @@ impl CoarseCoordinates {
         let mut coarse = CoarseCoordinates::default();
         for object in &scene.objects {
             // What is not far need not be tessellated.
-            if Extent::of(object.bounds()).is_some_and(|extent| extent.is_far()) {
+            if CoordinateReach::of(object.bounds()).is_some_and(|extent| extent.is_far()) {
                 coarse.add_written(&mesh_of(object));
             }
         }
@@ -182,7 +186,7 @@ impl CoarseCoordinates {
     /// How to write the scene without the loss, if it can be as a whole.
     pub fn advice(&self, scene: &Scene) -> String {
         let bounds = scene.bounds();
-        if !Extent::of(bounds).is_some_and(|extent| extent.is_far()) {
+        if !CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far()) {
             return String::new();
         }
         let [x, y, z] = (-near(bounds) + 0.0).to_array();
