@@ -328,25 +328,18 @@ mod tests {
             order.sort_unstable();
             assert!(order.into_iter().eq(0..origin.faces.len() as u32));
         }
-        let mut far = cube_room();
-        let Shape::Mesh(mesh) = &mut far.objects[0].shape else {
-            panic!("a mesh")
+        let moved = |map: fn(DVec3) -> DVec3| {
+            let mut room = cube_room();
+            if let Shape::Mesh(mesh) = &mut room.objects[0].shape {
+                mesh.positions.iter_mut().for_each(|p| *p = map(*p));
+            }
+            BakeSource::written(&room, false)
         };
-        for position in &mut mesh.positions {
-            *position += DVec3::splat(1e9);
-        }
-        // Positions are relative to a point near the mesh.
-        let source = BakeSource::written(&far, false).unwrap();
-        let Shape::Mesh(mesh) = &mut far.objects[0].shape else {
-            panic!("a mesh")
-        };
-        assert!(source.order.iter().all(Option::is_some));
-        // There is no such point where one mesh is here and there: single precision has steps of 64, and nothing of a
-        // room is left.
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend([DVec3::ZERO, DVec3::X, DVec3::Y]);
-        mesh.push_face(&[first, first + 1, first + 2], 0);
-        let refused = BakeSource::written(&far, false);
+        // Where single precision has steps of 64, positions are relative to a point near the room.
+        let far = moved(|p| p + DVec3::splat(1e9)).unwrap();
+        assert!(far.order.iter().all(Option::is_some));
+        // Nothing that single precision holds is left of a room so small.
+        let refused = moved(|p| 1e-60 * p);
         let said = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
         assert!(matches!(said, Err(SourceError::Precision)), "{said:?}");
     }
