@@ -9,6 +9,7 @@ use azulejo::bake::web_page::{
     self, PageLightmap, PageMaterial, PageMesh, PageModel, PageOpacity, PagePicture,
 };
 use azulejo::lightmap::Baked;
+use azulejo_formats::gltf;
 use azulejo_formats::picture::png;
 use azulejo_scene::{Camera, Material, OpacityChannel, OpacityMode, Scene, Sidedness};
 use glam::{DVec2, DVec3};
@@ -30,6 +31,7 @@ pub fn write(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let scene = &source.scene;
+    let origin = gltf::local_origin(scene);
     let title = args
         .input
         .scenes
@@ -38,7 +40,7 @@ pub fn write(
     let title = title.and_then(Path::file_stem).unwrap_or_default();
     let mut model = PageModel {
         title: title.to_string_lossy().into_owned(),
-        cameras: cameras(scene),
+        cameras: cameras(scene, origin),
         up: scene.units.up,
         photometric: scene.units.photometric,
         note: format!(
@@ -59,25 +61,30 @@ pub fn write(
         model.materials.push(material_of(scene, material)?);
     }
     for receiver in 0..baked.atlas.receivers.len() {
-        add_meshes(scene, baked, receiver, &mut model);
+        add_meshes(scene, origin, baked, receiver, &mut model);
     }
     web_page::write(&model, out)
 }
 
 /// The views of the scene; without any, the one that `render` takes if it is from within. From outside the page
-/// frames everything by itself, in windows of any shape.
-fn cameras(scene: &Scene) -> Vec<Camera> {
+/// frames everything by itself, in windows of any shape. They are relative to the page's origin.
+fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
+    let moved = |camera: Camera| Camera {
+        eye: camera.eye - origin,
+        target: camera.target - origin,
+        ..camera
+    };
     if !scene.cameras.is_empty() {
-        return scene.cameras.clone();
+        return scene.cameras.iter().cloned().map(moved).collect();
     }
     let first = camera::first_look(scene, ASPECT);
     if first == camera::of_all(scene, ASPECT) {
         return Vec::new();
     }
-    vec![Camera {
+    vec![moved(Camera {
         name: "Inside".into(),
         ..first
-    }]
+    })]
 }
 
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
@@ -134,8 +141,9 @@ fn opacity_of(material: &Material) -> PageOpacity {
 /// A vertex of the page: that of the mesh, its normal, its texture coordinates and its place in the lightmap.
 type Key = (u32, [u64; 3], [u64; 2], [u32; 2]);
 
-/// Adds a mesh for each material and page of an object.
-fn add_meshes(scene: &Scene, baked: &Baked, receiver: usize, model: &mut PageModel) {
+/// Adds a mesh for each material and page of an object, with positions relative to the page's origin: they
+/// are in single precision.
+fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, model: &mut PageModel) {
     let object = &scene.objects[baked.objects[receiver] as usize];
     let Some(placed) = object.shape.placed_mesh() else {
         return;
@@ -176,9 +184,8 @@ fn add_meshes(scene: &Scene, baked: &Baked, receiver: usize, model: &mut PageMod
                 let next = page_mesh.positions.len() as u32;
                 let index = *known.entry(key).or_insert(next);
                 if index == next {
-                    page_mesh
-                        .positions
-                        .push(placed.position(vertex).as_vec3().to_array());
+                    let position = placed.position(vertex) - origin;
+                    page_mesh.positions.push(position.as_vec3().to_array());
                     page_mesh.normals.push(normal.as_vec3().to_array());
                     page_mesh.uvs.extend(uv.map(|uv| uv.as_vec2().to_array()));
                     page_mesh.lightmap_uvs.push(place);

@@ -13,6 +13,7 @@ mod expansion;
 mod experiment;
 mod files;
 mod grf;
+mod grid;
 mod lettering;
 mod outputs;
 mod outside;

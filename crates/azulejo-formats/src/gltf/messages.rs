@@ -40,6 +40,11 @@ impl GltfMessages {
         self.at(message, Position::Whole);
     }
 
+    /// Counts a message about the whole file so many times, at least once.
+    pub fn whole_many(&mut self, message: &str, count: usize) {
+        (0..count.max(1)).for_each(|_| self.whole(message));
+    }
+
     fn add(&mut self, message: &str, position: Position, location: impl FnOnce() -> String) {
         if let Some(&known) = self.known.get(message) {
             self.list[known].count += 1;

@@ -16,6 +16,7 @@ mod image_based;
 mod irradiance;
 mod json_parts;
 mod lightmap;
+mod local_origin;
 mod losses;
 mod material;
 mod mesh;
@@ -30,6 +31,7 @@ mod skin;
 #[cfg(test)]
 mod tests;
 mod topology;
+mod transforms;
 mod uri;
 mod vertices;
 mod walk;
@@ -38,6 +40,7 @@ mod write_image_based;
 mod write_material;
 mod write_mesh;
 
+pub use local_origin::local_origin;
 pub use losses::losses;
 pub use origin::{FaceOrigin, ObjectOrigin, Stillness};
 pub use write::{write, write_json, write_with};
@@ -101,7 +104,7 @@ fn read_recorded(
     let mut messages = GltfMessages::default();
     let container = container::split(bytes, name, &mut messages)?;
     let root = document::parse(&container, name, &mut messages)?;
-    let tree = Tree::of(&root, name)?;
+    let tree = Tree::of(&root, container.json, name)?;
     let buffers = Buffers::load(&root, container.bin, files, options);
     let data = Data {
         root: &root,

@@ -1,7 +1,8 @@
 //! The tree of nodes: their parents and their transforms.
 
+use super::transforms::parent_from_nodes;
 use crate::ReadError;
-use glam::{DAffine3, DQuat, DVec3};
+use glam::DAffine3;
 use gltf_json::{Node, Root};
 
 /// Most nodes from a root to a node, itself included.
@@ -13,19 +14,21 @@ const LARGEST_ENTRY: f64 = 1e100;
 
 /// The nodes of a file, without cycles.
 #[derive(Debug)]
-pub(super) struct Tree<'a> {
-    nodes: &'a [Node],
+pub(super) struct Tree {
+    /// Transform of each node to its parent.
+    local_transforms: Vec<DAffine3>,
     parents: Vec<Option<u32>>,
     /// World transform of each node; empty without skins, which alone need it.
     world_transforms: Vec<DAffine3>,
 }
 
-impl<'a> Tree<'a> {
-    /// Finds the parent of every node; if there are several, which glTF forbids, the first.
+impl Tree {
+    /// Finds the parent of every node; if there are several, which glTF forbids, the first. `json` is the text
+    /// of the file.
     ///
     /// # Errors
     /// Nodes that are their own ancestors.
-    pub fn of(root: &'a Root, file: &str) -> Result<Tree<'a>, ReadError> {
+    pub fn of(root: &Root, json: &[u8], file: &str) -> Result<Tree, ReadError> {
         let nodes = root.nodes.as_slice();
         if let Some(node) = on_a_cycle(nodes) {
             return Err(ReadError::whole(
@@ -43,7 +46,7 @@ impl<'a> Tree<'a> {
             }
         }
         let mut tree = Tree {
-            nodes,
+            local_transforms: parent_from_nodes(json, nodes),
             parents,
             world_transforms: Vec::new(),
         };
@@ -63,6 +66,11 @@ impl<'a> Tree<'a> {
             .map(|(i, _)| i)
     }
 
+    /// Transform of a node to its parent.
+    pub fn parent_from_node(&self, node: usize) -> DAffine3 {
+        self.local_transforms.get(node).copied().unwrap_or_default()
+    }
+
     /// World transform of a node that is a joint of a skin.
     pub fn world_from_joint(&self, node: usize) -> DAffine3 {
         self.world_transforms.get(node).copied().unwrap_or_default()
@@ -74,11 +82,9 @@ impl<'a> Tree<'a> {
         let mut next = Some(node);
         for _ in 0..MOST_LEVELS {
             let Some(node) = next else { break };
-            let Some(json) = self.nodes.get(node) else {
-                break;
-            };
-            map = parent_from_node(json) * map;
-            next = self.parents[node].map(|p| p as usize);
+            map = self.parent_from_node(node) * map;
+            let parent = self.parents.get(node).copied().flatten();
+            next = parent.map(|p| p as usize);
         }
         map
     }
@@ -123,38 +129,6 @@ fn on_a_cycle(nodes: &[Node]) -> Option<usize> {
     None
 }
 
-/// The local transform of a node: its matrix, or translation, rotation and scale.
-pub(super) fn parent_from_node(node: &Node) -> DAffine3 {
-    if let Some(matrix) = node.matrix {
-        return affine(matrix.map(f64::from));
-    }
-    let vector = |v: Option<[f32; 3]>, rest| v.map_or(rest, |v| DVec3::from(v.map(f64::from)));
-    let rotation = node.rotation.unwrap_or_default().0;
-    placed(
-        vector(node.translation, DVec3::ZERO),
-        rotation.map(f64::from),
-        vector(node.scale, DVec3::ONE),
-    )
-}
-
-/// The transform of a translation, a quaternion of any length and a scale.
-pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
-    let [x, y, z, w] = rotation;
-    let length = (x * x + y * y + z * z + w * w).sqrt();
-    let rotation = if length > 0.0 && length.is_finite() {
-        DQuat::from_xyzw(x, y, z, w) / length
-    } else {
-        DQuat::IDENTITY
-    };
-    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
-}
-
-/// The affine transform of a matrix of four columns; its last row is ignored.
-pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
-    let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
-    DAffine3::from_cols(column(0), column(1), column(2), column(3))
-}
-
 /// Whether a transform is finite and within range.
 pub(super) fn is_usable(map: &DAffine3) -> bool {
     // Comparisons with NaN are false.
@@ -164,14 +138,18 @@ pub(super) fn is_usable(map: &DAffine3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
-    fn root(nodes: &str) -> Root {
-        let json = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{nodes}]}}");
+    fn json(nodes: &str) -> String {
+        format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{nodes}]}}")
+    }
+
+    fn root(json: &str) -> Root {
         Root::from_slice(json.as_bytes()).unwrap()
     }
 
     fn check(nodes: &str, expected: Option<usize>) {
-        assert_eq!(on_a_cycle(&root(nodes).nodes), expected, "{nodes}");
+        assert_eq!(on_a_cycle(&root(&json(nodes)).nodes), expected, "{nodes}");
     }
 
     #[test]
@@ -189,11 +167,11 @@ mod tests {
 
     #[test]
     fn world_transforms() {
-        let root = root(
+        let json = json(
             "{\"translation\":[1,0,0],\"rotation\":[0,0,2,2],\"children\":[1]},\
              {\"matrix\":[2,0,0,0, 0,2,0,0, 0,0,2,0, 3,0,0,1]}",
         );
-        let tree = Tree::of(&root, "a.gltf").unwrap();
+        let tree = Tree::of(&root(&json), json.as_bytes(), "a.gltf").unwrap();
         let placed = tree.world_from_node(1).transform_point3(DVec3::X);
         assert!(
             (placed - DVec3::new(1.0, 5.0, 0.0)).length() < 1e-12,

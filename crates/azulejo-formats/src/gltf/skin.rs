@@ -1,7 +1,8 @@
 //! Skins: vertices bound to joints, in the rest pose.
 
 use super::accessor::Data;
-use super::nodes::{Tree, affine, is_usable};
+use super::nodes::{Tree, is_usable};
+use super::transforms::affine;
 use glam::{DAffine3, DMat3, DVec3};
 use gltf_json::Index;
 use gltf_json::skin::Skin;

@@ -7,13 +7,15 @@ use super::lightmap;
 use super::material::{GltfLightmap, Surfaces};
 use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
-use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
+use super::nodes::{MOST_LEVELS, Tree, children, is_usable};
 use super::origin::{Faces, ObjectOrigin, ObjectPlace, OriginRecorder};
 use super::skin::Joints;
+use super::transforms::placed;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
+use crate::surface::single::CoarseCoordinates;
 use crate::{ReadError, ReadOptions};
-use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape, SharedMesh};
+use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape, SharedMesh, Units};
 use glam::{DAffine3, DVec3};
 use gltf_json::accessor::Accessor;
 use gltf_json::extensions::scene::khr_lights_punctual::{self, Type};
@@ -44,7 +46,7 @@ type InstanceTransforms = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
 /// A scene under construction.
 pub(super) struct GltfWalk<'w, 'a> {
     data: &'a Data<'a>,
-    tree: &'w Tree<'a>,
+    tree: &'w Tree,
     surfaces: Surfaces<'a>,
     /// How each mesh stores its irradiance, if it has any.
     irradiance: Vec<Option<StoredIrradiance>>,
@@ -55,6 +57,8 @@ pub(super) struct GltfWalk<'w, 'a> {
     /// place takes as much, since the first pass divides them all. `None` where there is nothing to see,
     /// or nothing is kept.
     shared: HashMap<usize, (u64, Option<(SharedMesh, Faces)>)>,
+    /// Meshes whose positions are far from the origin of their own coordinates.
+    coarse: CoarseCoordinates,
     /// Where the objects come from, if that is wanted.
     origins: Option<OriginRecorder>,
     file: &'w str,
@@ -73,7 +77,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
     /// An empty scene.
     pub fn new(
         data: &'a Data<'a>,
-        tree: &'w Tree<'a>,
+        tree: &'w Tree,
         surfaces: Surfaces<'a>,
         options: &ReadOptions,
         messages: &'w mut GltfMessages,
@@ -89,6 +93,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             messages,
             scene: Scene::default(),
             shared: HashMap::new(),
+            coarse: CoarseCoordinates::default(),
             origins,
             file,
         }
@@ -127,6 +132,10 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             }
         }
         self.surroundings(chosen);
+        // The length of a mesh's own unit depends on the nodes where it is.
+        if let Some(message) = self.coarse.message(&Units::default()) {
+            self.messages.whole_many(&message, self.coarse.count);
+        }
         self.shared.clear();
         self.scene.unfold_single_instances();
         (self.scene.materials, self.scene.textures) = self.surfaces.finish();
@@ -184,7 +193,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             self.messages.of(message, || format!("nodes[{index}]"));
             return Ok(());
         }
-        let world = placement.world * parent_from_node(node);
+        let world = placement.world * self.tree.parent_from_node(index);
         if !is_usable(&world) {
             let message = "node with an unusable transform: left out with its children";
             self.messages.of(message, || format!("nodes[{index}]"));
@@ -318,6 +327,9 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let built = builder.mesh(pose);
         let faces = builder.origins.take().map(Into::into);
         let built = built.map_err(|e| e.error(self.file))?;
+        if let Some(mesh) = &built {
+            self.coarse.add_read(mesh);
+        }
         Ok(built.map(|mesh| (mesh, faces)))
     }
 

@@ -3,6 +3,7 @@
 use super::image_based;
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
+use super::local_origin::local_origin;
 use super::pack::Pack;
 use super::write_image_based;
 use super::write_material::{Materials, MattSurfaces};
@@ -24,7 +25,8 @@ const NEAR: f64 = 0.01;
 ///
 /// One node per object, with triangles in single precision; instances share their mesh, and what a lit
 /// mesh has beside its irradiance. If the scene is not in metres or
-/// not y up, a root node converts it. Sheets with light on both sides are written twice
+/// not y up, a root node converts it. Where single precision would change what is far from the origin,
+/// positions are relative to a point near it, and the node, or the root node for all, has the translation. Sheets with light on both sides are written twice
 /// ([`Scene::split_sides`]). [`losses`](super::losses) lists what the format cannot
 /// represent.
 ///
@@ -83,6 +85,8 @@ pub fn write_json(
 /// State of writing a file.
 struct Document<'a> {
     scene: &'a Scene,
+    /// What all that has a place is relative to: the translation of the root node.
+    origin: DVec3,
     pack: Pack,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
@@ -100,6 +104,7 @@ impl<'a> Document<'a> {
         let mut pack = Pack::default();
         let mut document = Document {
             scene,
+            origin: local_origin(scene),
             materials: Materials::of(scene, matt, &mut pack)?,
             pack,
             meshes: Vec::new(),
@@ -132,8 +137,9 @@ impl<'a> Document<'a> {
     fn object(&mut self, object: &Object, scale: f64) {
         let photometric = self.scene.units.photometric;
         let mut node = named(&object.name);
-        if let Some(mut mesh) = write_mesh::mesh(
+        if let Some((mut mesh, origin)) = write_mesh::mesh(
             object,
+            self.origin,
             scale,
             photometric,
             &mut self.materials,
@@ -144,6 +150,7 @@ impl<'a> Document<'a> {
             }
             node.insert("mesh".into(), json!(self.meshes.len()));
             self.meshes.push(mesh);
+            translate(&mut node, origin);
         }
         self.nodes.push(node.into());
     }
@@ -153,7 +160,12 @@ impl<'a> Document<'a> {
         let photometric = self.scene.units.photometric;
         let key = Arc::as_ptr(&instance.mesh);
         if !self.shared.contains_key(&key) {
-            let written = WrittenMesh::new(&instance.mesh, &mut self.materials, &mut self.pack);
+            let written = WrittenMesh::new(
+                &instance.mesh,
+                DVec3::ZERO,
+                &mut self.materials,
+                &mut self.pack,
+            );
             self.shared.insert(key, (written, None));
         }
         let mut node = named(name);
@@ -172,7 +184,7 @@ impl<'a> Document<'a> {
                 *unlit = Some(index);
             }
             node.insert("mesh".into(), json!(index));
-            let map = DMat4::from(instance.world_from_mesh);
+            let map = DMat4::from(placed(instance, self.origin, written.origin));
             if map != DMat4::IDENTITY {
                 node.insert("matrix".into(), json!(map.to_cols_array()));
             }
@@ -187,18 +199,21 @@ impl<'a> Document<'a> {
             LightKind::Point {
                 position,
                 intensity,
-            } => ("point", intensity * (size * size), position, None),
+            } => ("point", intensity * (size * size), Some(position), None),
             LightKind::Spot {
                 position,
                 direction,
                 intensity,
                 ..
-            } => ("spot", intensity * (size * size), position, Some(direction)),
+            } => {
+                let candela = intensity * (size * size);
+                ("spot", candela, Some(position), Some(direction))
+            }
             LightKind::Directional {
                 direction,
                 irradiance,
                 ..
-            } => ("directional", irradiance, DVec3::ZERO, Some(direction)),
+            } => ("directional", irradiance, None, Some(direction)),
             LightKind::Ambient { .. } | LightKind::Environment(_) => return,
         };
         let (factor, strength) = factor_and_strength(colour);
@@ -210,7 +225,8 @@ impl<'a> Document<'a> {
             json.insert("spot".into(), cone(inner, outer));
         }
         let mut node = named(&light.name);
-        set_transform(&mut node, position, direction, self.scene.units.up.axis());
+        let place = position.map_or(DVec3::ZERO, |p| p - self.origin);
+        set_transform(&mut node, place, direction, self.scene.units.up.axis());
         let extension = json!({ "KHR_lights_punctual": { "light": self.lights.len() } });
         node.insert("extensions".into(), extension);
         self.nodes.push(node.into());
@@ -227,7 +243,8 @@ impl<'a> Document<'a> {
         json.insert("perspective".into(), perspective);
         let mut node = named(&camera.name);
         let forward = (camera.target - camera.eye).normalize();
-        set_transform(&mut node, camera.eye, Some(forward), camera.up);
+        let eye = camera.eye - self.origin;
+        set_transform(&mut node, eye, Some(forward), camera.up);
         node.insert("camera".into(), json!(self.cameras.len()));
         self.nodes.push(node.into());
         self.cameras.push(json.into());
@@ -237,7 +254,7 @@ impl<'a> Document<'a> {
     fn json(&self, bin_name: Option<&str>) -> io::Result<Vec<u8>> {
         let mut nodes = self.nodes.clone();
         let mut roots: Vec<usize> = (0..nodes.len()).collect();
-        if let Some(mut above) = root_node(&self.scene.units)
+        if let Some(mut above) = root_node(&self.scene.units, self.origin)
             && !nodes.is_empty()
         {
             above["children"] = json!(roots);
@@ -318,9 +335,14 @@ fn asset(units: &Units) -> Value {
     })
 }
 
-/// The node that rotates and scales a scene to metres and y up, if necessary.
-fn root_node(units: &Units) -> Option<Value> {
+/// The node that moves a scene to its place, and rotates and scales it to metres and y up, if necessary.
+fn root_node(units: &Units, origin: DVec3) -> Option<Value> {
     let mut node = Map::new();
+    let turned = match units.up {
+        Up::Y => origin,
+        Up::Z => DVec3::new(origin.x, origin.z, -origin.y),
+    };
+    translate(&mut node, turned * units.metres());
     if units.up == Up::Z {
         let turn = json!([-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2]);
         node.insert("rotation".into(), turn);
@@ -332,6 +354,23 @@ fn root_node(units: &Units) -> Option<Value> {
     (!node.is_empty()).then(|| node.into())
 }
 
+/// Moves a node, unless by nothing.
+fn translate(node: &mut Map<String, Value>, by: DVec3) {
+    if by != DVec3::ZERO {
+        node.insert("translation".into(), json!(by.to_array()));
+    }
+}
+
+/// The map of an instance whose mesh is written relative to `mesh_origin`, in a scene relative to `origin`.
+fn placed(instance: &MeshInstance, origin: DVec3, mesh_origin: DVec3) -> DAffine3 {
+    let mut map = instance.world_from_mesh;
+    if mesh_origin != DVec3::ZERO {
+        map.translation = map.transform_point3(mesh_origin);
+    }
+    map.translation -= origin;
+    map
+}
+
 /// Sets the transform of a node whose content faces its −z axis.
 fn set_transform(
     node: &mut Map<String, Value>,
@@ -339,9 +378,7 @@ fn set_transform(
     direction: Option<DVec3>,
     up: DVec3,
 ) {
-    if position != DVec3::ZERO {
-        node.insert("translation".into(), json!(position.to_array()));
-    }
+    translate(node, position);
     let Some(forward) = direction else { return };
     let right = forward.cross(up).try_normalize();
     let right = right.unwrap_or_else(|| forward.any_orthonormal_vector());

@@ -1,6 +1,7 @@
 //! Writes objects as meshes: triangles by material over one list of vertices.
 
 use super::irradiance::StoredIrradiance;
+use super::local_origin;
 use super::pack::Pack;
 use super::vertices::is_unit;
 use super::write_material::Materials;
@@ -13,17 +14,19 @@ use std::collections::HashMap;
 /// The texture coordinates of lightmaps; [`super::write_material`] has the number.
 const LIGHTMAP_SET: &str = "TEXCOORD_1";
 
-/// The mesh of an object; `None` if it has no faces.
+/// The mesh of an object and its origin, both relative to that of the scene; `None` if it has no faces.
 pub(super) fn mesh(
     object: &Object,
+    origin: DVec3,
     scale: f64,
     photometric: bool,
     materials: &mut Materials,
     pack: &mut Pack,
-) -> Option<Value> {
+) -> Option<(Value, DVec3)> {
     let mesh = lit_mesh_of(object);
-    let written = WrittenMesh::new(&mesh, materials, pack)?;
-    Some(written.lit(&mesh.irradiance, scale, photometric, pack))
+    let written = WrittenMesh::new(&mesh, origin, materials, pack)?;
+    let json = written.lit(&mesh.irradiance, scale, photometric, pack);
+    Some((json, written.origin))
 }
 
 /// A mesh without irradiance, which belongs to a place.
@@ -32,16 +35,26 @@ pub(super) struct WrittenMesh {
     corners: MergedCorners,
     /// The number of the set of colours that the irradiance takes.
     set: u32,
+    /// What its positions are relative to, in coordinates relative to the origin that it was packed with.
+    pub origin: DVec3,
 }
 
 impl WrittenMesh {
-    /// Packs a mesh; `None` if it has no faces.
-    pub fn new(mesh: &Mesh, materials: &mut Materials, pack: &mut Pack) -> Option<WrittenMesh> {
+    /// Packs a mesh with positions relative to `origin`, or to an origin of its own beside that where
+    /// single precision asks for one; `None` if it has no faces.
+    pub fn new(
+        mesh: &Mesh,
+        origin: DVec3,
+        materials: &mut Materials,
+        pack: &mut Pack,
+    ) -> Option<WrittenMesh> {
         if mesh.faces.is_empty() {
             return None;
         }
         let corners = MergedCorners::of(mesh);
-        let attributes = attributes(mesh, &corners, pack);
+        let own_origin = local_origin::of_mesh(mesh, origin);
+        let position = |p: DVec3| p - origin - own_origin;
+        let attributes = attributes(mesh, &corners, position, pack);
         let primitives: Vec<Value> = by_material(mesh, &corners)
             .into_iter()
             .map(|(material, indices)| {
@@ -59,6 +72,7 @@ impl WrittenMesh {
             json: json!({ "primitives": primitives }),
             corners,
             set: u32::from(!mesh.colors.is_empty()),
+            origin: own_origin,
         })
     }
 
@@ -135,9 +149,15 @@ impl MergedCorners {
     }
 }
 
-fn attributes(mesh: &Mesh, corners: &MergedCorners, pack: &mut Pack) -> Map<String, Value> {
+/// The attributes of a mesh, whose positions are written as `position` has them.
+fn attributes(
+    mesh: &Mesh,
+    corners: &MergedCorners,
+    position: impl Fn(DVec3) -> DVec3,
+    pack: &mut Pack,
+) -> Map<String, Value> {
     let mut attributes = Map::new();
-    let positions = corners.of_vertices(&mesh.positions, 0, |p| p.to_array());
+    let positions = corners.of_vertices(&mesh.positions, 0, |p| position(p).to_array());
     attributes.insert("POSITION".into(), json!(pack.positions(positions)));
     if let Some(Attribute { values, .. }) = &mesh.normals {
         // Normals of a valid scene may be off by a thousandth, those of glTF by less.

@@ -14,8 +14,8 @@ use std::rc::Rc;
 /// A file of 4 GiB or more has offsets that its own fields cannot represent.
 const LARGEST: u64 = u32::MAX as u64;
 
-/// Maximum number of ancillary records examined per node: only four types are used.
-const MOST_ANCILLARY: usize = 16;
+/// Maximum number of ancillary records examined per node: only five types are used, one of them several times.
+const MOST_ANCILLARY: usize = 32;
 
 /// A record that is kept. Everything between it and `end` belongs to it: first its ancillary
 /// records, then its children, each followed by its own.
@@ -128,10 +128,15 @@ impl<'a> FltDocument<'a> {
 
     /// An ancillary record of a node.
     pub fn ancillary(&self, node: u32, opcode: u16) -> Option<RecordFields<'_>> {
+        self.ancillaries(node, opcode).next()
+    }
+
+    /// All ancillary records of a node with an opcode.
+    pub fn ancillaries(&self, node: u32, opcode: u16) -> impl Iterator<Item = RecordFields<'_>> {
         self.below(node)
             .take(MOST_ANCILLARY)
             .take_while(|(_, n)| OpcodeRole::of(n.opcode) == OpcodeRole::Ancillary)
-            .find(|(_, n)| n.opcode == opcode)
+            .filter(move |(_, n)| n.opcode == opcode)
             .map(|(_, n)| self.fields(n.at))
     }
 

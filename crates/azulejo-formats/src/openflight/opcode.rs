@@ -22,6 +22,7 @@ pub const MATRIX: u16 = 49;
 /// Binary space partition.
 pub const BSP: u16 = 55;
 pub const REPLICATE: u16 = 60;
+pub const TRANSLATE: u16 = 78;
 pub const INSTANCE_REFERENCE: u16 = 61;
 pub const INSTANCE_DEFINITION: u16 = 62;
 pub const EXTERNAL_REFERENCE: u16 = 63;
@@ -83,14 +84,14 @@ impl OpcodeRole {
             VERTEX_LIST | LOD | MESH | MESH_PRIMITIVE | MORPH_VERTEX_LIST => OpcodeRole::Node,
             SWITCH | CLIP_REGION | EXTENSION | LIGHT_SOURCE => OpcodeRole::Node,
             87 | 91 | 92 | 95 | 111 | 115 | 116 | 126 | 127 | 130 | 131 => OpcodeRole::Node,
-            LONG_ID | MATRIX | REPLICATE | LOCAL_VERTEX_POOL => OpcodeRole::Ancillary,
+            LONG_ID | MATRIX | REPLICATE | TRANSLATE | LOCAL_VERTEX_POOL => OpcodeRole::Ancillary,
             COLOR_PALETTE | TEXTURE_PALETTE | OLD_MATERIAL_PALETTE => OpcodeRole::Palette,
             VERTEX_PALETTE..=VERTEX_CT | LIGHT_SOURCE_PALETTE | MATERIAL_PALETTE => {
                 OpcodeRole::Palette
             }
-            // Comments, the individual transforms of a matrix, bounding volumes, names of switch
+            // Comments, the other individual transforms of a matrix, bounding volumes, names of switch
             // masks.
-            31 | 74 | 76..=82 | 94 | 105..=110 | 119 | 132 => OpcodeRole::Silent,
+            31 | 74 | 76 | 77 | 79..=82 | 94 | 105..=110 | 119 | 132 => OpcodeRole::Silent,
             _ => OpcodeRole::Skipped,
         }
     }

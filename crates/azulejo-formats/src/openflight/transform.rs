@@ -48,6 +48,23 @@ pub(super) fn matrix(record: RecordFields) -> Option<DAffine3> {
     map.is_finite().then_some(map)
 }
 
+/// A matrix with all digits of its translation: it has single precision, but the records of the individual
+/// translations that it is made of have double. They count where their sum is what the matrix has.
+pub(super) fn with_exact_translation<'a>(
+    matrix: DAffine3,
+    translations: impl Iterator<Item = RecordFields<'a>>,
+) -> DAffine3 {
+    let sum: DVec3 = translations.filter_map(|record| record.doubles(32)).sum();
+    if sum.as_vec3() == matrix.translation.as_vec3() {
+        DAffine3 {
+            translation: sum,
+            ..matrix
+        }
+    } else {
+        matrix
+    }
+}
+
 /// The map of a degree of freedom at its current values; `None` if they are not finite.
 ///
 /// In the frame given by three points of the record, a point is scaled, rotated about z (yaw),

@@ -241,6 +241,8 @@ impl<'f> FltWalker<'f> {
             let message = "matrix that is too short or not finite: ignored";
             self.notes(source, node).add(message);
         }
+        let translations = document.ancillaries(node, opcode::TRANSLATE);
+        let matrix = matrix.map(|m| transform::with_exact_translation(m, translations));
         let Some(matrix) = matrix else {
             if copies > 0 {
                 let message = "replication without a matrix: ignored, all copies would coincide";

@@ -13,6 +13,7 @@ use crate::reading::gzip;
 use crate::reading::options::check_length;
 use crate::reading::warnings::Warnings;
 use crate::surface::named::NamedSurfaces;
+use crate::surface::single;
 use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::{Scene, Units, Up};
 use cursor::{FoamCursor, FoamHeader};
@@ -34,7 +35,7 @@ pub fn read(
     let bytes = &*gzip::unpacked(bytes, name, options)?;
     let mesh = FoamMesh::around(bytes, name, files, options)?;
     let mut warnings = Warnings::default();
-    let points = mesh.points()?;
+    let (points, is_single) = mesh.points()?;
     let surfaces = mesh.surfaces(&points, &mut warnings)?;
     let mut scene = Scene {
         units: Units {
@@ -45,6 +46,9 @@ pub fn read(
         ..Scene::default()
     };
     surfaces.finish(&points, &mut scene, name, &mut warnings);
+    if is_single {
+        single::warn(&scene, &mesh.points.name, &mut warnings);
+    }
     Ok(Loaded {
         scene,
         warnings: warnings.finish(name),
@@ -98,9 +102,11 @@ impl<'a> FoamMesh<'a> {
         })
     }
 
-    fn points(&self) -> Result<Vec<DVec3>, ReadError> {
+    /// All points, and whether they are in single precision.
+    fn points(&self) -> Result<(Vec<DVec3>, bool), ReadError> {
         let (mut cursor, header) = self.points.open()?;
-        lists::points(&mut cursor, &header)
+        let is_single = header.is_binary && header.scalar == 4;
+        Ok((lists::points(&mut cursor, &header)?, is_single))
     }
 
     /// The faces by patch.

@@ -192,11 +192,16 @@ impl Layout {
     }
 
     fn points(self) -> Vec<u8> {
+        self.points_at(0.0)
+    }
+
+    /// The same, moved by `at` along each axis.
+    fn points_at(self, at: f64) -> Vec<u8> {
         let mut out = self.header("vectorField");
         let numbers = POINTS.split(|c: char| c.is_whitespace() || "()".contains(c));
         let numbers: Vec<f64> = numbers.filter_map(|n| n.parse().ok()).collect();
         out.extend(b"12\n(");
-        for &number in &numbers[1..] {
+        for number in numbers[1..].iter().map(|n| n + at) {
             match self.scalar {
                 4 => self.put(&mut out, (number as f32).to_le_bytes().to_vec()),
                 _ => self.put(&mut out, number.to_le_bytes().to_vec()),
@@ -223,6 +228,27 @@ impl Layout {
         }
         out.push(b')');
         out
+    }
+}
+
+#[test]
+fn singles_far_from_the_origin_are_coarse() {
+    for (scalar, expected) in [(8, 0), (4, 1)] {
+        let layout = Layout {
+            label: 4,
+            scalar,
+            is_big: false,
+        };
+        let files = Memory::new()
+            .with("faces", layout.faces())
+            .with("points", layout.points_at(5_400_000.0));
+        let boundary = [layout.header("polyBoundaryMesh"), BOUNDARY.into()].concat();
+        let found = try_of("boundary", &boundary, &files).unwrap();
+        let coarse = found.warnings.iter().filter(|w| {
+            w.message
+                .starts_with("coordinates as float32 at 5400000 m are 0.5 m apart")
+        });
+        assert_eq!(coarse.count(), expected, "{:?}", found.warnings);
     }
 }
 

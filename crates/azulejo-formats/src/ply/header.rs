@@ -128,6 +128,16 @@ impl PlyElement {
 }
 
 impl PlyHeader {
+    /// Whether the positions of vertices are declared as numbers of single precision.
+    pub fn has_single_positions(&self) -> bool {
+        let is_single = |p: &PlyProperty| {
+            let is_position = matches!(p.name.as_str(), "x" | "y" | "z");
+            is_position && matches!(p.kind, PropertyType::Scalar(ScalarType::F32))
+        };
+        let mut vertices = self.elements.iter().filter(|e| e.name == "vertex");
+        vertices.any(|e| e.properties.iter().any(is_single))
+    }
+
     /// Reads the header of a file.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ pub use write::{losses, write};
 use crate::reading::options::check_length;
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
+use crate::surface::single;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use faces::PlyFaceList;
 use header::{PlyElement, PlyEncoding, PlyHeader};
@@ -59,7 +60,10 @@ pub fn read(
             reader.elements(&header, BinaryRows::<true>::new(bytes, header.end))?
         }
     }
-    let (scene, warnings) = assemble::scene(reader, &header, files);
+    let (scene, mut warnings) = assemble::scene(reader, &header, files);
+    if header.has_single_positions() {
+        single::warn(&scene, name, &mut warnings);
+    }
     Ok(Loaded {
         scene,
         warnings: warnings.finish(name),

@@ -1,7 +1,9 @@
 //! Writes scenes as PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
+use crate::surface::single::CoordinateReach;
 use crate::surface::tessellate::{self, lit_mesh_of};
+use azulejo_scene::math::Aabb;
 use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Up};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -196,6 +198,16 @@ impl ScalarFormat {
         }
     }
 
+    /// Single precision if that is exact for all, and the model not far from the origin: there it would look
+    /// as if digits had been lost.
+    fn of_positions(positions: impl Iterator<Item = DVec3> + Clone) -> ScalarFormat {
+        let bounds = Aabb::around(positions.clone());
+        if CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far()) {
+            return ScalarFormat::Double;
+        }
+        ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array()))
+    }
+
     /// Single precision if that is exact for all.
     fn of_coordinates(mut values: impl Iterator<Item = f64>) -> ScalarFormat {
         if values.all(|x| f64::from(x as f32) == x) {
@@ -267,7 +279,7 @@ impl PlyLayout {
         };
         let has_face_materials = has_textures || used().any(|m| m.diffuse != granted);
         PlyLayout {
-            positions: ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array())),
+            positions: ScalarFormat::of_positions(positions.copied()),
             normals: has(|m| m.normals.is_some()).then_some(ScalarFormat::Float),
             uvs: has_uvs.then(|| ScalarFormat::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
             colors: has_colors.then(|| ScalarFormat::of_shares(colors.flat_map(|c| c.to_array()))),

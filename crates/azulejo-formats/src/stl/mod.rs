@@ -14,6 +14,7 @@ pub use write::{losses, write};
 use crate::reading::options::check_length;
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
+use crate::surface::single;
 use crate::surface::weld::Welder;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
@@ -35,7 +36,8 @@ pub fn read(
     check_length(bytes, name)?;
     let mut warnings = Warnings::default();
     let text = decoded(bytes);
-    let mut scene = if is_text(&text) && !binary::has_right_length(bytes) {
+    let is_text = is_text(&text) && !binary::has_right_length(bytes);
+    let mut scene = if is_text {
         ascii::read(&text, name, &mut warnings)?
     } else {
         binary::read(bytes, name, &mut warnings)?
@@ -47,6 +49,9 @@ pub fn read(
         up: Up::Z,
         ..Units::default()
     };
+    if !is_text {
+        single::warn(&scene, name, &mut warnings);
+    }
     Ok(Loaded {
         scene,
         warnings: warnings.finish(name),

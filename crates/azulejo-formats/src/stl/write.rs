@@ -66,6 +66,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         .polygons(3)
         .corner_attributes()
         .irradiance()
+        .single_precision("")
         .once(scene.units.metres_per_unit.is_some(), "the unit")
         .finish()
 }

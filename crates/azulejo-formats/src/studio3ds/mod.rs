@@ -15,6 +15,7 @@ mod tests;
 
 use crate::reading::bytes::Bytes;
 use crate::reading::options::Budget;
+use crate::surface::single;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 
 /// The first chunk of a model.
@@ -42,6 +43,7 @@ pub fn read(
         budget: Budget::new(options),
     };
     let scene = builder.scene(&model)?;
+    single::warn(&scene, name, &mut builder.walker.warnings);
     Ok(Loaded {
         scene,
         warnings: builder.walker.warnings.finish(name),

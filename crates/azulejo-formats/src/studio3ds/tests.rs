@@ -726,3 +726,18 @@ fn the_background() {
         None
     );
 }
+
+#[test]
+fn coordinates_far_from_the_origin_are_coarse() {
+    // A square decimetre in a national grid: its corners are half a metre apart, or none.
+    let far = |x: f32, y: f32| [500_000.25 + x, 5_400_000.5 + y, 300.0];
+    let corners = [far(0.0, 0.0), far(0.1, 0.0), far(0.1, 0.1), far(0.0, 0.1)];
+    let mesh = [vertices(&corners), faces(&HALVES, &[])].concat();
+    let tile = object("tile", &[chunk(0x4100, &mesh)]);
+    let expected = "coordinates as float32 at 5400000 are 0.5 apart, too much for the detail of a mesh: export it \
+                    near the origin, or in double precision";
+    check_warnings(
+        &load(&file(&[tile, square("floor")], &[])),
+        &[(expected, 1)],
+    );
+}

@@ -1,5 +1,6 @@
 //! What writers leave out or change, as text: "2 cameras".
 
+use super::single::CoarseCoordinates;
 use super::tessellate::exact_counts;
 use azulejo_scene::{Material, Mesh, Object, Scene, Shape};
 
@@ -74,6 +75,19 @@ impl<'a> LossList<'a> {
             |m| !m.irradiance.is_empty(),
             "meshes whose irradiance is omitted",
         )
+    }
+
+    /// Adds what coordinates lose that are in single precision, in the file or in `those_who_read` it.
+    pub fn single_precision(mut self, those_who_read: &str) -> Self {
+        let coarse = CoarseCoordinates::to_be_written(self.scene);
+        if let Some(words) = coarse.words(&self.scene.units) {
+            let count = coarse.count;
+            let advice = coarse.advice(self.scene);
+            self.said.push(format!(
+                "details of {count} objects ({words}{those_who_read}{advice})"
+            ));
+        }
+        self
     }
 
     /// The list.

@@ -13,6 +13,7 @@ pub(crate) mod model;
 pub(crate) mod named;
 pub(crate) mod phong;
 pub(crate) mod repeated;
+pub(crate) mod single;
 pub(crate) mod smooth;
 pub(crate) mod tessellate;
 pub(crate) mod textures;

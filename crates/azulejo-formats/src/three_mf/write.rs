@@ -93,6 +93,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         .polygons(3)
         .corner_attributes()
         .irradiance()
+        .single_precision(", in programs that read them")
         .once(is_odd, "the unit, converted to metres")
         .once(known.is_none(), "an unknown unit, written as metres")
         .finish()

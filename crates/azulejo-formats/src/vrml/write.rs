@@ -59,6 +59,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "meshes whose smoothing groups are omitted",
         )
         .irradiance()
+        .single_precision(", in programs that read them")
         .materials(
             Material::is_specular,
             "materials whose mirror or glass is omitted",

@@ -110,6 +110,7 @@ impl LegacyReader<'_, '_> {
         let kind = self.source.kind()?;
         self.source.end_line();
         let values = self.source.values(kind, count, 3)?;
+        self.piece.is_single = kind == VtkType::Real(4);
         self.piece.set_points(&values.into_reals());
         Ok(())
     }

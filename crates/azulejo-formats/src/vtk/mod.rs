@@ -18,6 +18,7 @@ use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::surface::boundary::VolumeBoundary;
 use crate::surface::named::NamedSurfaces;
+use crate::surface::single;
 use crate::surface::weld::Welder;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::{Scene, Units, Up};
@@ -57,8 +58,12 @@ pub fn read(
         names: Vec::new(),
         counts: Skipped::default(),
     };
+    let is_single = pieces.iter().any(|piece| piece.is_single);
     builder.pieces(pieces)?;
-    let (scene, warnings) = builder.finish();
+    let (scene, mut warnings) = builder.finish();
+    if is_single {
+        single::warn(&scene, name, &mut warnings);
+    }
     Ok(Loaded {
         scene,
         warnings: warnings.finish(name),

@@ -8,6 +8,8 @@ use glam::DVec3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct VtkPiece {
     pub points: Vec<DVec3>,
+    /// Whether their coordinates are in single precision.
+    pub is_single: bool,
     /// The type of each cell.
     pub kinds: Vec<u8>,
     /// The points of each cell; `u32::MAX` for those that cannot exist. Of a polyhedron its faces: how many

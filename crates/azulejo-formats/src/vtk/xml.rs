@@ -2,7 +2,7 @@
 
 use super::arrays::{AppendedBytes, XmlArrays};
 use super::piece::{ArrayUse, VtkPiece};
-use super::values::VtkValues;
+use super::values::{VtkType, VtkValues};
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::reading::xml::crowded_element;
@@ -165,6 +165,8 @@ impl<'a> XmlReader<'a, '_> {
             let expected = format!("three for each of {stated} points");
             return Err(self.arrays.error(array, found, expected));
         }
+        let kind = array.attribute("type").and_then(VtkType::of_xml);
+        piece.is_single = kind == Some(VtkType::Real(4));
         piece.set_points(&coordinates);
         Ok(())
     }

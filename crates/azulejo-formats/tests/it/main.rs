@@ -1,6 +1,7 @@
 //! Readers and writers on whole files.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod large_coordinates;
 mod meshes;
 mod mgf;
 mod mgf_instances;

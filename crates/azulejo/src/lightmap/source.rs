@@ -328,14 +328,18 @@ mod tests {
             order.sort_unstable();
             assert!(order.into_iter().eq(0..origin.faces.len() as u32));
         }
-        let mut tiny = cube_room();
-        if let Shape::Mesh(mesh) = &mut tiny.objects[0].shape {
-            for position in &mut mesh.positions {
-                *position += DVec3::splat(1e9);
+        let moved = |map: fn(DVec3) -> DVec3| {
+            let mut room = cube_room();
+            if let Shape::Mesh(mesh) = &mut room.objects[0].shape {
+                mesh.positions.iter_mut().for_each(|p| *p = map(*p));
             }
-        }
-        // Where single precision has steps of 64, nothing of a room is left.
-        let refused = BakeSource::written(&tiny, false);
+            BakeSource::written(&room, false)
+        };
+        // Where single precision has steps of 64, positions are relative to a point near the room.
+        let far = moved(|p| p + DVec3::splat(1e9)).unwrap();
+        assert!(far.order.iter().all(Option::is_some));
+        // Nothing that single precision holds is left of a room so small.
+        let refused = moved(|p| 1e-60 * p);
         let said = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
         assert!(matches!(said, Err(SourceError::Precision)), "{said:?}");
     }

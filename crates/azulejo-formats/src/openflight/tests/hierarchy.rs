@@ -76,6 +76,25 @@ fn matrices_multiply() {
 }
 
 #[test]
+fn a_matrix_far_away_has_the_digits_of_its_translations() {
+    let by = |delta: [f64; 3]| FltRecord::new(78, 56).doubles(32, &delta);
+    let place = [500_000.123, 5_400_000.456, 300.789];
+    let [x, y, z] = place.map(|v| v as f32);
+    let parts = [
+        by([0.0, 400_000.0, 0.0]),
+        by([place[0], 5_000_000.456, place[2]]),
+    ];
+    let with = |matrix: FltRecord| {
+        let flt = Flt::new().node(object("o"), &[parts[0].clone(), parts[1].clone(), matrix]);
+        super::mesh(&load(flt), 0).positions[0]
+    };
+    let exact = DVec3::from(place);
+    assert!((with(translation(x, y, z)) - exact).length() < 1e-8);
+    // Another matrix is not theirs.
+    assert_eq!(with(translation(x, y + 1.0, z)).y, f64::from(y + 1.0));
+}
+
+#[test]
 fn a_mirror_keeps_fronts() {
     let mirror = matrix([
         [-1.0, 0.0, 0.0],
