@@ -21,6 +21,7 @@ mod enclosure;
 pub(crate) mod exchange;
 mod forecast;
 mod group;
+mod group_plan;
 mod matrix;
 mod merge;
 mod near;
@@ -42,7 +43,9 @@ use crate::engine::{Engine, Estimator};
 use crate::error::FactorsError;
 use crate::patch::{PatchSize, Patches};
 use crate::proxy::ProxyScene;
+use crate::rays::RayEstimator;
 use crate::row::Columns;
+use crate::samples::{RowSamples, SampleCounts};
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
@@ -51,7 +54,9 @@ pub use design_effect::DesignEffect;
 pub use enclosure::{InterchangeError, Scaled};
 pub use exchange::{Exchange, ExchangeAreas};
 use forecast::Costs;
+use group_plan::GroupAreas;
 pub use forecast::Forecast;
+pub use group_plan::GroupBy;
 use glam::DVec3;
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
 pub use one_row::{Factor, FactorsFrom, form_factors_from};
@@ -110,11 +115,18 @@ impl<'a> Plan<'a> {
         tracer: &'a Tracer,
         options: &'a FormFactorOptions,
     ) -> Result<Plan<'a>, FactorsError> {
-        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = options.size {
+        let (proxy_size, size) = match options.groups {
+            None => (options.size, options.size),
+            Some(_) => {
+                let proxy_size = PatchSize::Squares(group_plan::PROXY_SQUARES);
+                (proxy_size, group_plan::size(&options.engine))
+            }
+        };
+        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = size {
             refuse(options, rows, rows as f64 * forecast::PATCH_BYTES)?;
         }
-        let proxy = ProxyScene::new(scene, tracer, options.size);
-        let patches = Patches::new(&proxy.scene, options.size);
+        let proxy = ProxyScene::new(scene, tracer, proxy_size);
+        let patches = Patches::new(&proxy.scene, size);
         if patches.is_empty() {
             return Err(FactorsError::NoSurface);
         }
@@ -172,6 +184,10 @@ pub struct PreparedPlan<'a> {
     engine: Engine,
     /// Why this engine, if it was chosen automatically.
     why: Option<String>,
+    /// The groups for which everything is planned.
+    groups: Option<GroupAreas>,
+    /// Rays and hemicubes of rows.
+    samples: RowSamples,
     /// The forecast, once there is one.
     forecast: OnceLock<Forecast>,
 }
@@ -199,6 +215,12 @@ impl<'a> PreparedPlan<'a> {
         };
         let (engine, instead) = engine.for_tracer(tracer);
         let why = instead.or(why);
+        let groups = plan.options.groups;
+        let groups = groups.map(|by| GroupAreas::new(&plan.patches, by));
+        let samples = match &groups {
+            Some(groups) => groups.samples(&plan.patches),
+            None => RowSamples::of_rays(plan.options.rays.min(MOST_RAYS)),
+        };
         PreparedPlan {
             plan,
             sides: Sides::new(&plan.patches, plan.options.two_sided),
@@ -206,6 +228,8 @@ impl<'a> PreparedPlan<'a> {
             seed: hash(&[seed as u32, (seed >> 32) as u32]),
             engine,
             why,
+            groups,
+            samples,
             forecast: OnceLock::new(),
         }
     }
@@ -221,7 +245,10 @@ impl<'a> PreparedPlan<'a> {
         let forecast = if self.engine == Engine::Analytic {
             self.forecast_of_formulas(progress)?
         } else {
-            let rays = self.engine.rays_per_row(self.row_rays());
+            let rays = match self.groups {
+                None => self.engine.rays_per_row(self.row_rays()),
+                Some(_) => RayEstimator::rounded(self.row_rays()),
+            };
             self.forecast_of_rows(rays, progress)?
         };
         Ok(*self.forecast.get_or_init(|| forecast))
@@ -239,6 +266,7 @@ impl<'a> PreparedPlan<'a> {
         progress: &Progress,
     ) -> Result<FormFactors, FactorsError> {
         let mut factors = self.estimate(journal, progress)?;
+        factors.engine_used.notes.extend(self.group_note());
         self.describe(&mut factors);
         factors.is_closed = factors.loses_no_light();
         if self.plan.is_to_close(&mut factors) {
@@ -298,9 +326,9 @@ impl<'a> PreparedPlan<'a> {
         factors.ends = factors.materials.iter().map(ending).collect();
     }
 
-    /// Rays per row, as far as they are allowed.
+    /// Rays per row, the largest number of all rows.
     fn row_rays(&self) -> u32 {
-        self.plan.options.rays.min(MOST_RAYS)
+        self.samples.rays.most()
     }
 
     /// An error if the matrix is assembled here and does not fit in memory.
@@ -317,14 +345,27 @@ impl<'a> PreparedPlan<'a> {
     }
 
     fn estimator(&self) -> Estimator<'_> {
-        Estimator::new(
-            &self.engine,
+        self.estimator_of(&self.engine)
+    }
+
+    /// The estimator of an engine with the samples of the plan.
+    fn estimator_of(&self, engine: &Engine) -> Estimator<'_> {
+        Estimator::sampled(
+            engine,
             &self.gatherer,
             &self.plan.patches,
-            self.row_rays(),
+            &self.samples,
             hash(&[self.seed, 1]),
             Columns::All,
         )
+    }
+
+    /// Positions on each patch at which light from outside is gathered.
+    fn positions(&self) -> SampleCounts {
+        match &self.groups {
+            Some(groups) => groups.positions(&self.plan.patches),
+            None => SampleCounts::Alike(outside::POSITIONS),
+        }
     }
 
     /// Whether formulas replace what rays find of near pairs. They know neither opacity nor copies.

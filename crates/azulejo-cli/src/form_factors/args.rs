@@ -199,6 +199,16 @@ impl From<GroupBy> for azulejo_exchange::GroupBy {
     }
 }
 
+impl FormFactorArgs {
+    /// The groups whose factors alone are written: not the shapes of their patches, as VTK's files have them.
+    pub fn only_groups(&self) -> Option<azulejo_exchange::GroupBy> {
+        let format = self.format.map(|name| name.0);
+        let format = format.or_else(|| FactorFormat::from_path(&self.output));
+        let by = self.matrix.by.filter(|_| format != Some(FactorFormat::Vtu));
+        by.map(Into::into)
+    }
+}
+
 /// Exactness of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PrecisionName {
@@ -240,6 +250,13 @@ impl From<CompressionName> for ArrayCompression {
 }
 
 impl ComputationArgs {
+    /// Whether division and samples are left to the program.
+    pub fn is_planned(&self) -> bool {
+        let division = &self.division;
+        let is_divided = division.patches.is_some() || division.patch_size.is_some();
+        !is_divided && self.rays.is_none() && self.engine.patch_points.is_none()
+    }
+
     /// When closure is enforced.
     pub fn closure(&self) -> Closure {
         match (self.closure, self.formulas) {
