@@ -73,7 +73,7 @@ const RAYS: Budget = Budget {
 /// About the error of rays, in less than five times their time.
 const HEMICUBES: Budget = Budget {
     all: 16_384.0,
-    group: [16.0, 512.0],
+    group: [16.0, 1_024.0],
     row: 4,
 };
 
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(by_face.count(), 6);
         let samples = by_face.samples(&whole);
         assert_eq!(samples.rays, SampleCounts::ByPatch(vec![262_144; 6]));
-        let hemicubes = SampleCounts::ByPatch(vec![512; 6]);
+        let hemicubes = SampleCounts::ByPatch(vec![1_024; 6]);
         assert_eq!(samples.hemicubes, Some(hemicubes));
         let divided = Patches::new(&scene, PatchSize::Edge(0.25));
         let by_face = GroupAreas::new(&divided, GroupBy::Face);
