@@ -53,6 +53,19 @@ impl Engine {
         (Engine::Rays, Some(why))
     }
 
+    /// The same with another resolution of its hemicubes, if it has any.
+    pub fn with_resolution(self, resolution: u32) -> Engine {
+        let with = |options| Hemicube {
+            resolution,
+            ..options
+        };
+        match self {
+            Engine::Hemicube(options) => Engine::Hemicube(with(options)),
+            Engine::Hybrid(options) => Engine::Hybrid(with(options)),
+            other => other,
+        }
+    }
+
     /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`] returns them.
     pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
         match self {
@@ -73,6 +86,14 @@ pub struct Hemicube {
     pub points: u32,
     /// The renderer.
     pub device: HemicubeBackend,
+}
+
+impl Hemicube {
+    /// The resolution that suffices for sums over groups ([`FormFactorOptions::groups`]): a thousand viewpoints of
+    /// a group, each turned by another angle, make up for coarse pixels.
+    ///
+    /// [`FormFactorOptions::groups`]: crate::FormFactorOptions::groups
+    pub const GROUP_RESOLUTION: u32 = 32;
 }
 
 impl Default for Hemicube {

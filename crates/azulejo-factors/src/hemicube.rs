@@ -250,9 +250,9 @@ impl<'a> HemicubeEstimator<'a> {
             for some in alike.chunks(at_once) {
                 progress.advance(0)?;
                 parts.extend(self.parts(some));
-                let steps = some.iter().map(|&(side, r)| {
-                    steps_of_part(self.steps(side), r, replicates)
-                });
+                let steps = some
+                    .iter()
+                    .map(|&(side, r)| steps_of_part(self.steps(side), r, replicates));
                 progress.advance(steps.sum())?;
             }
         }

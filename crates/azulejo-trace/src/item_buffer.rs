@@ -280,7 +280,10 @@ impl Hemicube {
     fn border_correction(&self, pixel: u32) -> f64 {
         let width = 2.0 / f64::from(self.resolution);
         let centre = self.unnormalized(pixel);
-        let outward = self.borders(pixel).into_iter().filter(|&way| way != DVec3::ZERO);
+        let outward = self
+            .borders(pixel)
+            .into_iter()
+            .filter(|&way| way != DVec3::ZERO);
         let slopes = outward.map(|way| way.dot(density_gradient(centre + 0.5 * width * way)));
         width / 24.0 * slopes.sum::<f64>()
     }
@@ -348,7 +351,9 @@ mod tests {
         let top = 4.0 * std::f64::consts::FRAC_1_PI * root * root.atan();
         for (n, most) in [(16, 1e-5), (32, 1e-6), (128, 1e-8)] {
             let cube = Hemicube::new(n);
-            let sum: f64 = (0..n * n).map(|p| f64::from(cube.weights()[p as usize])).sum();
+            let sum: f64 = (0..n * n)
+                .map(|p| f64::from(cube.weights()[p as usize]))
+                .sum();
             assert!((sum - top).abs() < most + 1e-7, "{n}: {sum} {top}");
             assert!(cube.weights().iter().all(|&w| w > 0.0));
         }

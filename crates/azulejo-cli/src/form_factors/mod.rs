@@ -22,10 +22,10 @@ use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo_exchange::{Enclosure, GroupBy};
 use azulejo_exchange::tables::{MaterialTable, TableError};
+use azulejo_exchange::{Enclosure, GroupBy};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
-use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, PatchSize};
+use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
@@ -439,9 +439,14 @@ fn options(how: FactorRequest, prepared: &PreparedEngine, session: &Session) -> 
         (engine, _) => engine.clone(),
     };
     let is_planned = args.is_planned() && how.room.is_none();
+    let groups = how.groups.filter(|_| is_planned);
+    let engine = match (groups, args.engine.resolution) {
+        (Some(_), None) => engine.with_resolution(Hemicube::GROUP_RESOLUTION),
+        _ => engine,
+    };
     FormFactorOptions {
         engine,
-        groups: how.groups.filter(|_| is_planned),
+        groups,
         size: pass::patch_size(&args.division).unwrap_or(default.size),
         rays: args.rays.unwrap_or(default.rays),
         two_sided: args.two_sided,
@@ -563,7 +568,6 @@ fn compute(
 #[cfg(test)]
 mod key_tests {
     use super::*;
-    use azulejo_factors::Hemicube;
     use azulejo_scene::brdf::{Brdf, Content, Description, Measured, Merl};
     use azulejo_scene::synthetic::cube_room;
     use std::sync::Arc;

@@ -23,7 +23,11 @@ pub(super) fn merge(
 ) -> Result<FormFactors, Cancelled> {
     let n = sides.len();
     let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
-    let weights: Vec<PairWeight> = areas.iter().zip(&traced.rays).map(PairWeight::new).collect();
+    let weights: Vec<PairWeight> = areas
+        .iter()
+        .zip(&traced.rays)
+        .map(PairWeight::new)
+        .collect();
     let mut factors = FormFactors {
         rest: traced.rows.iter().map(|r| r.rest).collect(),
         rays: traced.rays.iter().map(|&rays| u64::from(rays)).sum(),
@@ -184,8 +188,7 @@ impl Merger<'_> {
             (1.0, [spread_i, spread_j])
         };
         let freedom = noise.freedom(spreads);
-        let variance =
-            noise.posterior_variance(value, spread * twins, freedom, hit * twins, 1.0);
+        let variance = noise.posterior_variance(value, spread * twins, freedom, hit * twins, 1.0);
         (value, variance)
     }
 }

@@ -121,7 +121,9 @@ impl RowTracing<'_> {
     fn steps(&self, size: LoopSize, journal: &dyn Journal) -> u64 {
         let own = Division::new(size.items, size.block, journal).own_items(journal) as u64;
         let rows = 0..size.items;
-        let all: u64 = rows.map(|row| self.estimator.steps(self.sides.side(row))).sum();
+        let all: u64 = rows
+            .map(|row| self.estimator.steps(self.sides.side(row)))
+            .sum();
         all * own / (size.items as u64).max(1)
     }
 
@@ -205,12 +207,7 @@ impl RowTracing<'_> {
 
 /// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
 /// lack.
-fn rest(
-    found: &Row,
-    (noise, hit): (NoiseModel, f64),
-    hidden: f64,
-    ended: f64,
-) -> RowRemainder {
+fn rest(found: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> RowRemainder {
     let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
         let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
         let missing = (1.0 - share).max(0.0);
