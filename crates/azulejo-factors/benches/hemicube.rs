@@ -14,7 +14,7 @@ use azulejo_factors::truth::formulas::{on_common_edge, opposed};
 use azulejo_factors::{
     Closure, Engine, FormFactorOptions, FormFactors, GroupBy, Hemicube, PatchSize, form_factors,
 };
-use azulejo_scene::{Material, Mesh, Object, Primitive, Rgb, Scene, Shape};
+use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
 use azulejo_trace::item_buffer::Processor;
 use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;
@@ -119,9 +119,12 @@ fn walls() -> Scene {
     for k in 0..3 {
         let (away, u, v) = (edges[k], edges[(k + 1) % 3], edges[(k + 2) % 3]);
         for (corner, u, v) in [(DVec3::ZERO, u, v), (away, v, u)] {
-            let wall = Primitive::parallelogram(corner, u, v, grey);
-            let wall = Object::new("wall", Shape::Primitive(wall));
-            scene.objects.push(wall);
+            let mut mesh = Mesh {
+                positions: vec![corner, corner + u, corner + u + v, corner + v],
+                ..Mesh::default()
+            };
+            mesh.push_face(&[0, 1, 2, 3], grey);
+            scene.objects.push(Object::new("wall", Shape::Mesh(mesh)));
         }
     }
     scene

@@ -53,7 +53,7 @@ pub struct FormFactorArgs {
 pub struct ComputationArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Rays per patch; makes --engine auto choose rays [default: 4096]
+    /// Rays per patch; makes --engine auto choose rays [default: 4096, or planned for the groups of --by]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01;
@@ -139,6 +139,9 @@ fn openfoam_version(word: &str) -> Result<OpenFoamVersion, String> {
 #[command(next_help_heading = "Matrix")]
 pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
+    ///
+    /// Where nothing is said of patches and rays (--patches, --patch-size, --rays, --patch-points), these are
+    /// planned for the groups: flat faces stay whole or nearly so, and each group has rays enough.
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
     /// Merge neighbouring patches of one object, side and material until N rows are left
