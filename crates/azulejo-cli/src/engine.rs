@@ -57,11 +57,13 @@ pub struct EngineArgs {
     /// Backend that renders the hemicubes of --engine hemicube and hybrid [default: auto]
     #[arg(long, value_name = "BACKEND", value_enum)]
     pub gpu: Option<GpuName>,
-    /// Resolution of a hemicube in pixels, an even number [default: 128]
+    /// Resolution of a hemicube in pixels, an even number [default: 128, or 32 where form factors of groups are
+    /// planned]
     #[arg(long, value_name = "N", value_parser = values::resolution)]
     pub resolution: Option<u32>,
     /// Hemicubes per patch, at different points: one at the barycentre, whose error is unknown, or a
-    /// multiple of four, to which other numbers are rounded up [default: 16]
+    /// multiple of four, to which other numbers are rounded up [default: 16, or planned for the groups of
+    /// --by]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub patch_points: Option<u32>,
     /// Trace the rays of the engine and of gathering with Embree. PATH is its library [default: the

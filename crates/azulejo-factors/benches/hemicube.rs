@@ -1,6 +1,7 @@
-//! Hemicubes per second on the processor, compared with rays; and both in a closed body of mirrors.
+//! Hemicubes per second on the processor, compared with rays; and both in a closed body of mirrors, and
+//! between the walls of a box.
 //!
-//! `cargo bench -p azulejo-factors --bench hemicube -- [rooms] [mirrors] [body]`; all three without
+//! `cargo bench -p azulejo-factors --bench hemicube -- [rooms] [mirrors] [body] [groups]`; all four without
 //! arguments.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
@@ -9,7 +10,10 @@ mod drawing;
 #[path = "usage/mod.rs"]
 mod usage;
 
-use azulejo_factors::{Engine, FormFactorOptions, FormFactors, Hemicube, PatchSize, form_factors};
+use azulejo_factors::truth::formulas::{on_common_edge, opposed};
+use azulejo_factors::{
+    Closure, Engine, FormFactorOptions, FormFactors, GroupBy, Hemicube, PatchSize, form_factors,
+};
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
 use azulejo_trace::item_buffer::Processor;
 use azulejo_trace::{Progress, Tracer};
@@ -19,7 +23,12 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let named = |word: &str| words.iter().any(|w| w == word);
-    let has = |word: &str| named(word) || !["rooms", "mirrors", "body"].into_iter().any(named);
+    let has = |word: &str| {
+        named(word)
+            || !["rooms", "mirrors", "body", "groups"]
+                .into_iter()
+                .any(named)
+    };
     if has("rooms") {
         drawing::print_table(&[&Processor]);
     }
@@ -28,6 +37,106 @@ fn main() {
     }
     if has("body") {
         print_body();
+    }
+    if has("groups") {
+        print_groups();
+    }
+}
+
+/// Random seeds of each engine for the walls of a box.
+const SEEDS: u64 = 10;
+
+/// CPU seconds, errors and stated errors of form factors between the six walls of a closed box of 4 × 3 × 2.5, by
+/// the engines alone: without formulas and closure.
+fn print_groups() {
+    println!("six walls of a box       CPU s   RMS error  stated, relative");
+    let scene = walls();
+    let hemicube = Hemicube {
+        resolution: Hemicube::GROUP_RESOLUTION,
+        ..Hemicube::default()
+    };
+    for (name, engine) in [
+        ("rays", Engine::Rays),
+        ("hemicube", Engine::Hemicube(hemicube.clone())),
+        ("hybrid", Engine::Hybrid(hemicube)),
+        ("analytic", Engine::Analytic),
+    ] {
+        for (plan, groups) in [("planned", Some(GroupBy::Object)), ("2,500 patches", None)] {
+            let is_drawn = matches!(engine, Engine::Hemicube(_) | Engine::Hybrid(_));
+            let (engine, seeds) = match groups {
+                None if is_drawn => (engine.clone().with_resolution(128), 1),
+                None => (engine.clone(), 2),
+                Some(_) => (engine.clone(), SEEDS),
+            };
+            let (cpu, off, stated) = box_errors(&scene, &engine, groups, seeds);
+            println!("  {name:<9} {plan:<13}  {cpu:>5.2}  {off:>10.1e}  {stated:>16.1e}");
+        }
+    }
+}
+
+/// CPU seconds of a matrix, and the RMS of errors and stated errors of the factors between walls, both relative.
+fn box_errors(
+    scene: &Scene,
+    engine: &Engine,
+    groups: Option<GroupBy>,
+    seeds: u64,
+) -> (f64, f64, f64) {
+    let before = usage::cpu_seconds();
+    let (mut off, mut stated, mut count) = (0.0, 0.0, 0.0);
+    for seed in 0..seeds {
+        let options = FormFactorOptions {
+            engine: engine.clone(),
+            groups,
+            seed,
+            analytic: false,
+            closure: Closure::Never,
+            ..FormFactorOptions::default()
+        };
+        let tracer = Tracer::new(scene);
+        let found = form_factors(scene, &tracer, &options, &Progress::new());
+        let found = found.expect("there are surfaces");
+        let objects: Vec<Option<u32>> = found.faces.iter().map(|f| Some(f.object)).collect();
+        let found = found.grouped(&objects, 6);
+        for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
+            let ((factor, error), truth) = (found.get(i, j as u32), between_walls(i, j));
+            off += (factor / truth - 1.0).powi(2);
+            stated += (f64::from(error) / truth).powi(2);
+            count += 1.0;
+        }
+    }
+    let cpu = (usage::cpu_seconds() - before) / seeds as f64;
+    (cpu, (off / count).sqrt(), (stated / count).sqrt())
+}
+
+/// Lengths of the box.
+const SIZE: [f64; 3] = [4.0, 3.0, 2.5];
+
+/// The closed box from inside, each wall an object: those of x, y and z, that at 0 before the other.
+fn walls() -> Scene {
+    let mut scene = Scene::default();
+    let grey = scene.add_material(Material::diffuse("wall", Rgb::grey(0.5)));
+    let edges = [0, 1, 2].map(|k| SIZE[k] * DVec3::AXES[k]);
+    for k in 0..3 {
+        let (away, u, v) = (edges[k], edges[(k + 1) % 3], edges[(k + 2) % 3]);
+        for (corner, u, v) in [(DVec3::ZERO, u, v), (away, v, u)] {
+            let mut mesh = Mesh {
+                positions: vec![corner, corner + u, corner + u + v, corner + v],
+                ..Mesh::default()
+            };
+            mesh.push_face(&[0, 1, 2, 3], grey);
+            scene.objects.push(Object::new("wall", Shape::Mesh(mesh)));
+        }
+    }
+    scene
+}
+
+/// The form factor between two different walls.
+fn between_walls(from: usize, to: usize) -> f64 {
+    let [a, b] = [from / 2, to / 2];
+    if a == b {
+        opposed(SIZE[(a + 1) % 3], SIZE[(a + 2) % 3], SIZE[a])
+    } else {
+        on_common_edge(SIZE[3 - a - b], SIZE[b], SIZE[a])
     }
 }
 

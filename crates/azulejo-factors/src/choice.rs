@@ -124,10 +124,10 @@ impl EngineChoice {
     }
 
     /// Seconds of CPU time of an engine that was chosen for form factors.
-    pub fn seconds_of(&self, engine: &Engine, rays: u32) -> f64 {
+    pub fn seconds_of(&self, engine: &Engine, rays: f64) -> f64 {
         match engine {
             Engine::Analytic => self.seconds + self.sky_seconds,
-            _ => self.ray_seconds(f64::from(rays)),
+            _ => self.ray_seconds(rays),
         }
     }
 
@@ -150,11 +150,11 @@ impl EngineChoice {
         self.pair_bytes() <= self.memory as f64
     }
 
-    /// The engine for a matrix of form factors, and the reason.
-    pub fn for_factors(&self) -> (Engine, String) {
+    /// The engine for a matrix of form factors, where a row takes so many `rays`, and the reason.
+    pub fn for_factors(&self, rays: f64) -> (Engine, String) {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
-        let by_rays = self.ray_seconds(ROW_RAYS);
+        let by_rays = self.ray_seconds(rays);
         let by_formulas = self.seconds + self.sky_seconds;
         if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);
@@ -295,21 +295,25 @@ mod tests {
 
     #[test]
     fn factors_of_flat_rooms_are_formulas() {
-        check(ROOM.for_factors(), &Engine::Analytic, "5000 flat");
+        check(ROOM.for_factors(ROW_RAYS), &Engine::Analytic, "5000 flat");
         let curved = EngineChoice { flat: 0.5, ..ROOM };
-        check(curved.for_factors(), &Engine::Rays, "50%");
+        check(curved.for_factors(ROW_RAYS), &Engine::Rays, "50%");
         let many = EngineChoice {
             patches: 60_000,
             seconds: 4_500.0,
             memory: u64::MAX,
             ..ROOM
         };
-        check(many.for_factors(), &Engine::Rays, "4500 s");
+        check(many.for_factors(ROW_RAYS), &Engine::Rays, "4500 s");
         let tight = EngineChoice {
             memory: 100 << 20,
             ..ROOM
         };
-        check(tight.for_factors(), &Engine::Rays, "may take 0.1 GiB");
+        check(
+            tight.for_factors(ROW_RAYS),
+            &Engine::Rays,
+            "may take 0.1 GiB",
+        );
     }
 
     /// What counts is the work, not the number of patches.
@@ -321,7 +325,7 @@ mod tests {
             seconds: 100.0,
             ..ROOM
         };
-        check(town.for_factors(), &Engine::Analytic, "0.9%");
+        check(town.for_factors(ROW_RAYS), &Engine::Analytic, "0.9%");
     }
 
     fn shares(scene: &azulejo_scene::Scene) -> [f64; 2] {

@@ -5,9 +5,9 @@ use crate::hemicube::{HemicubeEstimator, MirrorHandling};
 use crate::patch::Patches;
 use crate::rays::RayEstimator;
 use crate::row::{Columns, Row, Side};
+use crate::samples::RowSamples;
 use azulejo_trace::item_buffer::Device;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Tracer};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A method of computing form factors. All estimate the same quantity, with its error.
@@ -53,6 +53,19 @@ impl Engine {
         (Engine::Rays, Some(why))
     }
 
+    /// The same with another resolution of its hemicubes, if it has any.
+    pub fn with_resolution(self, resolution: u32) -> Engine {
+        let with = |options| Hemicube {
+            resolution,
+            ..options
+        };
+        match self {
+            Engine::Hemicube(options) => Engine::Hemicube(with(options)),
+            Engine::Hybrid(options) => Engine::Hybrid(with(options)),
+            other => other,
+        }
+    }
+
     /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`] returns them.
     pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
         match self {
@@ -73,6 +86,14 @@ pub struct Hemicube {
     pub points: u32,
     /// The renderer.
     pub device: HemicubeBackend,
+}
+
+impl Hemicube {
+    /// The resolution that suffices for sums over groups ([`FormFactorOptions::groups`]): a thousand viewpoints of
+    /// a group, each turned by another angle, make up for coarse pixels.
+    ///
+    /// [`FormFactorOptions::groups`]: crate::FormFactorOptions::groups
+    pub const GROUP_RESOLUTION: u32 = 32;
 }
 
 impl Default for Hemicube {
@@ -148,21 +169,39 @@ impl<'a> Estimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> Estimator<'a> {
+        let samples = RowSamples::of_rays(rays);
+        Estimator::sampled(engine, gatherer, patches, &samples, seed, columns)
+    }
+
+    /// The same where each patch has a number of samples of its own. The analytic engine takes the largest of
+    /// them for all.
+    pub fn sampled(
+        engine: &Engine,
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        samples: &RowSamples,
+        seed: u32,
+        columns: Columns,
+    ) -> Estimator<'a> {
         let drawn = |options: &Hemicube, mirrors: MirrorHandling| {
             let new = HemicubeEstimator::new;
-            let estimator = new(options, mirrors, gatherer, patches, seed, columns);
+            let points = samples.hemicubes.as_ref();
+            let estimator = new(options, points, mirrors, gatherer, patches, seed, columns);
             Estimator::Hemicube(Box::new(estimator))
         };
+        let rays = &samples.rays;
         match engine {
             Engine::Hemicube(options) => drawn(options, MirrorHandling::Windows),
             Engine::Hybrid(options) => drawn(options, MirrorHandling::Rays),
             Engine::Analytic => {
                 let new = AnalyticEstimator::new;
-                Estimator::Analytic(Box::new(new(gatherer, patches, rays, seed, columns)))
+                let estimator = new(gatherer, patches, rays.most(), seed, columns);
+                Estimator::Analytic(Box::new(estimator))
             }
             // Automatic choices are made before this; rays handle every scene.
             Engine::Auto | Engine::Rays | Engine::Particles => {
-                Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
+                let new = RayEstimator::with_counts;
+                Estimator::Rays(new(gatherer, patches, rays, seed, columns))
             }
         }
     }
@@ -181,12 +220,31 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// Rays or pixels per row.
+    /// Rays or pixels per row, the largest number of all rows.
     pub fn rays(&self) -> u32 {
         match self {
             Estimator::Rays(estimator) => estimator.rays(),
             Estimator::Hemicube(estimator) => estimator.pixels(),
             Estimator::Analytic(estimator) => estimator.rays(),
+        }
+    }
+
+    /// Rays or pixels of the row of a side.
+    pub fn rays_of(&self, side: Side) -> u32 {
+        match self {
+            Estimator::Rays(estimator) => estimator.rays_of(side),
+            Estimator::Hemicube(estimator) => estimator.pixels_of(side),
+            Estimator::Analytic(estimator) => estimator.rays(),
+        }
+    }
+
+    /// Steps of progress of the row of a side: one, or more the more samples it takes where their numbers
+    /// differ.
+    pub fn steps(&self, side: Side) -> u64 {
+        match self {
+            Estimator::Rays(estimator) => estimator.steps(side),
+            Estimator::Hemicube(estimator) => estimator.steps(side),
+            Estimator::Analytic(_) => 1,
         }
     }
 
@@ -203,20 +261,14 @@ impl<'a> Estimator<'a> {
         }
     }
 
-    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
-    /// for each.
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by the
+    /// [steps](Estimator::steps) of each.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
         match self {
-            Estimator::Rays(estimator) => {
-                let row = |&side: &Side| {
-                    progress.advance(1)?;
-                    Ok(estimator.row(side))
-                };
-                sides.par_iter().map(row).collect()
-            }
+            Estimator::Rays(estimator) => estimator.rows(sides, progress),
             Estimator::Hemicube(estimator) => estimator.rows(sides, progress),
             Estimator::Analytic(estimator) => estimator.rows(sides, progress),
         }

@@ -22,6 +22,7 @@ mod enclosure;
 pub(crate) mod exchange;
 mod forecast;
 mod group;
+mod group_plan;
 mod matrix;
 mod merge;
 mod near;
@@ -43,7 +44,9 @@ use crate::engine::{Engine, Estimator};
 use crate::error::FactorsError;
 use crate::patch::{PatchSize, Patches};
 use crate::proxy::ProxyScene;
+use crate::rays::RayEstimator;
 use crate::row::Columns;
+use crate::samples::{RowSamples, SampleCounts};
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
@@ -54,6 +57,8 @@ pub use exchange::{Exchange, ExchangeAreas};
 use forecast::Costs;
 pub use forecast::Forecast;
 use glam::DVec3;
+use group_plan::GroupAreas;
+pub use group_plan::GroupBy;
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
 pub use one_row::{Factor, FactorsFrom, form_factors_from};
 pub use options::{Closure, FormFactorOptions, MOST_RAYS};
@@ -111,11 +116,18 @@ impl<'a> Plan<'a> {
         tracer: &'a Tracer,
         options: &'a FormFactorOptions,
     ) -> Result<Plan<'a>, FactorsError> {
-        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = options.size {
+        let (proxy_size, size) = match options.groups {
+            None => (options.size, options.size),
+            Some(_) => {
+                let proxy_size = PatchSize::Squares(group_plan::PROXY_SQUARES);
+                (proxy_size, group_plan::size(&options.engine))
+            }
+        };
+        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = size {
             refuse(options, rows, rows as f64 * forecast::PATCH_BYTES)?;
         }
-        let proxy = ProxyScene::new(scene, tracer, options.size);
-        let patches = Patches::new(&proxy.scene, options.size);
+        let proxy = ProxyScene::new(scene, tracer, proxy_size);
+        let patches = Patches::new(&proxy.scene, size);
         if patches.is_empty() {
             return Err(FactorsError::NoSurface);
         }
@@ -178,6 +190,10 @@ pub struct PreparedPlan<'a> {
     row_budget: f64,
     /// Seconds of CPU time of the chosen engine, if it was chosen automatically.
     seconds: Option<f64>,
+    /// The groups for which everything is planned.
+    groups: Option<GroupAreas>,
+    /// Rays and hemicubes of rows.
+    samples: RowSamples,
     /// The forecast, once there is one.
     forecast: OnceLock<Forecast>,
 }
@@ -194,14 +210,21 @@ impl<'a> PreparedPlan<'a> {
     fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
         let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);
         let seed = plan.options.seed;
+        let groups = plan.options.groups;
+        let groups = groups.map(|by| GroupAreas::new(&plan.patches, by));
+        let samples = match &groups {
+            Some(groups) => groups.samples(&plan.patches),
+            None => RowSamples::of_rays(plan.options.rays.min(MOST_RAYS)),
+        };
         let (mut row_budget, mut seconds) = (f64::INFINITY, None);
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
                 let surfaces = Surfaces::new(scene, tracer);
                 let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
-                let (engine, why) = choice.for_factors();
+                let rays = samples.rays.mean(plan.patches.len());
+                let (engine, why) = choice.for_factors(rays);
                 row_budget = choice.row_budget();
-                seconds = Some(choice.seconds_of(&engine, plan.options.rays));
+                seconds = Some(choice.seconds_of(&engine, rays));
                 (engine, Some(why))
             }
             requested => (requested.clone(), None),
@@ -217,6 +240,8 @@ impl<'a> PreparedPlan<'a> {
             why,
             row_budget,
             seconds,
+            groups,
+            samples,
             forecast: OnceLock::new(),
         }
     }
@@ -233,7 +258,10 @@ impl<'a> PreparedPlan<'a> {
         let forecast = if self.engine == Engine::Analytic {
             self.forecast_of_formulas(progress)?
         } else {
-            let rays = self.engine.rays_per_row(self.row_rays());
+            let rays = match self.groups {
+                None => self.engine.rays_per_row(self.row_rays()),
+                Some(_) => RayEstimator::rounded(self.row_rays()),
+            };
             self.forecast_of_rows(rays, progress)?
         };
         let seconds = self.seconds;
@@ -255,6 +283,7 @@ impl<'a> PreparedPlan<'a> {
         progress: &Progress,
     ) -> Result<FormFactors, FactorsError> {
         let mut factors = self.estimate(journal, progress)?;
+        factors.engine_used.notes.extend(self.group_note());
         self.describe(&mut factors);
         factors.is_closed = factors.loses_no_light();
         if self.plan.is_to_close(&mut factors) {
@@ -314,9 +343,9 @@ impl<'a> PreparedPlan<'a> {
         factors.ends = factors.materials.iter().map(ending).collect();
     }
 
-    /// Rays per row, as far as they are allowed.
+    /// Rays per row, the largest number of all rows.
     fn row_rays(&self) -> u32 {
-        self.plan.options.rays.min(MOST_RAYS)
+        self.samples.rays.most()
     }
 
     /// An error if the matrix is assembled here and does not fit in memory.
@@ -332,15 +361,24 @@ impl<'a> PreparedPlan<'a> {
         refuse(self.plan.options, forecast.rows, forecast.bytes as f64)
     }
 
-    fn estimator(&self, engine: &Engine) -> Estimator<'_> {
-        Estimator::new(
+    /// The estimator of an engine with the samples of the plan.
+    fn estimator_of(&self, engine: &Engine) -> Estimator<'_> {
+        Estimator::sampled(
             engine,
             &self.gatherer,
             &self.plan.patches,
-            self.row_rays(),
+            &self.samples,
             hash(&[self.seed, 1]),
             Columns::All,
         )
+    }
+
+    /// Positions on each patch at which light from outside is gathered.
+    fn positions(&self) -> SampleCounts {
+        match &self.groups {
+            Some(groups) => groups.positions(&self.plan.patches),
+            None => SampleCounts::Alike(outside::POSITIONS),
+        }
     }
 
     /// Whether formulas replace what rays find of near pairs. They know neither opacity nor copies.
@@ -397,7 +435,7 @@ impl<'a> PreparedPlan<'a> {
     ) -> Result<FormFactors, FactorsError> {
         let options = self.plan.options;
         self.refuse_too_large(journal, progress)?;
-        let estimator = self.estimator(engine);
+        let estimator = self.estimator_of(engine);
         let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
             near::exact(

@@ -18,6 +18,7 @@ use crate::engine::{EngineUsed, Hemicube};
 use crate::patch::{PatchFacets, PatchPoint, Patches};
 use crate::rays::{BATCH, RayEstimator, RowWorkspace};
 use crate::row::{Columns, Order, Row, Side};
+use crate::samples::{SampleCounts, steps_of_part};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::follow::{Path, Via};
@@ -41,6 +42,9 @@ pub const WINDOW_CUT: f32 = 1e-4;
 /// proportion, and lower an error that the few viewpoints of a patch leave anyway.
 pub const MOST_WINDOWS: u32 = 512;
 
+/// Hemicubes of a step of progress, where rows have different numbers of hemicubes.
+const HEMICUBES_PER_STEP: u32 = 16;
+
 /// How flat mirrors are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MirrorHandling {
@@ -63,9 +67,12 @@ pub struct HemicubeEstimator<'a> {
     is_listed: Vec<bool>,
     /// Some flat mirror, which stands for all of them in [`Via::Mirror`].
     mirror_item: Option<u32>,
+    /// Pixels of a hemicube.
     pixels: u32,
     /// Estimates of a row: four, or a single one from a single hemicube.
     replicates: usize,
+    /// Hemicubes of each replicate.
+    per_replicate: SampleCounts,
     /// The positions of each replicate.
     table: SobolTable,
     seed: u32,
@@ -99,10 +106,12 @@ struct RowPart {
 }
 
 impl<'a> HemicubeEstimator<'a> {
-    /// An estimator with the given `options`, with [`Hemicube::eyes`] hemicubes per patch. A device that is not available, or cannot hold the scene, is replaced by the processor;
+    /// An estimator with the given `options`, with [`Hemicube::eyes`] hemicubes per patch, or as many as `points`
+    /// says. A device that is not available, or cannot hold the scene, is replaced by the processor;
     /// [`engine_used`](HemicubeEstimator::engine_used) reports it.
     pub fn new(
         options: &Hemicube,
+        points: Option<&SampleCounts>,
         mirrors: MirrorHandling,
         gatherer: &'a Gatherer<'a>,
         patches: &'a Patches,
@@ -126,8 +135,12 @@ impl<'a> HemicubeEstimator<'a> {
                 MirrorHandling::Rays => Beyond::List,
             },
         };
-        let replicates = (options.eyes() as usize).min(REPLICATES);
-        let points = options.eyes() as usize / replicates;
+        let eyes = match points {
+            Some(points) => points.map(|n| eyes(n.max(2))),
+            None => SampleCounts::Alike(options.eyes()),
+        };
+        let replicates = (eyes.most() as usize).clamp(1, REPLICATES);
+        let per_replicate = eyes.map(|n| n / replicates as u32);
         HemicubeEstimator {
             gatherer,
             patches,
@@ -137,17 +150,39 @@ impl<'a> HemicubeEstimator<'a> {
             mirrors,
             is_listed,
             mirror_item: flat_mirror(gatherer.surfaces()),
-            pixels: options.pixels_per_row(),
+            pixels: options.pixels(),
             replicates,
-            table: SobolTable::new(points),
+            table: SobolTable::new(per_replicate.most() as usize),
+            per_replicate,
             seed,
             columns,
         }
     }
 
-    /// Pixels per row.
+    /// Pixels per row, the largest number of all rows.
     pub fn pixels(&self) -> u32 {
-        self.pixels
+        self.row_pixels(self.per_replicate.most())
+    }
+
+    /// Pixels of the row of a side.
+    pub fn pixels_of(&self, side: Side) -> u32 {
+        self.row_pixels(self.points_of(side) as u32)
+    }
+
+    fn row_pixels(&self, per_replicate: u32) -> u32 {
+        let hemicubes = per_replicate.saturating_mul(self.replicates as u32);
+        self.pixels.saturating_mul(hemicubes)
+    }
+
+    /// Hemicubes of each replicate of a side's row.
+    fn points_of(&self, side: Side) -> usize {
+        self.per_replicate.of((side / 2) as usize) as usize
+    }
+
+    /// Steps of progress of the row of a side.
+    pub(crate) fn steps(&self, side: Side) -> u64 {
+        let unit = HEMICUBES_PER_STEP / REPLICATES as u32;
+        self.per_replicate.steps((side / 2) as usize, unit)
     }
 
     /// Whether the spread of several hemicubes tells the error.
@@ -197,39 +232,49 @@ impl<'a> HemicubeEstimator<'a> {
         }
     }
 
-    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
-    /// for each.
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by the
+    /// [steps](HemicubeEstimator::steps) of each.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
         let replicates = self.replicates;
-        let part = |&side: &Side| (0..replicates).map(move |r| (side, r));
-        let wanted: Vec<(Side, usize)> = sides.iter().flat_map(part).collect();
-        let at_once = (self.buffers.batch() / self.table.len()).max(1);
+        // Rows of as many hemicubes are rendered together.
+        let mut order: Vec<usize> = (0..sides.len()).collect();
+        order.sort_by_key(|&k| self.points_of(sides[k]));
+        let part = |&k: &usize| (0..replicates).map(move |r| (sides[k], r));
+        let wanted: Vec<(Side, usize)> = order.iter().flat_map(part).collect();
         let mut parts = Vec::with_capacity(wanted.len());
-        for some in wanted.chunks(at_once) {
-            progress.advance(0)?;
-            parts.extend(self.parts(some));
-            let done = parts.len() / replicates;
-            let before = (parts.len() - some.len()) / replicates;
-            progress.advance((done - before) as u64)?;
-        }
-        let mut rows = Vec::with_capacity(sides.len());
-        let mut parts = parts.into_iter();
-        while let Some(first) = parts.next() {
-            let rest = parts.by_ref().take(replicates - 1);
-            let mut row = rest.fold(first, merged);
-            row.rays = self.pixels();
-            if replicates == 1 {
-                repeat(&mut row);
+        for alike in wanted.chunk_by(|a, b| self.points_of(a.0) == self.points_of(b.0)) {
+            let at_once = (self.buffers.batch() / self.points_of(alike[0].0)).max(1);
+            for some in alike.chunks(at_once) {
+                progress.advance(0)?;
+                parts.extend(self.parts(some));
+                let steps = some
+                    .iter()
+                    .map(|&(side, r)| steps_of_part(self.steps(side), r, replicates));
+                progress.advance(steps.sum())?;
             }
-            rows.push(row);
+        }
+        let mut rows = vec![Row::default(); sides.len()];
+        let mut parts = parts.into_iter();
+        for k in order {
+            rows[k] = self.row_of(sides[k], parts.by_ref().take(replicates));
         }
         Ok(rows)
     }
 
-    /// Some replicates of rows, rendered together.
+    /// The row of its replicates.
+    fn row_of(&self, side: Side, parts: impl Iterator<Item = Row>) -> Row {
+        let mut row = Row::of_parts(parts);
+        row.rays = self.pixels_of(side);
+        if self.replicates == 1 {
+            repeat(&mut row);
+        }
+        row
+    }
+
+    /// Some replicates of rows with as many hemicubes each, rendered together.
     fn parts(&self, wanted: &[(Side, usize)]) -> Vec<Row> {
         let part = |&(side, replicate): &(Side, usize)| RowPart {
             side,
@@ -240,7 +285,7 @@ impl<'a> HemicubeEstimator<'a> {
         };
         let mut parts: Vec<RowPart> = wanted.par_iter().map(part).collect();
         let batch = (self.buffers.batch() / wanted.len()).max(1);
-        let all = self.table.len();
+        let all = parts.first().map_or(0, |part| part.points.len());
         for first in (0..all).step_by(batch) {
             let stretch = first..(first + batch).min(all);
             let some = parts.iter().flat_map(|p| &p.points[stretch.clone()]);
@@ -294,7 +339,7 @@ impl<'a> HemicubeEstimator<'a> {
                 weight: at.weight,
             }
         };
-        let mut points: Vec<HemicubePoint> = (0..self.table.len()).map(point).collect();
+        let mut points: Vec<HemicubePoint> = (0..self.points_of(side)).map(point).collect();
         let sum: f64 = points.iter().map(|p| p.weight).sum();
         points.iter_mut().for_each(|p| p.weight /= sum);
         points
@@ -410,16 +455,26 @@ impl<'a> HemicubeEstimator<'a> {
 impl Hemicube {
     /// Hemicubes per patch: one, or the next multiple of [`REPLICATES`].
     pub fn eyes(&self) -> u32 {
-        if self.points <= 1 {
-            return 1;
-        }
-        self.points.div_ceil(REPLICATES as u32) * REPLICATES as u32
+        eyes(self.points)
     }
 
     /// Pixels of all hemicubes of a row.
     pub(crate) fn pixels_per_row(&self) -> u32 {
+        self.pixels().saturating_mul(self.eyes())
+    }
+
+    /// Pixels of a hemicube.
+    fn pixels(&self) -> u32 {
         let side = Pixels::new(self.resolution).resolution();
-        (3 * side * side).saturating_mul(self.eyes())
+        3 * side * side
+    }
+}
+
+/// `points`, rounded up to a multiple of [`REPLICATES`] if there are several.
+fn eyes(points: u32) -> u32 {
+    match points {
+        0 | 1 => 1,
+        points => points.div_ceil(REPLICATES as u32) * REPLICATES as u32,
     }
 }
 
@@ -429,23 +484,6 @@ fn repeat(row: &mut Row) {
     row.entries.fill(entries);
     row.stray = [row.stray[0]; REPLICATES];
     row.escaped = [row.escaped[0]; REPLICATES];
-}
-
-/// Merges two parts of one row, of different replicates.
-fn merged(mut a: Row, b: Row) -> Row {
-    for (replicate, entries) in b.entries.into_iter().enumerate() {
-        if !entries.is_empty() {
-            a.entries[replicate] = entries;
-        }
-        a.stray[replicate] += b.stray[replicate];
-        for (escaped, more) in a.escaped[replicate].iter_mut().zip(b.escaped[replicate]) {
-            *escaped += more;
-        }
-    }
-    a.external += b.external;
-    a.absorbed += b.absorbed;
-    a.cut += b.cut;
-    a
 }
 
 /// Some flat item that mirrors.

@@ -25,6 +25,7 @@
 //! |---|---|
 //! | [`patch`] | faces divided into patches; [`faceted`] puts polygons in the place of exact shapes |
 //! | [`row`] | a row of form factors, in four replicates whose spread is its error |
+//! | [`samples`] | how many rays or hemicubes each row takes |
 //! | [`engine`] | the engines and the choice between them |
 //! | [`rays`] | rows by rays (Malley's method) |
 //! | [`hemicube`] | rows by item buffers, on the processor or a graphics card |
@@ -49,6 +50,7 @@ pub mod patch;
 pub mod proxy;
 pub mod rays;
 pub mod row;
+pub mod samples;
 mod shadow_rays;
 pub mod sparse;
 pub mod truth;
@@ -57,7 +59,8 @@ pub use choice::EngineChoice;
 pub use engine::{Engine, EngineUsed, Hemicube, HemicubeBackend};
 pub use error::FactorsError;
 pub use form_factors::{
-    Closure, Factor, FactorsFrom, FormFactorOptions, FormFactors, form_factors, form_factors_from,
+    Closure, Factor, FactorsFrom, FormFactorOptions, FormFactors, GroupBy, form_factors,
+    form_factors_from,
 };
 pub use hierarchy::{CompressedFactors, CompressionOptions, FactorOperator};
 pub use patch::{

@@ -33,7 +33,7 @@ pub fn faceted(scene: &Scene, size: PatchSize) -> Cow<'_, Scene> {
 fn edge(scene: &Scene, size: PatchSize) -> f64 {
     let length = match size {
         PatchSize::Edge(edge) => edge,
-        PatchSize::Count(count) | PatchSize::Squares(count) => {
+        PatchSize::Count(count) | PatchSize::Squares(count) | PatchSize::FlatWhole(count) => {
             (area(scene) / count.max(1) as f64).sqrt()
         }
     };

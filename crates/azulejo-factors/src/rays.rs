@@ -8,16 +8,23 @@
 
 use crate::patch::Patches;
 use crate::row::{Columns, Row, RowAccumulator, Side, order, side};
+use crate::samples::{SampleCounts, steps_of_part};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
-use azulejo_trace::{Gatherer, KernelHit, NextEvent, REPLICATES, Surfaces, Tracer};
+use azulejo_trace::{
+    Cancelled, Gatherer, KernelHit, NextEvent, Progress, REPLICATES, Surfaces, Tracer,
+};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
 
 /// Rays traced at a time: enough to keep the tracer busy, few enough to stay in the cache.
 pub const BATCH: usize = 1024;
+
+/// Rays of a step of progress, where rows have different numbers of rays.
+const RAYS_PER_STEP: u32 = 1 << 12;
 
 /// Samples the rays of rows.
 pub struct RowSampler<'a> {
@@ -127,7 +134,8 @@ pub struct RayEstimator<'a> {
     patches: &'a Patches,
     sampler: RowSampler<'a>,
     hit_patches: HitPatches<'a>,
-    per_replicate: usize,
+    /// Rays of each replicate.
+    per_replicate: SampleCounts,
     seed: u32,
     columns: Columns,
     /// Working memory not in use by any thread.
@@ -153,11 +161,23 @@ impl<'a> RayEstimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> RayEstimator<'a> {
-        let per_replicate = RayEstimator::rounded(rays) as usize / REPLICATES;
+        RayEstimator::with_counts(gatherer, patches, &SampleCounts::Alike(rays), seed, columns)
+    }
+
+    /// The same where each patch has a number of rays of its own.
+    pub fn with_counts(
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        rays: &SampleCounts,
+        seed: u32,
+        columns: Columns,
+    ) -> RayEstimator<'a> {
+        let per_replicate = rays.map(|n| RayEstimator::rounded(n) / REPLICATES as u32);
+        let most = per_replicate.most() as usize;
         RayEstimator {
             gatherer,
             patches,
-            sampler: RowSampler::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
+            sampler: RowSampler::new(gatherer.surfaces().tracer, patches, most, seed),
             hit_patches: HitPatches::new(gatherer.surfaces(), patches),
             per_replicate,
             seed,
@@ -171,9 +191,20 @@ impl<'a> RayEstimator<'a> {
         rays.div_ceil(REPLICATES as u32).max(1) * REPLICATES as u32
     }
 
-    /// Rays per row.
+    /// Rays per row, the largest number of all rows.
     pub fn rays(&self) -> u32 {
-        (self.per_replicate * REPLICATES) as u32
+        self.per_replicate.most() * REPLICATES as u32
+    }
+
+    /// Rays of the row of a side.
+    pub fn rays_of(&self, side: Side) -> u32 {
+        self.per_replicate.of((side / 2) as usize) * REPLICATES as u32
+    }
+
+    /// Steps of progress of the row of a side.
+    pub(crate) fn steps(&self, side: Side) -> u64 {
+        let unit = RAYS_PER_STEP / REPLICATES as u32;
+        self.per_replicate.steps((side / 2) as usize, unit)
     }
 
     /// The name of the ray tracing kernel.
@@ -184,22 +215,43 @@ impl<'a> RayEstimator<'a> {
     /// The row of one side of a patch. Depends only on the arguments of [`new`](RayEstimator::new)
     /// and on `side`.
     pub fn row(&self, side: Side) -> Row {
+        Row::of_parts((0..REPLICATES).map(|replicate| self.part(side, replicate)))
+    }
+
+    /// The rows of some sides, in order, as [`row`](RayEstimator::row) computes them. Advances
+    /// `progress` by the [steps](RayEstimator::steps) of each.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub(crate) fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        let part = |k: usize| {
+            let (side, replicate) = (sides[k / REPLICATES], k % REPLICATES);
+            progress.advance(steps_of_part(self.steps(side), replicate, REPLICATES))?;
+            Ok(self.part(side, replicate))
+        };
+        let parts = (0..sides.len() * REPLICATES).into_par_iter().map(part);
+        let mut parts = parts.collect::<Result<Vec<Row>, _>>()?.into_iter();
+        let row = |_: &Side| Row::of_parts(parts.by_ref().take(REPLICATES));
+        Ok(sides.iter().map(row).collect())
+    }
+
+    /// One replicate of a row.
+    fn part(&self, side: Side, replicate: usize) -> Row {
         let mut row = Row {
-            rays: self.rays(),
+            rays: self.rays_of(side),
             ..Row::default()
         };
         let mut work = self.work();
-        let (all, share) = (self.per_replicate, 1.0 / self.per_replicate as f64);
-        for replicate in 0..REPLICATES {
-            for first in (0..all).step_by(BATCH) {
-                let stretch = first..(first + BATCH).min(all);
-                self.sampler
-                    .fill(side, replicate, stretch, share, &mut work.paths);
-                let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
-                self.follow(&mut work, chances, (replicate, 1.0), &mut row);
-            }
-            row.entries[replicate] = work.sums.take();
+        let all = self.per_replicate.of((side / 2) as usize) as usize;
+        let share = 1.0 / all as f64;
+        for first in (0..all).step_by(BATCH) {
+            let stretch = first..(first + BATCH).min(all);
+            self.sampler
+                .fill(side, replicate, stretch, share, &mut work.paths);
+            let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
+            self.follow(&mut work, chances, (replicate, 1.0), &mut row);
         }
+        row.entries[replicate] = work.sums.take();
         self.give_back(work);
         row
     }

@@ -63,6 +63,30 @@ pub struct Row {
 }
 
 impl Row {
+    /// The row of parts that have its replicates, each of them one or several.
+    pub(crate) fn of_parts(mut parts: impl Iterator<Item = Row>) -> Row {
+        let first = parts.next().unwrap_or_default();
+        parts.fold(first, Row::with_replicates)
+    }
+
+    /// This row with the replicates of another part.
+    fn with_replicates(mut self, part: Row) -> Row {
+        for (replicate, entries) in part.entries.into_iter().enumerate() {
+            if !entries.is_empty() {
+                self.entries[replicate] = entries;
+            }
+            self.stray[replicate] += part.stray[replicate];
+            let escaped = self.escaped[replicate].iter_mut();
+            escaped
+                .zip(part.escaped[replicate])
+                .for_each(|(sum, more)| *sum += more);
+        }
+        self.external += part.external;
+        self.absorbed += part.absorbed;
+        self.cut += part.cut;
+        self
+    }
+
     /// Share that left the scene in either direction, mean of the replicates.
     pub fn all_escaped(&self) -> Rgb {
         let ways = self.escaped.iter().flatten();

@@ -38,7 +38,8 @@ pub fn compute_form_factors(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(NativeFormFactors, Vec<String>)> {
     let by = choices::group_by(by)?;
-    let (shared, periods, options) = (scene.shared(), options.periods()?, options.options()?);
+    let (periods, options) = (options.periods()?, options.options_for(by)?);
+    let shared = scene.shared();
     let (found, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
         compute(&shared.scene, &tracer, by, &options, p)

@@ -88,6 +88,8 @@ fn computed(
         let request = FactorRequest {
             computation: &args.computation,
             separate: false,
+            // Rows have radiosities of their own unless they are lumped.
+            groups: args.by.groups().filter(|_| args.lump),
             room: None,
             journal: FactorJournal::None,
         };

@@ -53,7 +53,7 @@ pub struct FormFactorArgs {
 pub struct ComputationArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Rays per patch; makes --engine auto choose rays [default: 4096]
+    /// Rays per patch; makes --engine auto choose rays [default: 4096, or planned for the groups of --by]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01;
@@ -139,6 +139,9 @@ fn openfoam_version(word: &str) -> Result<OpenFoamVersion, String> {
 #[command(next_help_heading = "Matrix")]
 pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
+    ///
+    /// Where nothing is said of patches and rays (--patches, --patch-size, --rays, --patch-points), these are
+    /// planned for the groups: flat faces stay whole or nearly so, and each group has rays enough.
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
     /// Merge neighbouring patches of one object, side and material until N rows are left
@@ -199,6 +202,16 @@ impl From<GroupBy> for azulejo_exchange::GroupBy {
     }
 }
 
+impl FormFactorArgs {
+    /// The groups whose factors alone are written: not the shapes of their patches, as VTK's files have them.
+    pub fn only_groups(&self) -> Option<azulejo_exchange::GroupBy> {
+        let format = self.format.map(|name| name.0);
+        let format = format.or_else(|| FactorFormat::from_path(&self.output));
+        let by = self.matrix.by.filter(|_| format != Some(FactorFormat::Vtu));
+        by.map(Into::into)
+    }
+}
+
 /// Exactness of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PrecisionName {
@@ -240,6 +253,13 @@ impl From<CompressionName> for ArrayCompression {
 }
 
 impl ComputationArgs {
+    /// Whether division and samples are left to the program.
+    pub fn is_planned(&self) -> bool {
+        let division = &self.division;
+        let is_divided = division.patches.is_some() || division.patch_size.is_some();
+        !is_divided && self.rays.is_none() && self.engine.patch_points.is_none()
+    }
+
     /// When closure is enforced.
     pub fn closure(&self) -> Closure {
         match (self.closure, self.formulas) {

@@ -32,6 +32,7 @@ pub fn run(
     let how = FactorRequest {
         computation: &args.computation,
         separate: false,
+        groups: None,
         room: None,
         journal: FactorJournal::None,
     };

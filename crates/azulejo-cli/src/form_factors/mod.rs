@@ -22,10 +22,10 @@ use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::{MaterialTable, TableError};
+use azulejo_exchange::{Enclosure, GroupBy};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
-use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, PatchSize};
+use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
@@ -104,6 +104,7 @@ fn planned_rows(
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
+        groups: args.only_groups(),
         room: room.as_ref(),
         journal: FactorJournal::None,
     };
@@ -184,6 +185,7 @@ fn computed(
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
+        groups: args.only_groups(),
         room: room.as_ref(),
         journal: match (parts, beside) {
             (Some(parts), _) => FactorJournal::Parts(parts),
@@ -250,6 +252,8 @@ pub struct FactorRequest<'a> {
     pub computation: &'a ComputationArgs,
     /// Whether orders of mirrors are kept apart.
     pub separate: bool,
+    /// The groups of rows that alone are wanted.
+    pub groups: Option<GroupBy>,
     /// The View3D file whose rows are wanted.
     pub room: Option<&'a View3dInput>,
     /// Where finished blocks are.
@@ -434,8 +438,15 @@ fn options(how: FactorRequest, prepared: &PreparedEngine, session: &Session) -> 
         (Engine::Auto, None) if !has_formulas => Engine::Rays,
         (engine, _) => engine.clone(),
     };
+    let is_planned = args.is_planned() && how.room.is_none();
+    let groups = how.groups.filter(|_| is_planned);
+    let engine = match (groups, args.engine.resolution) {
+        (Some(_), None) => engine.with_resolution(Hemicube::GROUP_RESOLUTION),
+        _ => engine,
+    };
     FormFactorOptions {
         engine,
+        groups,
         size: pass::patch_size(&args.division).unwrap_or(default.size),
         rays: args.rays.unwrap_or(default.rays),
         two_sided: args.two_sided,
@@ -494,6 +505,7 @@ fn open_journal(
 fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKey {
     let FormFactorOptions {
         engine,
+        groups,
         size,
         rays,
         two_sided,
@@ -515,8 +527,15 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         PatchSize::Count(patches) => hasher.add(&0u8).add(&patches),
         PatchSize::Squares(patches) => hasher.add(&1u8).add(&patches),
         PatchSize::Edge(length) => hasher.add(&2u8).add(&length),
+        PatchSize::FlatWhole(patches) => hasher.add(&3u8).add(&patches),
     };
+    let groups = groups.map_or(0u8, |by| match by {
+        GroupBy::Face => 1,
+        GroupBy::Object => 2,
+        GroupBy::Material => 3,
+    });
     hasher
+        .add(&groups)
         .add(rays)
         .add(two_sided)
         .add(seed)
@@ -554,7 +573,6 @@ fn compute(
 #[cfg(test)]
 mod key_tests {
     use super::*;
-    use azulejo_factors::Hemicube;
     use azulejo_scene::brdf::{Brdf, Content, Description, Measured, Merl};
     use azulejo_scene::synthetic::cube_room;
     use std::sync::Arc;
@@ -608,6 +626,14 @@ mod key_tests {
             },
             FormFactorOptions {
                 size: PatchSize::Squares(9),
+                ..default()
+            },
+            FormFactorOptions {
+                groups: Some(GroupBy::Face),
+                ..default()
+            },
+            FormFactorOptions {
+                groups: Some(GroupBy::Object),
                 ..default()
             },
             FormFactorOptions {

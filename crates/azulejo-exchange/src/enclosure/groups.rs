@@ -1,21 +1,10 @@
 //! Rows combined into groups.
 
 use super::{CellMesh, Enclosure, OutsideLight, RowTable};
-use azulejo_factors::{FaceId, FormFactors, hierarchy};
+use azulejo_factors::{FaceId, FormFactors, GroupBy, hierarchy};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, Progress};
 use std::collections::HashMap;
-
-/// What makes a group of rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GroupBy {
-    /// Faces of objects.
-    Face,
-    /// Objects.
-    Object,
-    /// Materials.
-    Material,
-}
 
 /// A group for each row, and a name for each group.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,11 +27,7 @@ impl Enclosure {
                 GroupBy::Material => rows.materials[factors.materials[i] as usize].clone(),
             }
         };
-        let key = |i: usize| match by {
-            GroupBy::Face => (factors.faces[i].object, factors.faces[i].face),
-            GroupBy::Object => (factors.faces[i].object, 0),
-            GroupBy::Material => (factors.materials[i], 0),
-        };
+        let key = |i: usize| by.key(factors.faces[i], factors.materials[i]);
         let (mut numbers, mut names) = (HashMap::new(), Vec::new());
         let group = |i: usize| {
             let is_back = factors.is_back[i];

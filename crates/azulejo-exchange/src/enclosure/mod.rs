@@ -7,9 +7,10 @@ mod outside;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use azulejo_factors::GroupBy;
 pub use cells::CellMesh;
 pub use clusters::{ClusterError, ClusterOptions};
-pub use groups::{GroupBy, Groups, unique};
+pub use groups::{Groups, unique};
 
 use azulejo_factors::form_factors::{PreparedPlan, RowRemainder};
 use azulejo_factors::hierarchy::FactorOperator;

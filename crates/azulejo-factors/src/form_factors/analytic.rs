@@ -72,7 +72,7 @@ impl PreparedPlan<'_> {
             return Ok(factors);
         }
         let rays = self.row_rays();
-        let estimator = self.ray_estimator(rays);
+        let estimator = self.estimator_of(&Engine::Rays);
         let no_pairs = vec![Vec::new(); n];
         let tracing = RowTracing {
             sides: &self.sides,

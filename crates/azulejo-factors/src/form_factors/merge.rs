@@ -23,9 +23,14 @@ pub(super) fn merge(
 ) -> Result<FormFactors, Cancelled> {
     let n = sides.len();
     let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
+    let weights: Vec<PairWeight> = areas
+        .iter()
+        .zip(&traced.rays)
+        .map(PairWeight::new)
+        .collect();
     let mut factors = FormFactors {
         rest: traced.rows.iter().map(|r| r.rest).collect(),
-        rays: traced.rows.len() as u64 * u64::from(traced.rays),
+        rays: traced.rays.iter().map(|&rays| u64::from(rays)).sum(),
         design_effect: traced.design_effect(sides),
         ..FormFactors::default()
     };
@@ -38,7 +43,7 @@ pub(super) fn merge(
         let merger = Merger {
             traced: &traced,
             exact,
-            areas: &areas,
+            weights: &weights,
         };
         let merged: Vec<Vec<Vec<Vec<PairEstimate>>>> =
             wave.par_iter().map(|b| merger.block(b.clone())).collect();
@@ -57,8 +62,8 @@ pub(super) fn merge(
         factors.exchange = ExchangeAreas::sum_of(&orders);
         factors.orders = orders;
     }
-    if let NoiseModel::Hits { one_ray } = traced.noise {
-        factors.unseen = unseen(&factors.exchange, &areas, one_ray);
+    if traced.noise == NoiseModel::Hits {
+        factors.unseen = unseen(&factors.exchange, &areas, &weights);
     }
     Ok(factors)
 }
@@ -68,10 +73,9 @@ pub(super) fn merge(
 /// With N rays per row, the rays that find a pair, from either side, are a Poisson number of mean
 /// λ = N (X_ij + X_ji). The expectation of what is estimated by a single ray, λ e^−λ times the value
 /// of one hit, is X_ij e^−λ, that of what is missed.
-fn unseen(exchange: &ExchangeAreas, areas: &[f64], one_ray: f64) -> Vec<f64> {
+fn unseen(exchange: &ExchangeAreas, areas: &[f64], weights: &[PairWeight]) -> Vec<f64> {
     let singles = exchange.sums(|i, e| {
-        let (a, b) = (areas[i], areas[e.column as usize]);
-        let hit = a * b / (a + b) * one_ray;
+        let hit = weights[i].hit(weights[e.column as usize]);
         // Formulas may find as little, but with a small error.
         let is_single = e.value < 1.5 * hit && f64::from(e.error) > 0.5 * e.value;
         [if is_single { e.value } else { 0.0 }; 2]
@@ -89,10 +93,35 @@ impl From<&PairEstimate> for Exchange {
     }
 }
 
+/// How much the estimate of a row counts in its pairs.
+///
+/// The variance of A_i X_ij by N_i rays is proportional to A_i / N_i. Weighted by its inverse, S = (N_i X_ij +
+/// N_j X_ji) / (N_i / A_i + N_j / A_j).
+#[derive(Clone, Copy)]
+struct PairWeight {
+    /// N_i: rays, or pixels.
+    rays: f64,
+    /// N_i / A_i.
+    density: f64,
+}
+
+impl PairWeight {
+    fn new((&area, &rays): (&f64, &u32)) -> PairWeight {
+        let rays = f64::from(rays.max(1));
+        let density = rays / area;
+        PairWeight { rays, density }
+    }
+
+    /// The exchange area of a pair by a single hit, from either side.
+    fn hit(self, other: PairWeight) -> f64 {
+        1.0 / (self.density + other.density)
+    }
+}
+
 struct Merger<'a> {
     traced: &'a TracedRows,
     exact: &'a [PairEstimates],
-    areas: &'a [f64],
+    weights: &'a [PairWeight],
 }
 
 impl Merger<'_> {
@@ -139,33 +168,28 @@ impl Merger<'_> {
     }
 
     /// Exchange area and variance of a pair from the form factors and variances that its two sides
-    /// found. Symmetric in every bit.
-    ///
-    /// With equal rays per row the variance of A_i X_ij is proportional to A_i: weighted by its
-    /// inverse, S = A_i A_j (X_ij + X_ji) / (A_i + A_j).
+    /// found, each with its [weight](PairWeight). Symmetric in every bit.
     fn pair(
         &self,
         i: usize,
         j: usize,
         [(x_ij, v_ij), (x_ji, v_ji)]: [(f64, f64); 2],
     ) -> (f64, f64) {
-        let (a, b) = (self.areas[i], self.areas[j]);
-        let factor = a * b / (a + b);
-        let noise = self.traced.noise;
-        let value = factor * (x_ij + x_ji);
-        let spread = factor * factor * (v_ij + v_ji);
+        let (a, b) = (self.weights[i], self.weights[j]);
+        let (noise, hit) = (self.traced.noise, a.hit(b));
+        let value = hit * (a.rays * x_ij + b.rays * x_ji);
+        let [spread_i, spread_j] =
+            [(a, v_ij), (b, v_ji)].map(|(weight, v)| (hit * weight.rays).powi(2) * v);
+        let spread = spread_i + spread_j;
         // The two estimates of a patch's view of itself are the same one.
         let (twins, spreads) = if i == j {
-            (2.0, [v_ij, 0.0])
+            (2.0, [spread_i, 0.0])
         } else {
-            (1.0, [v_ij, v_ji])
+            (1.0, [spread_i, spread_j])
         };
         let freedom = noise.freedom(spreads);
-        let unit = factor * twins;
-        (
-            value,
-            noise.posterior_variance(value, spread * twins, freedom, unit, 1.0),
-        )
+        let variance = noise.posterior_variance(value, spread * twins, freedom, hit * twins, 1.0);
+        (value, variance)
     }
 }
 

@@ -103,7 +103,7 @@ impl PreparedPlan<'_> {
         let estimator = if is_analytic {
             self.ray_estimator(options.rays)
         } else {
-            self.estimator(&self.engine)
+            self.estimator_of(&self.engine)
         };
         let tracing = RowTracing {
             sides,
@@ -119,7 +119,7 @@ impl PreparedPlan<'_> {
         let by_rays = |entries: &[RayEntry]| -> Vec<PairEstimate> {
             entries
                 .iter()
-                .map(|e| tracing.pair_estimate(e, area))
+                .map(|e| tracing.pair_estimate(row, e))
                 .collect()
         };
         let mut factors = vec![Factor::default(); sides.len()];
@@ -139,11 +139,11 @@ impl PreparedPlan<'_> {
 
 impl RowTracing<'_> {
     /// The estimate of a pair by one row's rays alone, as an exchange area.
-    fn pair_estimate(&self, entry: &RayEntry, area: f64) -> PairEstimate {
+    fn pair_estimate(&self, row: usize, entry: &RayEntry) -> PairEstimate {
         let (value, spread) = (f64::from(entry.mean), f64::from(entry.variance));
-        let missing = (1.0 - value).max(0.0);
-        let noise = self.noise();
-        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, 1.0, missing);
+        let (missing, area) = ((1.0 - value).max(0.0), self.sides.area(row));
+        let (noise, hit) = (self.noise(), self.hit(row));
+        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, hit, missing);
         PairEstimate {
             column: entry.column,
             value: value * area,

@@ -1,5 +1,6 @@
 //! Options of form factor computations.
 
+use super::group_plan::GroupBy;
 use crate::engine::Engine;
 use crate::patch::PatchSize;
 
@@ -8,6 +9,10 @@ use crate::patch::PatchSize;
 pub struct FormFactorOptions {
     /// The engine.
     pub engine: Engine,
+    /// The groups over which rows are added up, where nothing else is wanted of them
+    /// ([`FormFactors::grouped`](super::FormFactors::grouped)). Division and samples are then planned for their
+    /// sums, in place of `size`, `rays` and [`Hemicube::points`](crate::Hemicube::points).
+    pub groups: Option<GroupBy>,
     /// How finely faces are divided; `PatchSize::Edge(0.0)` keeps them whole, but cuts concave ones
     /// into convex pieces.
     pub size: PatchSize,
@@ -58,6 +63,7 @@ impl Default for FormFactorOptions {
     fn default() -> FormFactorOptions {
         FormFactorOptions {
             engine: Engine::Auto,
+            groups: None,
             size: PatchSize::Count(2_500),
             rays: 4_096,
             two_sided: false,

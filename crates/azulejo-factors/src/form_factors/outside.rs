@@ -8,8 +8,8 @@ use azulejo_trace::sampling::{hash, seeds, sobol};
 use azulejo_trace::{GatherPoint, Gathered, Progress, REPLICATES};
 use rayon::prelude::*;
 
-/// Positions on a patch, for each replicate.
-const POSITIONS: u32 = 16;
+/// Positions on a patch, of all replicates.
+pub(super) const POSITIONS: u32 = 64;
 
 /// Rows between two looks at the progress.
 const ROWS_AT_ONCE: usize = 64;
@@ -35,41 +35,48 @@ impl PreparedPlan<'_> {
     pub fn light_from_outside(&self, progress: &Progress) -> Result<Vec<Gathered>, FactorsError> {
         let rows = self.sides.len();
         progress.begin("light from outside", rows as u64);
-        let seed = hash(&[self.seed, 2]);
+        let (seed, counts) = (hash(&[self.seed, 2]), self.positions());
         let blocks = (0..rows.div_ceil(ROWS_AT_ONCE))
             .into_par_iter()
             .map(|block| {
                 let from = block * ROWS_AT_ONCE;
                 let range = from..rows.min(from + ROWS_AT_ONCE);
                 progress.advance(range.len() as u64)?;
-                Ok(range.map(|row| self.row_from_outside(row, seed)).collect())
+                Ok(range
+                    .map(|row| self.row_from_outside(row, counts.of(self.sides.patch(row)), seed))
+                    .collect())
             });
         let blocks: Result<Vec<Vec<Gathered>>, FactorsError> = blocks.collect();
         Ok(blocks?.concat())
     }
 
-    fn row_from_outside(&self, row: usize, seed: u32) -> Gathered {
+    fn row_from_outside(&self, row: usize, positions: u32, seed: u32) -> Gathered {
+        let count = positions / REPLICATES as u32;
         let side = self.sides.side(row);
         let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
         let sampler = self.plan.patches.sampler(self.sides.patch(row));
-        let points = positions(&sampler, flip, seed, side);
+        let points = positions_on(&sampler, flip, count, [seed, side]);
         let found = self.gatherer.direct(&points, 1, seed);
         let mut irradiance = Gathered::default();
         for (k, light) in found.iter().enumerate() {
-            let share = 1.0 / f64::from(POSITIONS);
-            let all: Rgb = light.external() * share;
-            irradiance.replicates[k / POSITIONS as usize] += all;
+            let all: Rgb = light.external() / f64::from(count);
+            irradiance.replicates[k / count as usize] += all;
         }
         irradiance
     }
 }
 
-/// Positions on one side of a patch, one replicate after the other.
-fn positions(sampler: &Sampler, flip: f64, seed: u32, side: u32) -> Vec<GatherPoint> {
-    let mut points = Vec::with_capacity(REPLICATES * POSITIONS as usize);
+/// Positions on one side of a patch, `count` for each replicate, one replicate after the other.
+fn positions_on(
+    sampler: &Sampler,
+    flip: f64,
+    count: u32,
+    [seed, side]: [u32; 2],
+) -> Vec<GatherPoint> {
+    let mut points = Vec::with_capacity(REPLICATES * count as usize);
     for r in 0..REPLICATES as u32 {
         let [s1, s2, ..] = seeds(&[seed, side, r]);
-        points.extend((0..POSITIONS).map(|k| {
+        points.extend((0..count).map(|k| {
             let at = sampler.sample(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
             GatherPoint {
                 position: at.position,

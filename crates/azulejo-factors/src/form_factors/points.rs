@@ -255,11 +255,10 @@ impl PointSampling<'_> {
 
     fn factor(&self, replicates: [f64; REPLICATES]) -> Factor {
         let (value, spread) = mean_and_variance(replicates);
-        let noise = NoiseModel::Hits {
-            one_ray: 1.0 / (REPLICATES * self.per_replicate) as f64,
-        };
+        let hit = 1.0 / (REPLICATES * self.per_replicate) as f64;
         let missing = (1.0 - value).max(0.0);
-        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, 1.0, missing);
+        let noise = NoiseModel::Hits;
+        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, hit, missing);
         Factor {
             value,
             error: variance.sqrt(),

@@ -44,8 +44,8 @@ pub(super) struct TracedRows {
     pub rows: Vec<RayRow>,
     /// Number of `far` lists per row.
     pub orders: usize,
-    /// Rays per row.
-    pub rays: u32,
+    /// Rays or pixels of each row.
+    pub rays: Vec<u32>,
     /// The noise of entries.
     pub noise: NoiseModel,
 }
@@ -105,17 +105,36 @@ impl RowTracing<'_> {
             block: rows_at_once(rays) / BLOCKS_AT_ONCE,
             at_once: rows_at_once(rays),
         };
-        let own = Division::new(size.items, size.block, journal).own_items(journal);
-        progress.begin("form factors", own as u64);
+        progress.begin("form factors", self.steps(size, journal));
         let rows = resumed(journal, JournalStage::Rows, size, progress, |rows| {
             self.block(rows, progress)
         })?;
         Ok(rows.map(|rows| TracedRows {
             rows,
             orders: self.orders(),
-            rays,
+            rays: (0..size.items).map(|row| self.rays_of(row)).collect(),
             noise: self.noise(),
         }))
+    }
+
+    /// Steps of progress of the rows of this process, about.
+    fn steps(&self, size: LoopSize, journal: &dyn Journal) -> u64 {
+        let own = Division::new(size.items, size.block, journal).own_items(journal) as u64;
+        let rows = 0..size.items;
+        let all: u64 = rows
+            .map(|row| self.estimator.steps(self.sides.side(row)))
+            .sum();
+        all * own / (size.items as u64).max(1)
+    }
+
+    /// Rays or pixels of a row.
+    fn rays_of(&self, row: usize) -> u32 {
+        self.estimator.rays_of(self.sides.side(row))
+    }
+
+    /// The value of a single hit in a row.
+    pub fn hit(&self, row: usize) -> f64 {
+        1.0 / f64::from(self.rays_of(row).max(1))
     }
 
     /// Some rows.
@@ -127,12 +146,12 @@ impl RowTracing<'_> {
     }
 
     pub fn noise(&self) -> NoiseModel {
-        match self.estimator.rays() {
-            _ if !self.estimator.knows_its_spread() => NoiseModel::NoSpread,
-            _ if self.estimator.shares_viewpoints() => NoiseModel::Unknown,
-            rays => NoiseModel::Hits {
-                one_ray: 1.0 / f64::from(rays.max(1)),
-            },
+        if !self.estimator.knows_its_spread() {
+            NoiseModel::NoSpread
+        } else if self.estimator.shares_viewpoints() {
+            NoiseModel::Unknown
+        } else {
+            NoiseModel::Hits
         }
     }
 
@@ -181,18 +200,18 @@ impl RowTracing<'_> {
             error_groups: error_groups.collect(),
             near: near.iter().map(entry).collect(),
             far: far.iter().map(|f| f.iter().map(entry).collect()).collect(),
-            rest: rest(found, self.noise(), hidden, ended),
+            rest: rest(found, (self.noise(), self.hit(i)), hidden, ended),
         }
     }
 }
 
 /// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
 /// lack.
-fn rest(found: &Row, noise: NoiseModel, hidden: f64, ended: f64) -> RowRemainder {
+fn rest(found: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> RowRemainder {
     let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
         let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
         let missing = (1.0 - share).max(0.0);
-        let variance = noise.posterior_variance(share, spread, SPREAD_FREEDOM, 1.0, missing);
+        let variance = noise.posterior_variance(share, spread, SPREAD_FREEDOM, hit, missing);
         (share, variance.sqrt())
     });
     let cut = found.cut.mean();

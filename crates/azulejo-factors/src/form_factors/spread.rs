@@ -19,11 +19,8 @@ pub(super) fn mean_and_variance(values: [f64; REPLICATES]) -> (f64, f64) {
 /// The noise of an engine's estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum NoiseModel {
-    /// That of counts of hits, each of this share of a row.
-    Hits {
-        /// 1 over the rays of a row.
-        one_ray: f64,
-    },
+    /// That of counts of hits.
+    Hits,
     /// Unknown: only the spread of the replicates counts. A hemicube has a million pixels, but they
     /// share a handful of viewpoints, which cause the error.
     Unknown,
@@ -33,18 +30,18 @@ pub(super) enum NoiseModel {
 
 impl NoiseModel {
     /// The variance to be used for an estimate: from the variance of its replicates, `spread`, with
-    /// `freedom` degrees of freedom, and from the prior model; `unit` is the value of a whole row.
+    /// `freedom` degrees of freedom, and from the prior model; `hit` is the value of a single hit.
     /// `missing` is the share of the row that did not hit: 1 for small targets.
     pub fn posterior_variance(
         self,
         value: f64,
         spread: f64,
         freedom: f64,
-        unit: f64,
+        hit: f64,
         missing: f64,
     ) -> f64 {
         match self {
-            NoiseModel::Hits { one_ray } => joined(value, spread, freedom, unit * one_ray, missing),
+            NoiseModel::Hits => joined(value, spread, freedom, hit, missing),
             NoiseModel::Unknown => student(freedom).powi(2) * spread,
             NoiseModel::NoSpread => f64::NAN,
         }
@@ -64,10 +61,10 @@ impl NoiseModel {
 /// A handful of hits has a poor variance: with one hit in each of eight replicates it is zero. So
 /// it is combined, weighted by degrees of freedom, with a model: hits vary as a binomial count,
 /// less once strata are smaller than the patch. By the measured decline of the error, rays^−0.63,
-/// the variance of a count M falls from M to about M^¾. `one_ray` is the value of a single hit.
-fn joined(value: f64, spread: f64, freedom: f64, one_ray: f64, missing: f64) -> f64 {
-    let hits = value / one_ray;
-    let model = value * one_ray * missing * (hits / 8.0).max(1.0).powf(-0.25);
+/// the variance of a count M falls from M to about M^¾. `hit` is the value of a single hit.
+fn joined(value: f64, spread: f64, freedom: f64, hit: f64, missing: f64) -> f64 {
+    let hits = value / hit;
+    let model = value * hit * missing * (hits / 8.0).max(1.0).powf(-0.25);
     let joined = (freedom * spread + MODEL_FREEDOM * model) / (freedom + MODEL_FREEDOM);
     student(freedom + MODEL_FREEDOM).powi(2) * joined
 }
@@ -105,9 +102,9 @@ mod tests {
 
     #[test]
     fn what_all_rays_do_is_certain() {
-        let rays = NoiseModel::Hits { one_ray: 0.25 };
-        assert_eq!(rays.posterior_variance(1.0, 0.0, 3.0, 1.0, 0.0), 0.0);
-        assert!(rays.posterior_variance(0.5, 0.0, 3.0, 1.0, 0.5) > 0.0);
+        let rays = NoiseModel::Hits;
+        assert_eq!(rays.posterior_variance(1.0, 0.0, 3.0, 0.25, 0.0), 0.0);
+        assert!(rays.posterior_variance(0.5, 0.0, 3.0, 0.25, 0.5) > 0.0);
     }
 
     #[test]

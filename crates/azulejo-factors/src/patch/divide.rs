@@ -6,6 +6,7 @@ use super::contacts::Contacts;
 use super::edge_points::EdgePoints;
 use super::irregular::{Irregular, expected_patches, flatten, flatten_contacts};
 use super::lines::{Lines, is_worth};
+use super::locate::is_flat;
 use super::outline::{Form, Outline, Region};
 use azulejo_scene::{Primitive, Shape, SurfaceGrid};
 use rayon::prelude::*;
@@ -34,7 +35,11 @@ pub(super) struct Division {
 
 impl Division {
     pub fn new(outline: &Outline, contacts: &Contacts, size: PatchSize) -> Division {
-        let plan = DivisionPlan { outline, contacts };
+        let plan = DivisionPlan {
+            outline,
+            contacts,
+            curved: f64::INFINITY,
+        };
         match size {
             PatchSize::Edge(edge) => {
                 let edge = if edge > 0.0 { edge } else { f64::INFINITY };
@@ -44,9 +49,13 @@ impl Division {
                 let target = PatchTarget::new(plan, count.clamp(1, MAX_PATCHES));
                 Division::of_count(plan, target)
             }
+            PatchSize::FlatWhole(count) => {
+                let curved = square_edge(outline, count);
+                let plan = DivisionPlan { curved, ..plan };
+                Division::at(plan, f64::INFINITY)
+            }
             PatchSize::Squares(count) => {
-                let edge = (area(outline) / count.max(1) as f64).sqrt();
-                let edge = if edge > 0.0 { edge } else { f64::INFINITY };
+                let edge = square_edge(outline, count);
                 let most = plan.estimate(f64::INFINITY) as usize;
                 let most = most.saturating_add(count.saturating_mul(MOST_CUTS));
                 let division = Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64));
@@ -98,7 +107,10 @@ impl Division {
             .regions
             .par_iter()
             .zip(&lines)
-            .map(|(region, lines)| cells(outline, region, &edge_points, lines.as_deref(), size))
+            .map(|(region, lines)| {
+                let size = plan.size_of(region, size);
+                cells(outline, region, &edge_points, lines.as_deref(), size)
+            })
             .collect();
         Division { edge_points, cells }
     }
@@ -151,9 +163,20 @@ impl PatchTarget {
 struct DivisionPlan<'a> {
     outline: &'a Outline<'a>,
     contacts: &'a Contacts,
+    /// Largest size of curved cells, whatever that of flat ones.
+    curved: f64,
 }
 
 impl DivisionPlan<'_> {
+    /// The size of the cells of a region where it is `size` in general.
+    fn size_of(self, region: &Region, size: f64) -> f64 {
+        let shape = &self.outline.scene.objects[region.object as usize].shape;
+        match shape {
+            Shape::Primitive(primitive) if !is_flat(primitive.kind) => size.min(self.curved),
+            _ => size,
+        }
+    }
+
     /// The smallest edge size from `least` up that is expected to make at most `count` patches.
     fn fitting(self, least: f64, count: f64) -> f64 {
         let fits = |size: f64| self.estimate(size) <= count;
@@ -330,6 +353,12 @@ fn cells(
             size,
         )))
     })
+}
+
+/// The edge of squares of which so many have the area of all surfaces; infinite where there is none.
+fn square_edge(outline: &Outline, count: usize) -> f64 {
+    let edge = (area(outline) / count.max(1) as f64).sqrt();
+    if edge > 0.0 { edge } else { f64::INFINITY }
 }
 
 /// The area of all surfaces. Regions of exact shapes have no polygon, and no area of their own.

@@ -72,6 +72,9 @@ pub enum PatchSize {
     /// The edge of squares of which this many have the total area of all surfaces. Finer faces stay
     /// whole, so a detailed figure does not make the patches of the room around it coarser.
     Squares(usize),
+    /// Flat faces stay whole; curved ones are divided as by `Squares`: for sums over many patches, which do not
+    /// depend on the division.
+    FlatWhole(usize),
     /// The longest edge, in scene units. Exact for edges of faces and for regular patterns; inner
     /// edges of irregular triangles may be up to 1.5 times as long. If not positive, faces stay
     /// whole.

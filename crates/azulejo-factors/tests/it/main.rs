@@ -11,6 +11,7 @@ mod form_factor_matrix;
 mod form_factor_points;
 mod form_factor_row;
 mod form_factors;
+mod group_plans;
 mod hemicube_errors;
 mod hemicubes;
 mod matrix_operations;

@@ -3,7 +3,7 @@
 use crate::choices;
 use crate::error::refused;
 use azulejo::periods::Periods;
-use azulejo_factors::{Closure, Engine, FormFactorOptions};
+use azulejo_factors::{Closure, Engine, FormFactorOptions, GroupBy, Hemicube};
 use pyo3::prelude::*;
 
 /// Options by name; what is `None` is the default.
@@ -33,6 +33,7 @@ impl OptionArgs {
         let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
         Ok(FormFactorOptions {
             engine: self.engine()?,
+            groups: None,
             size: choices::patch_size(self.patches, self.patch_size).unwrap_or(default.size),
             rays: self.rays.unwrap_or(default.rays),
             two_sided: self.two_sided,
@@ -46,6 +47,22 @@ impl OptionArgs {
                 (None, false) => Closure::Never,
             },
             memory: self.memory.unwrap_or_else(machine),
+        })
+    }
+
+    /// The same where only groups of rows are wanted: planned for them, as far as nothing else is said.
+    pub fn options_for(&self, by: Option<GroupBy>) -> PyResult<FormFactorOptions> {
+        let options = self.options()?;
+        let is_divided = self.patches.is_some() || self.patch_size.is_some();
+        let is_planned = !is_divided && self.rays.is_none() && self.patch_points.is_none();
+        let Some(by) = by.filter(|_| is_planned) else {
+            return Ok(options);
+        };
+        let resolution = self.resolution.unwrap_or(Hemicube::GROUP_RESOLUTION);
+        Ok(FormFactorOptions {
+            engine: options.engine.with_resolution(resolution),
+            groups: Some(by),
+            ..options
         })
     }
 

@@ -48,6 +48,9 @@ pub struct ProcessorBuffers {
     cube: Hemicube,
     /// Delta form factors of the pixels, in `f64`; their sum is 1 to the last digits.
     weights: Vec<f64>,
+    /// The sum of the weights before each pixel, and of all: adding up each run by itself would take as long as
+    /// drawing it.
+    weights_before: Vec<f64>,
     beyond: Beyond,
     /// Centres of columns and rows, −1..1.
     centres: Vec<f32>,
@@ -116,11 +119,18 @@ impl ProcessorBuffers {
         let centre = |k: u32| ((2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0) as f32;
         let sum: f64 = cube.weights().iter().map(|&w| f64::from(w)).sum();
         let weights = cube.weights().iter().map(|&w| f64::from(w) / sum);
+        let weights: Vec<f64> = weights.collect();
+        let mut weights_before = vec![0.0];
+        weights_before.extend(weights.iter().scan(0.0, |sum, weight| {
+            *sum += weight;
+            Some(*sum)
+        }));
         ProcessorBuffers {
             world: LocalWorld::new(world),
             beyond: settings.mirrors,
             centres: (0..n).map(centre).collect(),
-            weights: weights.collect(),
+            weights,
+            weights_before,
             cube,
             idle: Mutex::default(),
         }
@@ -276,7 +286,8 @@ impl ProcessorBuffers {
 
     /// The delta form factor of a run's pixels, before any mirror.
     fn weight(&self, run: PixelRun) -> f64 {
-        self.weights[run.pixels()].iter().sum()
+        let Range { start, end } = run.pixels();
+        self.weights_before[end] - self.weights_before[start]
     }
 
     /// Pixels along a face.
