@@ -16,6 +16,7 @@ mod grf;
 mod lettering;
 mod outputs;
 mod outside;
+mod poses;
 mod reading;
 mod recipe;
 mod reference;

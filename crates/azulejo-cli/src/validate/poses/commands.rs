@@ -52,7 +52,7 @@ const ALL: &[&str] = &["grf"];
 /// Engines of form factors: name, options, most faces, whether they know exact shapes.
 const ENGINES: [(&str, &str, usize, bool); 5] = [
     ("auto", "", 24, false),
-    ("rays", "--rays 1024", 400, true),
+    ("rays", "--rays 1024", 150, true),
     ("hemicube", "--resolution 64 --gpu off", 60, true),
     ("hybrid", "--resolution 64 --gpu off --rays 1024", 60, true),
     ("analytic", "", 24, false),
@@ -60,12 +60,12 @@ const ENGINES: [(&str, &str, usize, bool); 5] = [
 
 /// Engines of the first pass.
 const FIRST_PASSES: [(&str, &str, usize); 6] = [
-    ("auto", "", 400),
-    ("rays", "", 400),
+    ("auto", "", 200),
+    ("rays", "", 200),
     ("hemicube", "--resolution 32 --gpu off", 60),
     ("hybrid", "--resolution 32 --gpu off", 60),
     ("analytic", "", 24),
-    ("particles", "", 400),
+    ("particles", "", 200),
 ];
 
 /// All commands.
@@ -115,7 +115,11 @@ pub fn commands() -> Vec<PosedCommand> {
             "--size 16x16 --reference",
             Measure::Render,
         ),
-        PosedCommand::new("info", "", Measure::Info),
+        PosedCommand {
+            // Every scene has a command.
+            most_faces: usize::MAX,
+            ..PosedCommand::new("info", "", Measure::Info)
+        },
     ]);
     commands
 }
@@ -126,7 +130,7 @@ impl PosedCommand {
             name: name.into(),
             options: options.split_whitespace().map(str::to_owned).collect(),
             measure,
-            most_faces: 400,
+            most_faces: 200,
             takes_solids: true,
         }
     }

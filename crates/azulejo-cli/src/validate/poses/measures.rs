@@ -173,9 +173,12 @@ impl Inquiry<'_> {
         )
     }
 
-    /// The group of an object's faces, by its name.
+    /// The group of an object's faces, by its name; `None` if others were added to it.
     fn group_of_name(&self, name: &str) -> Option<usize> {
         let object = self.site.names.iter().position(|n| n == name)?;
+        if self.site.has_added(object) {
+            return None;
+        }
         let element = self.site.object_elements(object).next()?;
         Some(self.groups.of(element))
     }
@@ -457,6 +460,9 @@ impl Inquiry<'_> {
             let Some(element) = self.site.object_elements(k).next() else {
                 continue;
             };
+            if self.site.has_added(k) {
+                continue;
+            }
             let group = self.groups.of(element);
             *areas.entry(group).or_default() +=
                 object["area"].as_f64().unwrap_or(f64::NAN) / square;

@@ -323,7 +323,12 @@ impl<'a> Poses<'a> {
         inquiry.site = &base.site;
         inquiry.folder = &base.folder;
         let expected = answer(&inquiry, &base.end);
-        record.slack = SLACK * original.sensitivity * (site.moved + base.site.moved);
+        // Formats may divide faces, too.
+        let is_divided = |c: &&Change| matches!(c.name, "triangles" | "quarters" | "format");
+        let divided = plan.changes.iter().any(|c| is_divided(c));
+        let bent = if divided { original.bent } else { 0.0 };
+        let moved = site.moved + base.site.moved;
+        record.slack = SLACK * (original.sensitivity * moved + bent);
         if matches!(base.end, RunEnd::Unfinished) || matches!(end, RunEnd::Unfinished) {
             record.outcome = PoseOutcome::Unfinished;
             let whose = if matches!(end, RunEnd::Unfinished) {

@@ -37,7 +37,7 @@ pub struct SceneTraits {
 pub type SceneFamily = Vec<PosedScene>;
 
 /// Most faces of a model of the corpus, and most bytes of its file.
-const MODEL_FACES: usize = 400;
+const MODEL_FACES: usize = 200;
 const MODEL_BYTES: u64 = 60_000;
 
 /// Models of the corpus, and most of one format.
@@ -87,7 +87,7 @@ fn made() -> SceneFamily {
         PosedScene::new("ball", synthetic::displaced_sphere(160)),
         PosedScene::new("cubes", synthetic::cube_array(2, 1)),
         PosedScene::new("table", synthetic::room_with_table(136)),
-        PosedScene::new("mirrors", synthetic::cornell_thesis_at(4, 1.0)),
+        PosedScene::new("mirrors", synthetic::cornell_thesis_at(4, 0.01)),
     ];
     let boxes = [
         ("cornell", CornellVariant::Diffuse),

@@ -68,8 +68,8 @@ impl Site {
             options.extend(["--unit".to_owned(), name.to_owned()]);
             if let Some(own) = units.metres_per_unit {
                 map = DAffine3::from_scale(DVec3::splat(own / metres)) * map;
-                units.metres_per_unit = Some(metres);
             }
+            units.metres_per_unit = Some(metres);
         }
         if pose.is_single {
             options.extend(["--threads".to_owned(), "1".to_owned()]);
@@ -104,6 +104,12 @@ impl Site {
             .flatten()
             .flatten()
             .copied()
+    }
+
+    /// Whether faces of an object were added to the original.
+    pub fn has_added(&self, object: usize) -> bool {
+        let faces = self.elements.0.get(object);
+        faces.is_some_and(|faces| faces.iter().any(Vec::is_empty))
     }
 
     /// Joins what rows of this file have in common.

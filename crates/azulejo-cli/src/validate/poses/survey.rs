@@ -23,6 +23,9 @@ pub struct Original {
     /// Change of an area, relative to it, for each unit by which vertices move: the largest circumference
     /// over area of an object.
     pub sensitivity: f64,
+    /// The same for faces that are not flat, and are other surfaces once they are divided: times the distance
+    /// of their corners from their planes.
+    pub bent: f64,
     /// All meshes as one, for its faces as elements.
     mesh: Mesh,
 }
@@ -36,12 +39,12 @@ impl Original {
     pub fn new(posed: &PosedScene) -> Original {
         let mut mesh = Mesh::default();
         let (mut objects, mut whole) = (Vec::new(), HashMap::new());
-        let mut sensitivity = 0.0f64;
+        let (mut sensitivity, mut bent) = (0.0f64, 0.0f64);
         for (k, object) in posed.scene.objects.iter().enumerate() {
             let Shape::Mesh(own) = &object.shape else {
                 continue;
             };
-            let (mut around, mut area) = (0.0, 0.0);
+            let (mut around, mut area, mut bend) = (0.0, 0.0, 0.0f64);
             for face in 0..own.faces.len() {
                 let corners = own.face_positions(face);
                 let next = corners.iter().cycle().skip(1);
@@ -50,7 +53,9 @@ impl Original {
                     .zip(next)
                     .map(|(a, b)| a.distance(*b))
                     .sum::<f64>();
-                area += own.face_area_vector(face).length();
+                let normal = own.face_area_vector(face);
+                area += normal.length();
+                bend = bend.max(height(&corners, normal.normalize_or_zero()));
                 let first = mesh.positions.len() as u32;
                 mesh.positions.extend(&corners);
                 let ring: Vec<u32> = (first..mesh.positions.len() as u32).collect();
@@ -59,6 +64,7 @@ impl Original {
             }
             if area > 0.0 {
                 sensitivity = sensitivity.max(around / area);
+                bent = bent.max(bend * around / area);
             }
         }
         let mut areas: Vec<f64> = (0..mesh.faces.len())
@@ -78,6 +84,7 @@ impl Original {
             areas,
             bounds: posed.scene.bounds(),
             sensitivity,
+            bent,
             mesh,
         }
     }
@@ -155,6 +162,19 @@ impl Original {
         elements.sort_unstable();
         elements.dedup();
         elements
+    }
+}
+
+/// Distance between the lowest and the highest of some points along a unit vector; 0 for rounding alone.
+fn height(points: &[DVec3], along: DVec3) -> f64 {
+    let heights = points.iter().map(|p| along.dot(*p - points[0]));
+    let [low, high] = heights.fold([0.0f64; 2], |[low, high], h| [low.min(h), high.max(h)]);
+    let reach = points.iter().map(|p| p.distance(points[0]));
+    let rounding = 1e-12 * reach.fold(points[0].length(), f64::max);
+    if high - low > rounding {
+        high - low
+    } else {
+        0.0
     }
 }
 
