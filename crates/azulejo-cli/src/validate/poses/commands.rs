@@ -79,12 +79,17 @@ pub fn commands() -> Vec<PosedCommand> {
             } else {
                 ("", "")
             };
+            // By row the engine alone, otherwise as users have it.
+            let formulas = match engine {
+                "rays" | "hemicube" | "hybrid" if !by_object => "--formulas never",
+                _ => "",
+            };
             commands.push(PosedCommand {
                 most_faces,
                 takes_solids: takes_solids && by_object,
                 ..PosedCommand::new(
                     format!("form-factors {engine} by {group}{words}"),
-                    &format!("--engine {engine} {options}{sides}"),
+                    &format!("--engine {engine} {options} {formulas}{sides}"),
                     Measure::Factors { by_object },
                 )
             });

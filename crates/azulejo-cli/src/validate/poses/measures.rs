@@ -40,6 +40,9 @@ const SOLID_PATCHES_ACROSS: f64 = 16.0;
 /// RMS error of row sums that the analytic engine reaches, unless it is told otherwise.
 const ANALYTIC_ERROR: f64 = 5e-5;
 
+/// Error of the area of an exact shape, relative to it.
+const SOLID_AREA: f64 = 1e-4;
+
 /// Points of a probe.
 const POINTS: usize = 12;
 
@@ -471,7 +474,15 @@ impl Inquiry<'_> {
         }
         let inverted = report["inverted"].as_array().into_iter().flatten();
         let inverted: BTreeSet<&str> = inverted.filter_map(Value::as_str).collect();
-        let area = |(group, area): (&usize, &f64)| Quantity::exact(format!("area {group}"), *area);
+        let area = |(group, area): (&usize, &f64)| Quantity {
+            // Areas of exact shapes are those of polygons that approach them.
+            error: if self.original.areas[*group] > 0.0 {
+                0.0
+            } else {
+                SOLID_AREA * area
+            },
+            ..Quantity::exact(format!("area {group}"), *area)
+        };
         let mut quantities: Vec<Quantity> = areas.iter().map(area).collect();
         // Where objects were joined, others than before may be closed.
         let mut single = objects.iter().filter(|(group, names)| {
@@ -544,7 +555,11 @@ struct Means<'a> {
 impl<'a> Means<'a> {
     /// Over the groups of an inquiry; the scene is at its map.
     fn new(inquiry: &'a Inquiry, scene: &Scene, map: &DAffine3) -> Means<'a> {
-        let reach = 1e-6 * inquiry.original.size() + 2.0 * inquiry.site.moved;
+        let bounds = scene.bounds();
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // What is written may have 32 bits.
+        let rounding = f64::from(f32::EPSILON) * largest / map.matrix3.determinant().abs().cbrt();
+        let reach = 1e-6 * inquiry.original.size() + 2.0 * (inquiry.site.moved + rounding);
         Means {
             inquiry,
             elements: inquiry.original.find(scene, map, reach),
