@@ -1,9 +1,9 @@
 //! Whether two results are the same within their errors.
 //!
-//! Each quantity may differ by five standard errors of the difference, by what the change legitimately
-//! alters, and by the last digits of its file:
+//! Each quantity may differ by five standard errors of the difference, by the systematic errors of both, by
+//! what the change legitimately alters, and by the last digits of its file:
 //!
-//! |a − b| ≤ k √(σ_a² + σ_b²) + slack · span + 10⁻⁶ span, with k = 5 + 130 / 4ν
+//! |a − b| ≤ k √(σ_a² + σ_b²) + β_a + β_b + slack · span + 10⁻⁶ span, with k = 5 + 130 / 4ν
 //!
 //! Many errors are themselves estimates, from four replicates. So that one that is too small by chance is
 //! no failure, quantities of a family, as the factors of a row, share theirs: σ² is at least c |value|,
@@ -22,6 +22,8 @@ pub struct Quantity {
     pub value: f64,
     /// Its standard error, 0 for what is exact.
     pub error: f64,
+    /// A bound on its systematic error, as that of a division into patches.
+    pub bias: f64,
     /// What the slack is multiplied with: how large it could be.
     pub span: f64,
     /// Those of one number share their errors.
@@ -70,6 +72,7 @@ impl Quantity {
             name: name.into(),
             value,
             error: 0.0,
+            bias: 0.0,
             span: value.abs(),
             family: None,
         }
@@ -98,12 +101,13 @@ pub fn compare(
     for (name, pair) in pairs {
         let value = |k: usize| pair[k].map_or(0.0, |(q, _)| q.value);
         let error = |k: usize| pair[k].map_or(0.0, |(_, e)| e);
+        let bias: f64 = pair.iter().flatten().map(|(q, _)| q.bias).sum();
         let span = pair.iter().flatten().map(|(q, _)| q.span);
         let span = span.fold(0.0, f64::max);
         let error = error(0).hypot(error(1));
         let bound = match is_exact {
             true => 0.0,
-            false => sigmas * error + (slack + DIGITS) * span,
+            false => sigmas * error + bias + (slack + DIGITS) * span,
         };
         let difference = (value(0) - value(1)).abs();
         // Not a number is beyond any bound.
@@ -164,6 +168,7 @@ mod tests {
             name: name.to_owned(),
             value,
             error,
+            bias: 0.0,
             span: 1.0,
             family: Some(0),
         }

@@ -43,6 +43,9 @@ const ANALYTIC_ERROR: f64 = 5e-5;
 /// Error of the area of an exact shape, relative to it.
 const SOLID_AREA: f64 = 1e-4;
 
+/// Faces around a vertex.
+const AROUND: f64 = 6.0;
+
 /// Points of a probe.
 const POINTS: usize = 12;
 
@@ -247,6 +250,7 @@ impl Inquiry<'_> {
                 name,
                 value: factor / area,
                 error: (joint * square).sqrt() / area,
+                bias: 0.0,
                 span: 1.0,
                 family: Some(from),
             }
@@ -290,6 +294,7 @@ impl Inquiry<'_> {
                     name: format!("GR {} {}", from.min(to), from.max(to)),
                     value,
                     error,
+                    bias: 0.0,
                     span: area,
                     family: Some(from),
                 });
@@ -302,6 +307,7 @@ impl Inquiry<'_> {
             name: format!("GR {from} outside"),
             value,
             error,
+            bias: 0.0,
             span: area,
             family: Some(from),
         }));
@@ -342,12 +348,12 @@ impl Inquiry<'_> {
         if emitted <= 0.0 {
             return Vec::new();
         }
-        let noise = number(report, "error_noise") / number(report, "points").max(1.0).sqrt();
-        let error = noise.hypot(number(report, "error_discretization"));
+        let error = number(report, "error_noise") / number(report, "points").max(1.0).sqrt();
         let share = |key: &str| Quantity {
             name: format!("{key} share"),
             value: sum(key) / emitted,
             error,
+            bias: number(report, "error_discretization"),
             span: 1.0,
             family: None,
         };
@@ -370,13 +376,14 @@ impl Inquiry<'_> {
                 name: format!("E at point {k}"),
                 value: numbers[..3].iter().sum(),
                 error: numbers[3..].iter().sum(),
+                bias: 0.0,
                 span: 0.0,
                 family: None,
             });
         }
-        Ok(with_common_error(
+        Ok(with_common_errors(
             quantities,
-            number(report, "error_discretization"),
+            [0.0, number(report, "error_discretization")],
         ))
     }
 
@@ -442,16 +449,16 @@ impl Inquiry<'_> {
                 name: format!("L in block {} {}", k % BLOCKS, k / BLOCKS),
                 value: value / pixels,
                 error: error / pixels,
+                bias: 0.0,
                 span: 0.0,
                 family: None,
             });
         let is_reference = self.command.name.contains("reference");
-        let share = if is_reference {
-            0.0
-        } else {
-            number(report, "error")
+        let shares = match is_reference {
+            true => [0.0; 2],
+            false => ["error_noise", "error_discretization"].map(|key| number(report, key)),
         };
-        Ok(with_common_error(blocks.collect(), share))
+        Ok(with_common_errors(blocks.collect(), shares))
     }
 
     fn described(&self, report: &Value) -> Vec<Quantity> {
@@ -516,12 +523,14 @@ fn read(path: &Path) -> Parsed<Scene> {
     Ok(model.map_err(|e| e.to_string())?.scene)
 }
 
-/// Adds an error that is this share of the mean to each, and gives all the largest as span.
-fn with_common_error(mut quantities: Vec<Quantity>, share: f64) -> Vec<Quantity> {
+/// Adds a standard error and a systematic one to each, which are shares of the mean, and gives all the largest
+/// as span.
+fn with_common_errors(mut quantities: Vec<Quantity>, [noise, bias]: [f64; 2]) -> Vec<Quantity> {
     let mean = quantities.iter().map(|q| q.value).sum::<f64>() / quantities.len().max(1) as f64;
     let largest = quantities.iter().map(|q| q.value.abs()).fold(0.0, f64::max);
     for quantity in &mut quantities {
-        quantity.error = quantity.error.hypot(share * mean);
+        quantity.error = quantity.error.hypot(noise * mean);
+        quantity.bias = bias * mean;
         quantity.span = largest;
     }
     quantities
@@ -548,8 +557,8 @@ fn over(image: &Image, uvs: &[DVec2]) -> f64 {
 struct Means<'a> {
     inquiry: &'a Inquiry<'a>,
     elements: super::survey::FaceElements,
-    /// Sums of area, and of value and error times area.
-    sums: BTreeMap<usize, [f64; 3]>,
+    /// Sums of area, of value and error times area, and of the squares of the latter.
+    sums: BTreeMap<usize, [f64; 4]>,
 }
 
 impl<'a> Means<'a> {
@@ -571,7 +580,9 @@ impl<'a> Means<'a> {
         let elements = &self.elements.0[object][face];
         if let Some(group) = self.inquiry.groups.of_all(elements) {
             let sum = self.sums.entry(group).or_default();
-            *sum = [sum[0] + area, sum[1] + area * value, sum[2] + area * error];
+            let noise = area * error;
+            let added = [area, area * value, noise, noise * noise];
+            *sum = [0, 1, 2, 3].map(|k| sum[k] + added[k]);
         }
     }
 
@@ -580,12 +591,14 @@ impl<'a> Means<'a> {
     fn quantities(&self, share: f64) -> Vec<Quantity> {
         let total = |k: usize| self.sums.values().map(|sum| sum[k]).sum::<f64>();
         let (area, mean) = (total(0), total(1) / total(0));
-        let value = |sum: &[f64; 3]| sum[1] / sum[0];
+        let value = |sum: &[f64; 4]| sum[1] / sum[0];
         let largest = self.sums.values().map(value).fold(0.0, f64::max);
-        let quantity = |(group, sum): (&usize, &[f64; 3])| Quantity {
+        let quantity = |(group, sum): (&usize, &[f64; 4])| Quantity {
             name: format!("mean E of {group}"),
             value: value(sum),
-            error: (sum[2] / sum[0]).hypot(share * mean * (area / sum[0]).sqrt()),
+            // Errors of faces around a vertex are the same.
+            error: sum[2].min((AROUND * sum[3]).sqrt()) / sum[0],
+            bias: share * mean * (area / sum[0]).sqrt(),
             span: largest,
             family: None,
         };
