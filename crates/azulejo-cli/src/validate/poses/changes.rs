@@ -15,6 +15,8 @@ pub struct Pose {
     pub scene: Scene,
     /// From the original to the changed scene.
     pub map: DAffine3,
+    /// The size of the original.
+    pub size: f64,
     /// The largest distance by which a vertex was moved beside that, in units of the changed scene.
     pub moved: f64,
     /// Extension of the file that it is written to.
@@ -69,6 +71,7 @@ impl Pose {
     /// A scene as it is.
     pub fn new(scene: Scene, formats: &'static [&'static str]) -> Pose {
         Pose {
+            size: scene.bounds().diagonal(),
             scene,
             map: DAffine3::IDENTITY,
             moved: 0.0,
@@ -78,6 +81,11 @@ impl Pose {
             formats,
             words: Vec::new(),
         }
+    }
+
+    /// The size of the original in this pose.
+    fn size_here(&self) -> f64 {
+        self.size * self.map.matrix3.determinant().abs().cbrt()
     }
 
     fn transform(&mut self, map: DAffine3) {
@@ -168,7 +176,7 @@ fn double(pose: &mut Pose, dice: &mut Dice) {
         return;
     }
     let mut copy = dice.one_of(&meshes).clone();
-    let far = 1e3 * 10f64.powf(dice.unit()) * pose.scene.bounds().diagonal();
+    let far = 1e3 * 10f64.powf(dice.unit()) * pose.size_here();
     copy.transform(&DAffine3::from_translation(far * dice.direction()));
     pose.scene
         .objects
@@ -217,7 +225,7 @@ fn scale(pose: &mut Pose, dice: &mut Dice) {
 
 /// A rotation, then a translation of 1 to 10,000 times the size.
 fn motion(pose: &mut Pose, dice: &mut Dice) {
-    let far = 10f64.powf(4.0 * dice.unit()) * pose.scene.bounds().diagonal();
+    let far = 10f64.powf(4.0 * dice.unit()) * pose.size_here();
     let turn = dice.rotation();
     let away = far * dice.direction();
     pose.transform(DAffine3::from_mat3_translation(turn, away));

@@ -53,8 +53,8 @@ const ALL: &[&str] = &["grf"];
 const ENGINES: [(&str, &str, usize, bool); 5] = [
     ("auto", "", 24, false),
     ("rays", "--rays 1024", 150, true),
-    ("hemicube", "--resolution 64 --gpu off", 60, true),
-    ("hybrid", "--resolution 64 --gpu off --rays 1024", 60, true),
+    ("hemicube", "--resolution 64 --gpu off", 60, false),
+    ("hybrid", "--resolution 64 --gpu off --rays 1024", 60, false),
     ("analytic", "", 24, false),
 ];
 
@@ -98,7 +98,7 @@ pub fn commands() -> Vec<PosedCommand> {
     for (engine, options, most_faces) in FIRST_PASSES {
         commands.push(PosedCommand {
             most_faces,
-            takes_solids: engine != "analytic",
+            takes_solids: !matches!(engine, "analytic" | "hemicube" | "hybrid"),
             ..PosedCommand::new(
                 format!("solve {engine}"),
                 &format!("--engine {engine} --rays 128 {options}"),
@@ -159,6 +159,7 @@ impl PosedCommand {
             Measure::Exchange => NAMED,
             _ if scene.is_specular => MIRRORS,
             Measure::Factors { .. } => SURFACES,
+            _ if scene.has_lights => ALL,
             _ => LIGHT,
         }
     }

@@ -199,18 +199,18 @@ impl Inquiry<'_> {
         // The group and side of each row.
         let mut rows: HashMap<&str, (usize, &str)> = HashMap::new();
         for line in &lines {
-            let group = match by_object {
-                true => self.group_of_name(line[0]),
-                false => self.group_of_face(line),
+            let (group, side) = match (by_object, line[0].strip_suffix(" (back)")) {
+                (false, _) => (self.group_of_face(line), line.get(7).copied().unwrap_or("")),
+                (true, Some(name)) => (self.group_of_name(name), "back"),
+                (true, None) => (self.group_of_name(line[0]), "front"),
             };
-            let side = line.get(7).copied().unwrap_or("");
             if let Some(group) = group {
                 rows.insert(line[0], (group, side));
             }
         }
         let areas = self.group_areas();
-        let mut sums: BTreeMap<String, (usize, [f64; 3])> = BTreeMap::new();
-        let mut reported: BTreeMap<usize, BTreeMap<&str, f64>> = BTreeMap::new();
+        let mut sums: BTreeMap<String, ((usize, &str), [f64; 3])> = BTreeMap::new();
+        let mut reported: BTreeMap<(usize, &str), BTreeMap<&str, f64>> = BTreeMap::new();
         let is_analytic =
             self.command.name.contains("analytic") || self.command.name.contains("auto");
         for line in &lines {
@@ -223,7 +223,10 @@ impl Inquiry<'_> {
                     .map_err(|_| format!("factors.csv: {}", line.join(",")))
             };
             let [factor, error, area] = [number(2)?, number(3)?, number(4)?];
-            reported.entry(from).or_default().insert(line[0], area);
+            reported
+                .entry((from, side))
+                .or_default()
+                .insert(line[0], area);
             let to = match rows.get(line[1]) {
                 _ if line[1] == "irradiance" => continue,
                 Some((to, side)) => format!("{to}{side}"),
@@ -235,26 +238,27 @@ impl Inquiry<'_> {
                 error
             };
             let entry = sums.entry(format!("F {from}{side} to {to}"));
-            let (_, sum) = entry.or_insert((from, [0.0; 3]));
+            let (_, sum) = entry.or_insert(((from, side), [0.0; 3]));
             sum[0] += area * factor;
             sum[1] += (area * stated).powi(2);
             sum[2] += 1.0;
         }
-        let quantity = |(name, (from, [factor, square, count])): (String, (usize, [f64; 3]))| {
-            let stated: f64 = reported[&from].values().sum();
-            let known = areas.get(&from).copied().unwrap_or(0.0);
-            let area = if known > 0.0 { known } else { stated };
-            // Errors of entries that stand for one pair are the same.
-            let joint = if count > 1.0 { 2.0 } else { 1.0 };
-            Quantity {
-                name,
-                value: factor / area,
-                error: (joint * square).sqrt() / area,
-                bias: 0.0,
-                span: 1.0,
-                family: Some(from),
-            }
-        };
+        let quantity =
+            |(name, (row, [factor, square, count])): (String, ((usize, &str), [f64; 3]))| {
+                let stated: f64 = reported[&row].values().sum();
+                let known = areas.get(&row.0).copied().unwrap_or(0.0);
+                let area = if known > 0.0 { known } else { stated };
+                // Errors of entries that stand for one pair are the same.
+                let joint = if count > 1.0 { 2.0 } else { 1.0 };
+                Quantity {
+                    name,
+                    value: factor / area,
+                    error: (joint * square).sqrt() / area,
+                    bias: 0.0,
+                    span: 1.0,
+                    family: Some(2 * row.0 + usize::from(row.1 == "back")),
+                }
+            };
         Ok(sums.into_iter().map(quantity).collect())
     }
 
@@ -345,7 +349,8 @@ impl Inquiry<'_> {
             numbers.filter_map(Value::as_f64).sum()
         };
         let emitted = sum("emitted");
-        if emitted <= 0.0 {
+        // What arrives from the sky is itself an estimate, and a double gets its own.
+        if emitted <= 0.0 || self.posed.traits().has_lights {
             return Vec::new();
         }
         let error = number(report, "error_noise") / number(report, "points").max(1.0).sqrt();

@@ -31,6 +31,8 @@ pub struct SceneTraits {
     pub is_specular: bool,
     /// Whether there is light.
     pub is_lit: bool,
+    /// Whether some of it is from lights without area.
+    pub has_lights: bool,
 }
 
 /// A family of scenes, drawn from with equal chance.
@@ -69,6 +71,7 @@ impl PosedScene {
             is_polygonal: meshes.clone().all(|m| m.is_some()),
             is_specular: materials.any(|m| !is_matt(m) || m.brdf.is_some()),
             is_lit: self.scene.has_light(),
+            has_lights: !self.scene.lights.is_empty(),
         }
     }
 }

@@ -61,7 +61,8 @@ impl Site {
             ));
         }
         let moved = (pose.moved + moved.min(reach)) / scale;
-        let elements = original.find(&scene, &map, 1e-9 * original.size() + 2.0 * moved);
+        let rounding = 1e-9 * original.size() + 4.0 * f64::EPSILON * largest / scale_of(&map);
+        let elements = original.find(&scene, &map, rounding + 2.0 * moved);
         let mut units = scene.units;
         let mut options = Vec::new();
         if let Some((name, metres)) = pose.unit {
