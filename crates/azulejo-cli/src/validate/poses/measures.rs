@@ -41,7 +41,7 @@ const SOLID_PATCHES_ACROSS: f64 = 16.0;
 const ANALYTIC_ERROR: f64 = 5e-5;
 
 /// Error of the area of an exact shape, relative to it.
-const SOLID_AREA: f64 = 1e-4;
+const SOLID_AREA: f64 = 5e-4;
 
 /// Faces around a vertex.
 const AROUND: f64 = 6.0;
@@ -167,7 +167,15 @@ impl Inquiry<'_> {
             vertical_fov: 1.4,
             size: None,
         };
-        let camera = self.posed.scene.cameras.first().unwrap_or(&inside);
+        let above = Camera {
+            eye: bounds.centre() + bounds.diagonal() * DVec3::new(0.35, 0.6, 0.45),
+            target: bounds.centre(),
+            ..inside.clone()
+        };
+        // Within a flat scene there is nothing to see.
+        let is_flat = bounds.size().min_element() < 0.05 * bounds.diagonal();
+        let own = self.posed.scene.cameras.first();
+        let camera = own.unwrap_or(if is_flat { &above } else { &inside });
         let map = &self.site.map;
         let words = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
         format!(
@@ -264,7 +272,7 @@ impl Inquiry<'_> {
 
     fn group_of_face(&self, line: &[&str]) -> Option<usize> {
         let index = |k: usize| line.get(k)?.parse::<usize>().ok();
-        let elements = self.site.elements.0.get(index(5)?)?.get(index(6)?)?;
+        let elements = self.site.elements.faces.get(index(5)?)?.get(index(6)?)?;
         self.groups.of_all(elements)
     }
 
@@ -362,7 +370,16 @@ impl Inquiry<'_> {
             span: 1.0,
             family: None,
         };
-        let power = Quantity::exact("emitted power", emitted / self.site.square_metres());
+        let power = emitted / self.site.square_metres();
+        let power = Quantity {
+            // Lamps that are curved have the area of samples.
+            bias: if self.posed.traits().is_polygonal {
+                0.0
+            } else {
+                1e-4 * power
+            },
+            ..Quantity::exact("emitted power", power)
+        };
         vec![share("absorbed"), share("escaped"), power]
     }
 
@@ -582,7 +599,7 @@ impl<'a> Means<'a> {
     }
 
     fn add(&mut self, object: usize, face: usize, area: f64, [value, error]: [f64; 2]) {
-        let elements = &self.elements.0[object][face];
+        let elements = &self.elements.faces[object][face];
         if let Some(group) = self.inquiry.groups.of_all(elements) {
             let sum = self.sums.entry(group).or_default();
             let noise = area * error;

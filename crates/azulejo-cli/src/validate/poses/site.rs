@@ -77,7 +77,7 @@ impl Site {
         }
         Ok(Site {
             path,
-            names: scene.objects.into_iter().map(|o| o.name).collect(),
+            names: names(scene),
             elements,
             map,
             units,
@@ -99,7 +99,7 @@ impl Site {
     /// Elements at all faces of an object.
     pub fn object_elements(&self, object: usize) -> impl Iterator<Item = usize> {
         self.elements
-            .0
+            .faces
             .get(object)
             .into_iter()
             .flatten()
@@ -109,13 +109,12 @@ impl Site {
 
     /// Whether faces of an object were added to the original.
     pub fn has_added(&self, object: usize) -> bool {
-        let faces = self.elements.0.get(object);
-        faces.is_some_and(|faces| faces.iter().any(Vec::is_empty))
+        self.elements.has_added.get(object).is_some_and(|&is| is)
     }
 
     /// Joins what rows of this file have in common.
     pub fn join(&self, groups: &mut Partition, by_object: bool) {
-        for (object, faces) in self.elements.0.iter().enumerate() {
+        for (object, faces) in self.elements.faces.iter().enumerate() {
             faces
                 .iter()
                 .for_each(|face| groups.join(face.iter().copied()));
@@ -132,6 +131,16 @@ impl Site {
             }
         }
     }
+}
+
+/// Names of objects, as in rows: those without have their number.
+fn names(scene: Scene) -> Vec<String> {
+    let objects = scene.objects.into_iter().enumerate();
+    let name = |(k, object): (usize, Object)| match object.name.is_empty() {
+        true => format!("object {k}"),
+        false => object.name,
+    };
+    objects.map(name).collect()
 }
 
 /// The mean scale of a map.

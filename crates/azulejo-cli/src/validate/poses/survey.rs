@@ -32,7 +32,12 @@ pub struct Original {
 
 /// The elements at the faces of a scene: by object, by face; more than one where faces coincide, none where
 /// something was added.
-pub struct FaceElements(pub Vec<Vec<Vec<usize>>>);
+pub struct FaceElements {
+    /// Elements of each face of each object.
+    pub faces: Vec<Vec<Vec<usize>>>,
+    /// Whether an object has a face with an area that is not of the original.
+    pub has_added: Vec<bool>,
+}
 
 impl Original {
     /// Lists the elements of a scene.
@@ -119,32 +124,38 @@ impl Original {
     pub fn find(&self, scene: &Scene, map: &DAffine3, reach: f64) -> FaceElements {
         let inverse = map.inverse();
         let mirrors = map.matrix3.determinant() < 0.0;
-        let objects = scene.objects.iter().map(|object| {
-            if let Some(&element) = self.whole.get(&object.name) {
-                let faces = object.shape.mesh().map_or(1, |m| m.faces.len());
-                return vec![vec![element]; faces.max(1)];
-            }
-            let Some(placed) = object.shape.placed_mesh() else {
-                return Vec::new();
-            };
-            let face = |face: usize| {
-                let corners: Vec<DVec3> = placed.face_positions(face);
-                let corners: Vec<DVec3> = corners
-                    .iter()
-                    .map(|&p| inverse.transform_point3(p))
-                    .collect();
-                self.elements_at(&corners, mirrors, reach)
-            };
-            (0..placed.mesh.faces.len()).map(face).collect()
-        });
-        FaceElements(objects.collect())
+        let mut has_added = vec![false; scene.objects.len()];
+        let objects = scene
+            .objects
+            .iter()
+            .zip(&mut has_added)
+            .map(|(object, has_added)| {
+                if let Some(&element) = self.whole.get(&object.name) {
+                    let faces = object.shape.mesh().map_or(1, |m| m.faces.len());
+                    return vec![vec![element]; faces.max(1)];
+                }
+                let Some(placed) = object.shape.placed_mesh() else {
+                    return Vec::new();
+                };
+                let face = |face: usize| {
+                    let corners: Vec<DVec3> = placed.face_positions(face);
+                    let corners: Vec<DVec3> = corners
+                        .iter()
+                        .map(|&p| inverse.transform_point3(p))
+                        .collect();
+                    let elements = self.elements_at(&corners, mirrors, reach);
+                    *has_added |= elements.as_ref().is_some_and(Vec::is_empty);
+                    elements.unwrap_or_default()
+                };
+                (0..placed.mesh.faces.len()).map(face).collect()
+            });
+        let faces = objects.collect();
+        FaceElements { faces, has_added }
     }
 
-    /// The elements at a polygon in the coordinates of the original.
-    fn elements_at(&self, corners: &[DVec3], mirrors: bool, reach: f64) -> Vec<usize> {
-        let Some((point, normal)) = middle(corners) else {
-            return Vec::new();
-        };
+    /// The elements at a polygon in the coordinates of the original; `None` if it has no area.
+    fn elements_at(&self, corners: &[DVec3], mirrors: bool, reach: f64) -> Option<Vec<usize>> {
+        let (point, normal) = middle(corners)?;
         let normal = if mirrors { -normal } else { normal };
         let mut elements = Vec::new();
         let around = Aabb {
@@ -161,7 +172,7 @@ impl Original {
         });
         elements.sort_unstable();
         elements.dedup();
-        elements
+        Some(elements)
     }
 }
 
@@ -265,7 +276,7 @@ mod tests {
                 let reach = 1e-9 * original.size() + 2.0 * pose.moved / scale;
                 let found = original.find(&pose.scene, &pose.map, reach);
                 let mut areas = vec![0.0; original.areas.len()];
-                for (object, faces) in pose.scene.objects.iter().zip(&found.0) {
+                for (object, faces) in pose.scene.objects.iter().zip(&found.faces) {
                     let mesh = object.shape.mesh().unwrap();
                     for (face, elements) in faces.iter().enumerate() {
                         let is_added = object.name == "double";
