@@ -328,9 +328,10 @@ fn assembled(faces: impl Iterator<Item = LooseFace>, is_welded: bool) -> Mesh {
         let mut vertex = |p: DVec3| {
             let new = mesh.positions.len() as u32;
             let key = p.to_array().map(|x| (x + 0.0).to_bits());
-            let index = match is_welded {
-                true => *known.entry(key).or_insert(new),
-                false => new,
+            let index = if is_welded {
+                *known.entry(key).or_insert(new)
+            } else {
+                new
             };
             if index == new {
                 mesh.positions.push(p);

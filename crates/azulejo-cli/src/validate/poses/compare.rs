@@ -105,9 +105,10 @@ pub fn compare(
         let span = pair.iter().flatten().map(|(q, _)| q.span);
         let span = span.fold(0.0, f64::max);
         let error = error(0).hypot(error(1));
-        let bound = match is_exact {
-            true => 0.0,
-            false => sigmas * error + bias + (slack + DIGITS) * span,
+        let bound = if is_exact {
+            0.0
+        } else {
+            sigmas * error + bias + (slack + DIGITS) * span
         };
         let difference = (value(0) - value(1)).abs();
         // Not a number is beyond any bound.

@@ -35,7 +35,7 @@ pub struct Inquiry<'a> {
 
 /// Size of a scene over the longest edge of a patch.
 const PATCHES_ACROSS: f64 = 8.0;
-const SOLID_PATCHES_ACROSS: f64 = 16.0;
+const SOLID_PATCHES_ACROSS: f64 = 10.0;
 
 /// RMS error of row sums that the analytic engine reaches, unless it is told otherwise.
 const ANALYTIC_ERROR: f64 = 5e-5;
@@ -65,9 +65,10 @@ impl Inquiry<'_> {
         };
         let patch_size = format!("--patch-size {}", size / patches);
         // Rows are those of undivided faces; exact shapes need some division.
-        let rows = match self.posed.traits().is_polygonal {
-            true => "--patch-size 0".to_owned(),
-            false => patch_size.clone(),
+        let rows = if self.posed.traits().is_polygonal {
+            "--patch-size 0".to_owned()
+        } else {
+            patch_size.clone()
         };
         let seed = self.seed;
         let words = match self.command.measure {
@@ -476,9 +477,10 @@ impl Inquiry<'_> {
                 family: None,
             });
         let is_reference = self.command.name.contains("reference");
-        let shares = match is_reference {
-            true => [0.0; 2],
-            false => ["error_noise", "error_discretization"].map(|key| number(report, key)),
+        let shares = if is_reference {
+            [0.0; 2]
+        } else {
+            ["error_noise", "error_discretization"].map(|key| number(report, key))
         };
         Ok(with_common_errors(blocks.collect(), shares))
     }

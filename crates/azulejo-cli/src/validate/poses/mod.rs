@@ -324,8 +324,9 @@ impl<'a> Poses<'a> {
         inquiry.folder = &base.folder;
         let expected = answer(&inquiry, &base.end);
         // Formats may divide faces, too.
-        let is_divided = |c: &&Change| matches!(c.name, "triangles" | "quarters" | "format");
-        let divided = plan.changes.iter().any(|c| is_divided(c));
+        let is_divided =
+            |c: &&'static Change| matches!(c.name, "triangles" | "quarters" | "format");
+        let divided = plan.changes.iter().any(is_divided);
         let bent = if divided { original.bent } else { 0.0 };
         let moved = site.moved + base.site.moved;
         record.slack = SLACK * (original.sensitivity * moved + bent);

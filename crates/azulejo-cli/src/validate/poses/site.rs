@@ -136,9 +136,12 @@ impl Site {
 /// Names of objects, as in rows: those without have their number.
 fn names(scene: Scene) -> Vec<String> {
     let objects = scene.objects.into_iter().enumerate();
-    let name = |(k, object): (usize, Object)| match object.name.is_empty() {
-        true => format!("object {k}"),
-        false => object.name,
+    let name = |(k, object): (usize, Object)| {
+        if object.name.is_empty() {
+            format!("object {k}")
+        } else {
+            object.name
+        }
     };
     objects.map(name).collect()
 }
