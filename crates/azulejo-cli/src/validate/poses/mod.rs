@@ -124,7 +124,11 @@ pub fn run(
     let counts = PoseCounts::of(&records);
     let expected = records.iter().map(|r| r.quantities as f64).sum::<f64>() * CHANCE;
     let is_good = counts.failures() as f64 <= expected + 3.0 * expected.sqrt();
-    let end = if is_good { Ok(()) } else { Err(Failure::Found) };
+    let end = match is_good {
+        _ if session.progress().is_cancelled() => Err(Failure::Cancelled),
+        true => Ok(()),
+        false => Err(Failure::Found),
+    };
     Ok((summary(args, &records, counts), end))
 }
 
@@ -241,11 +245,17 @@ impl<'a> Poses<'a> {
             let clock = Clock::start();
             let mut record = self.judged(plan)?;
             record.seconds = clock.wall();
+            // Its run may have been cancelled, too; those before it stay.
+            if progress.is_cancelled() {
+                break;
+            }
             if record.outcome != PoseOutcome::Right {
                 session.tell(&line(&record));
             }
             records.push(record);
-            progress.advance(1)?;
+            if progress.advance(1).is_err() {
+                break;
+            }
         }
         Ok(records)
     }
