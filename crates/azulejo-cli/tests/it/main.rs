@@ -17,6 +17,7 @@ mod grid;
 mod lettering;
 mod outputs;
 mod outside;
+mod poses;
 mod reading;
 mod recipe;
 mod reference;

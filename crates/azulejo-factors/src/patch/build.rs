@@ -1,5 +1,6 @@
 //! Builds vertices, patches and their adjacency from a division.
 
+use super::bent::bent_regions;
 use super::cells::{Cells, CornerOrigin, NO_CORNER};
 use super::contacts::Contacts;
 use super::divide::Division;
@@ -48,6 +49,7 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
         emitted_pictures: None,
         regions: outline.regions.iter().map(flat).collect(),
         region_corners: outline.slots.iter().map(|s| s.corner).collect(),
+        bent: bent_regions(outline),
         primitives: outline.scene.objects.iter().map(primitive).collect(),
         given: given_vertices(outline, &corner_vertex, &parted),
         face_base: outline.face_base.clone(),

@@ -21,6 +21,7 @@
 //! | `facets` | flat triangles that approximate curved patches for item buffers |
 //! | `refined` | the divided mesh |
 
+mod bent;
 mod box_pairs;
 mod build;
 mod cells;
@@ -52,6 +53,7 @@ pub use sample::{PatchPoint, Sampler};
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Material, MaterialId, Primitive, Rgb, Scene};
+use bent::BentRegions;
 use cells::{Cells, NO_CORNER};
 use contacts::Contacts;
 use divide::Division;
@@ -138,6 +140,8 @@ pub struct Patches {
     cells: Vec<Cells>,
     /// First patch of each region, and the total.
     region_patches: Vec<u32>,
+    /// Triangles of regions that are not exactly flat.
+    bent: BentRegions,
     /// For each object its primitive, if it is one.
     primitives: Vec<Option<Primitive>>,
     /// First patch of each object, and the total.

@@ -1,6 +1,7 @@
 //! Points of a patch, uniform by area, from the unit square with little distortion.
 
 use super::Patches;
+use super::bent::onto;
 use super::cells::Cells;
 use azulejo_scene::SurfacePoint;
 use glam::DVec3;
@@ -24,6 +25,8 @@ pub struct Sampler<'a> {
     /// Unit normal; zero on a curved patch.
     normal: DVec3,
     form: SampledForm,
+    /// The triangles that the tracer sees, where they are not in one plane.
+    bent: Option<&'a [[DVec3; 3]]>,
 }
 
 /// The form of a flat patch.
@@ -51,6 +54,10 @@ impl Sampler<'_> {
                 low + t * (high - low)
             }
         };
+        let position = match self.bent {
+            Some(triangles) => onto(triangles, self.normal, position),
+            None => position,
+        };
         PatchPoint {
             position,
             normal: self.normal,
@@ -65,7 +72,7 @@ impl Patches {
     /// Uniform points of the square give points uniform by area (times `weight` on curved patches),
     /// and neighbours stay neighbours, so stratification is preserved. Triangles: Heitz, *A
     /// Low-Distortion Map Between Triangle and Square*, 2019. Quadrilaterals: the inverse of the
-    /// bilinear density.
+    /// bilinear density. They lie on the triangles that the tracer sees, also where a face is not exactly flat.
     pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
         self.sampler(i).sample(u1, u2)
     }
@@ -88,6 +95,7 @@ impl Patches {
             patch: i,
             normal,
             form,
+            bent: self.bent.get(&self.owner[i]).map(|triangles| &**triangles),
         }
     }
 

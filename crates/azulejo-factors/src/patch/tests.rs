@@ -337,6 +337,35 @@ fn locate_finds_what_sample_gave() {
     });
 }
 
+/// Points of a face whose corners are not in one plane to the last digit lie on its triangles, so that rays
+/// from there do not start behind them.
+#[test]
+fn points_lie_on_the_triangles_of_bent_faces() {
+    for bend in [9e-6, -9e-6] {
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, bend), DVec3::Y],
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], 0);
+        let scene = scene(vec![Shape::Mesh(mesh.clone())]);
+        for size in [0.0, 0.3] {
+            let patches = Patches::new(&scene, PatchSize::Edge(size));
+            assert_eq!(patches.len() == 1, size == 0.0);
+            for i in 0..patches.len() {
+                for (u1, u2) in [(0.05, 0.08), (0.5, 0.6), (0.93, 0.2), (0.3, 0.94)] {
+                    let p = patches.sample(i, u1, u2).position;
+                    let height = mesh.triangulate(0).into_iter().map(|t| {
+                        let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+                        (b - a).cross(c - a).normalize().dot(p - a).abs()
+                    });
+                    let height = height.fold(f64::INFINITY, f64::min);
+                    assert!(height < 1e-12, "{bend} {size} {i}: {height}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn locate_on_primitives() {
     for kind in KINDS {
