@@ -95,12 +95,13 @@ struct Poses<'a> {
     commands: &'a [PosedCommand],
     originals: HashMap<&'a str, Rc<Original>>,
     bases: HashMap<(&'a str, &'a str), Rc<Base>>,
+    progress: &'a Progress,
 }
 
 /// Runs `validate --poses`: the summary, and whether there are no more failures than chance makes.
 pub fn run(
     args: &ValidateArgs,
-    session: &mut Session,
+    session: &Session,
 ) -> Result<(Report, Result<(), Failure>), Failure> {
     let (families, commands) = (scenes::families(), commands::commands());
     let mut poses = Poses {
@@ -110,6 +111,7 @@ pub fn run(
         commands: &commands,
         originals: HashMap::new(),
         bases: HashMap::new(),
+        progress: session.progress(),
     };
     let plans = poses.plans(args)?;
     let folder = poses.folder.clone();
@@ -327,7 +329,7 @@ impl<'a> Poses<'a> {
             Ok(arguments) => arguments,
             Err(problem) => return Ok(Err(problem)),
         };
-        let end = process::run(&folder, &arguments, LIMIT)
+        let end = process::run(&folder, &arguments, LIMIT, self.progress)
             .map_err(|e| Failure::file("run in", &folder, &e))?;
         let found = answer(&inquiry, &end);
         inquiry.site = &base.site;
@@ -397,7 +399,7 @@ impl<'a> Poses<'a> {
             Ok(arguments) => arguments,
             Err(problem) => return Ok(Err(problem)),
         };
-        let end = process::run(&folder, &arguments, LIMIT)
+        let end = process::run(&folder, &arguments, LIMIT, self.progress)
             .map_err(|e| Failure::file("run in", &folder, &e))?;
         let base = Rc::new(Base { folder, site, end });
         self.bases.insert(key, base.clone());

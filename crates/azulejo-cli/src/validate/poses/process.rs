@@ -1,5 +1,6 @@
 //! Runs of this program, as users start it, with a time limit.
 
+use azulejo_trace::Progress;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -13,7 +14,7 @@ pub enum RunEnd {
     Done(String),
     /// With an error: its last lines.
     Refused(String),
-    /// Not within the time, so that it was stopped.
+    /// Not within the time, or before everything was cancelled, so that it was stopped.
     Unfinished,
 }
 
@@ -24,7 +25,12 @@ const POLL: Duration = Duration::from_millis(5);
 const WORDS: usize = 300;
 
 /// Runs the program with these arguments in a folder, which keeps both streams.
-pub fn run(folder: &Path, arguments: &[String], limit: Duration) -> io::Result<RunEnd> {
+pub fn run(
+    folder: &Path,
+    arguments: &[String],
+    limit: Duration,
+    progress: &Progress,
+) -> io::Result<RunEnd> {
     let (out, err) = (folder.join("stdout"), folder.join("stderr"));
     let mut child = Command::new(std::env::current_exe()?)
         .args(arguments)
@@ -33,7 +39,7 @@ pub fn run(folder: &Path, arguments: &[String], limit: Duration) -> io::Result<R
         .stdout(File::create(&out)?)
         .stderr(File::create(&err)?)
         .spawn()?;
-    let Some(is_success) = wait(&mut child, limit)? else {
+    let Some(is_success) = wait(&mut child, limit, progress)? else {
         return Ok(RunEnd::Unfinished);
     };
     let text = |path: &Path| {
@@ -49,13 +55,13 @@ pub fn run(folder: &Path, arguments: &[String], limit: Duration) -> io::Result<R
 }
 
 /// Whether it succeeded; `None` if it had to be stopped.
-fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<bool>> {
+fn wait(child: &mut Child, limit: Duration, progress: &Progress) -> io::Result<Option<bool>> {
     let start = Instant::now();
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(Some(status.success()));
         }
-        if start.elapsed() > limit {
+        if start.elapsed() > limit || progress.is_cancelled() {
             // It may have ended meanwhile, which is no reason to fail.
             let _ = child.kill();
             child.wait()?;

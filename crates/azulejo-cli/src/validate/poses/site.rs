@@ -188,6 +188,10 @@ fn placed(original: &Original, pose: &Pose, scene: &Scene) -> (DAffine3, f64) {
     ];
     let moved = |pose_from_file: &DAffine3| {
         let vertices_there = vertices_of(original, pose, scene, pose_from_file);
+        // All of it is far away.
+        if vertices_there.is_empty() && vertices.size() > 0 {
+            return f64::INFINITY;
+        }
         let nearest = vertices_there.iter().map(|v| {
             let nearest = vertices.nearest_neighbor(v.geom());
             nearest.map_or(f64::INFINITY, |n| {

@@ -26,6 +26,8 @@ pub struct Original {
     /// The same for faces that are not flat, and are other surfaces once they are divided: times the distance
     /// of their corners from their planes.
     pub bent: f64,
+    /// The largest of these distances: triangles of a divided face lie as far from those of the original.
+    uneven: f64,
     /// All meshes as one, for its faces as elements.
     mesh: Mesh,
 }
@@ -44,7 +46,7 @@ impl Original {
     pub fn new(posed: &PosedScene) -> Original {
         let mut mesh = Mesh::default();
         let (mut objects, mut whole) = (Vec::new(), HashMap::new());
-        let (mut sensitivity, mut bent) = (0.0f64, 0.0f64);
+        let (mut sensitivity, mut bent, mut uneven) = (0.0f64, 0.0f64, 0.0f64);
         for (k, object) in posed.scene.objects.iter().enumerate() {
             let Shape::Mesh(own) = &object.shape else {
                 continue;
@@ -67,6 +69,7 @@ impl Original {
                 mesh.push_face(&ring, 0);
                 objects.push(k);
             }
+            uneven = uneven.max(bend);
             if area > 0.0 {
                 sensitivity = sensitivity.max(around / area);
                 bent = bent.max(bend * around / area);
@@ -90,6 +93,7 @@ impl Original {
             bounds: posed.scene.bounds(),
             sensitivity,
             bent,
+            uneven,
             mesh,
         }
     }
@@ -122,7 +126,7 @@ impl Original {
 
     /// The elements at all faces of a scene, which the map makes of the original, to within `reach`.
     pub fn find(&self, scene: &Scene, map: &DAffine3, reach: f64) -> FaceElements {
-        let inverse = map.inverse();
+        let (inverse, reach) = (map.inverse(), reach + self.uneven);
         let mirrors = map.matrix3.determinant() < 0.0;
         let mut has_added = vec![false; scene.objects.len()];
         let objects = scene
