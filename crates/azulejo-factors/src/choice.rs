@@ -15,7 +15,7 @@ use azulejo_trace::{KernelRay, Surfaces};
 
 /// Formulas are worth this many times the time of rays. In rooms their rows are some fifty times better, for
 /// which rays would need a few hundred times as long; among buildings twice, but exact for near pairs.
-const WORTH: f64 = 10.0;
+const WORTH: f64 = 4.0;
 
 /// Seconds that formulas may always take.
 const SHORT: f64 = 1.0;
@@ -37,7 +37,10 @@ const MOSTLY_FLAT: f64 = 0.95;
 
 /// Seconds per ray, including sampling its start and locating the patch it hits, and per binary digit of the
 /// number of patches.
-const SECONDS_PER_RAY: (f64, f64) = (0.1e-6, 0.012e-6);
+const SECONDS_PER_RAY: (f64, f64) = (0.15e-6, 0.02e-6);
+
+/// Seconds per row by rays of the formulas of close pairs, with their shadow rays.
+const SECONDS_PER_ROW: f64 = 1e-3;
 
 /// Rays per row of a matrix by default.
 const ROW_RAYS: f64 = 4_096.0;
@@ -120,7 +123,8 @@ impl EngineChoice {
     /// Seconds that so many rays from each patch take.
     fn ray_seconds(&self, rays: f64) -> f64 {
         let patches = self.patches.max(1) as f64;
-        patches * rays * (SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2())
+        let per_ray = SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2();
+        patches * (rays * per_ray + SECONDS_PER_ROW)
     }
 
     /// Seconds of CPU time of an engine that was chosen for form factors.

@@ -287,8 +287,8 @@ impl<'a> Exchanger<'a> {
         let rows = count as f64 / done.max(1) as f64;
         WorkForecast {
             // Each pair is computed once.
-            seconds: 0.5 * rows * work.seconds(),
-            sky: rows * sky.seconds(),
+            seconds: 0.5 * rows * work.in_group().seconds(),
+            sky: rows * sky.in_group().seconds(),
             row: pairs / done.max(1) as f64,
         }
     }

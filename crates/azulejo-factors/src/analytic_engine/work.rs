@@ -30,6 +30,9 @@ pub(crate) const KINDS: usize = 9;
 /// Nanoseconds of each kind on one core: fitted to what thirteen rooms, streets and towns took.
 const NANOSECONDS: [f64; KINDS] = [60.0, 200.0, 3.9, 60.0, 1_700.0, 120.0, 82.0, 500.0, 150.0];
 
+/// Rows of a group of sixteen that share a visit of clusters, on average.
+const TOGETHER: u64 = 4;
+
 /// Counts by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PairWork {
@@ -45,6 +48,15 @@ impl PairWork {
     pub fn add(&mut self, other: &PairWork) {
         let pairs = self.counts.iter_mut().zip(other.counts);
         pairs.for_each(|(sum, count)| *sum += count);
+    }
+
+    /// The same for a row of a group whose rows go through the clusters together.
+    pub fn in_group(&self) -> PairWork {
+        let mut work = *self;
+        for kind in [WorkKind::Visit, WorkKind::Shaft] {
+            work.counts[kind as usize] /= TOGETHER;
+        }
+        work
     }
 
     /// Seconds that this takes on one core, about.
