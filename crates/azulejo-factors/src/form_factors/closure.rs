@@ -133,11 +133,8 @@ impl FormFactors {
             *moved += (rest[i].ground - self.rest[i].ground).abs();
         }
         let limits = self.movable();
-        if moved
-            .iter()
-            .zip(limits)
-            .any(|(moved, limit)| !(*moved <= limit))
-        {
+        let is_too_far = |(moved, limit): (&f64, f64)| moved.is_nan() || *moved > limit;
+        if moved.iter().zip(limits).any(is_too_far) {
             return Ok(None);
         }
         self.scale(false, ratio);
@@ -155,6 +152,10 @@ impl FormFactors {
         let rows = self.per_area(errors).into_iter().zip(&self.rest);
         rows.map(|(errors, rest)| {
             let own = errors + rest.sky_error + rest.ground_error;
+            // Without known errors there is no limit.
+            if own.is_nan() {
+                return f64::INFINITY;
+            }
             MOST_MOVED.0 * own + MOST_MOVED.1 * worst
         })
         .collect()
