@@ -116,7 +116,7 @@ impl EngineChoice {
             row_budget: f64::INFINITY,
         };
         let fronts = (0..patches.len() as u32).map(|patch| 2 * patch).collect();
-        let most = FORECAST.0 * self.ray_seconds(ROW_RAYS) + FORECAST.1;
+        let most = FORECAST.0 * self.matrix_seconds(ROW_RAYS) + FORECAST.1;
         Exchanger::new(patches, surfaces, fronts, options).forecast(most)
     }
 
@@ -124,14 +124,19 @@ impl EngineChoice {
     fn ray_seconds(&self, rays: f64) -> f64 {
         let patches = self.patches.max(1) as f64;
         let per_ray = SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2();
-        patches * (rays * per_ray + SECONDS_PER_ROW)
+        patches * rays * per_ray
+    }
+
+    /// Seconds of a matrix by so many rays from each patch, with formulas for close pairs.
+    fn matrix_seconds(&self, rays: f64) -> f64 {
+        self.ray_seconds(rays) + self.patches as f64 * SECONDS_PER_ROW
     }
 
     /// Seconds of CPU time of an engine that was chosen for form factors.
     pub fn seconds_of(&self, engine: &Engine, rays: f64) -> f64 {
         match engine {
             Engine::Analytic => self.seconds + self.sky_seconds,
-            _ => self.ray_seconds(rays),
+            _ => self.matrix_seconds(rays),
         }
     }
 
@@ -158,7 +163,7 @@ impl EngineChoice {
     pub fn for_factors(&self, rays: f64) -> (Engine, String) {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
-        let by_rays = self.ray_seconds(rays);
+        let by_rays = self.matrix_seconds(rays);
         let by_formulas = self.seconds + self.sky_seconds;
         if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);

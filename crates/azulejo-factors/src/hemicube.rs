@@ -233,7 +233,7 @@ impl<'a> HemicubeEstimator<'a> {
     }
 
     /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by the
-    /// [steps](HemicubeEstimator::steps) of each.
+    /// steps of each.
     ///
     /// # Errors
     /// [`Cancelled`].
