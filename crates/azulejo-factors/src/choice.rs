@@ -95,7 +95,13 @@ impl EngineChoice {
             row_seconds: f64::INFINITY,
             memory,
         };
-        if choice.flat < MOSTLY_FLAT || !choice.fits() || choice.patches > MOST_PATCHES {
+        let tracer = surfaces.tracer;
+        let is_for_rays = tracer.is_repeated() || tracer.has_see_through();
+        if is_for_rays
+            || choice.flat < MOSTLY_FLAT
+            || !choice.fits()
+            || choice.patches > MOST_PATCHES
+        {
             return choice;
         }
         let work = choice.forecast(surfaces, patches);
@@ -109,14 +115,14 @@ impl EngineChoice {
 
     /// The work of all pairs of fronts.
     fn forecast(&self, surfaces: &Surfaces, patches: &Patches) -> WorkForecast {
+        let most = FORECAST.0 * self.matrix_seconds(ROW_RAYS) + FORECAST.1;
         let options = ExchangerOptions {
             accuracy: None,
             is_per_channel: false,
             seed: 0,
-            row_budget: f64::INFINITY,
+            row_budget: most,
         };
         let fronts = (0..patches.len() as u32).map(|patch| 2 * patch).collect();
-        let most = FORECAST.0 * self.matrix_seconds(ROW_RAYS) + FORECAST.1;
         Exchanger::new(patches, surfaces, fronts, options).forecast(most)
     }
 

@@ -333,6 +333,12 @@ impl<'a> Exchanger<'a> {
             work.add(&done.work);
             seconds += done.seconds;
             given_up.extend(done.given_up);
+            // Each image may be cheap, and all of them together not.
+            if seconds > self.row_budget * rows.len() as f64 {
+                let ids = rows.iter().map(|&k| self.facets.list[k as usize].id);
+                given_up.extend(ids);
+                break;
+            }
         }
         given_up.sort_unstable();
         given_up.dedup();
