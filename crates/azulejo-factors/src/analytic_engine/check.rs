@@ -47,9 +47,9 @@ impl Strata {
     pub fn mean(rows: &[&Strata]) -> Strata {
         let mut mean = Strata::default();
         let share = 1.0 / rows.len().max(1) as f64;
-        for (sum, row) in rows.iter().flat_map(|row| mean_terms(row)) {
-            mean.add_factor(sum, share * row.value, share * row.error);
-            mean.add_hits(sum, share * row.hits);
+        for (stratum, s) in rows.iter().flat_map(|row| row.0.iter().enumerate()) {
+            mean.add_factor(stratum, share * s.value, share * s.error);
+            mean.add_hits(stratum, share * s.hits);
         }
         mean
     }
@@ -66,10 +66,6 @@ impl Strata {
             rays as f64 * relative_entropy(s.hits, expected.clamp(0.0, 1.0)) > ODDS
         })
     }
-}
-
-fn mean_terms(row: &Strata) -> impl Iterator<Item = (usize, Stratum)> {
-    row.0.into_iter().enumerate()
 }
 
 /// h ln(h / p) + (1 − h) ln((1 − h) / (1 − p)), each term 0 where h or 1 − h is.
