@@ -67,7 +67,7 @@ pub struct EngineChoice {
     pub seconds: f64,
     /// Seconds that the view factors of the sky take besides.
     pub sky_seconds: f64,
-    /// Mean seconds of the pairs of a row.
+    /// Seconds of the pairs of the longest of a few rows.
     pub row_seconds: f64,
     /// Bytes that may be used.
     pub memory: u64,
@@ -108,7 +108,7 @@ impl EngineChoice {
         EngineChoice {
             seconds: work.seconds,
             sky_seconds: work.sky,
-            row_seconds: work.row,
+            row_seconds: work.longest_row,
             ..choice
         }
     }
@@ -141,12 +141,17 @@ impl EngineChoice {
     /// Seconds of CPU time of an engine that was chosen for form factors.
     pub fn seconds_of(&self, engine: &Engine, rays: f64) -> f64 {
         match engine {
+            // Rays follow what has no formula.
+            Engine::Analytic if self.is_specular || self.flat < 1.0 => {
+                self.seconds + self.sky_seconds + self.ray_seconds(rays)
+            }
             Engine::Analytic => self.seconds + self.sky_seconds,
             _ => self.matrix_seconds(rays),
         }
     }
 
-    /// Seconds of counted work after which a row of formulas is left to rays: five times the forecast.
+    /// Seconds of counted work after which a row of formulas is left to rays: five times what the longest of
+    /// the forecast takes.
     pub fn row_budget(&self) -> f64 {
         OUTLASTED * self.row_seconds.max(LEAST_ROW)
     }

@@ -78,6 +78,8 @@ pub(crate) struct Chain {
     /// The mirrors, each as seen through those before it, without those whose windows need no test
     /// ([`without_passed`](Chain::without_passed)).
     mirrors: Vec<ChainMirror>,
+    /// Planes of the windows that need no test: what lies in one of them is not in front of it.
+    passed: Vec<MirrorPlane>,
     /// Number of mirrors.
     pub length: usize,
     /// The transform of the world after the last mirror, as seen through all of them.
@@ -176,6 +178,7 @@ impl Chain {
         let obstructions = self.blockers(occluders).into_iter();
         Some(Chain {
             mirrors,
+            passed: self.passed.clone(),
             length: self.length + 1,
             image: self.image * reflection(mirror[0], normal),
             obstructions: obstructions
@@ -216,15 +219,21 @@ impl Chain {
 
     /// The part of an image beyond all mirrors.
     pub fn beyond(&self, image: ArrayPolygon) -> Option<ArrayPolygon> {
-        let mut planes = self.mirrors.iter().map(|stage| stage.plane);
-        planes.try_fold(image, |rest, plane| plane.back(&rest))
+        self.planes()
+            .try_fold(image, |rest, plane| plane.back(&rest))
     }
 
     /// The part of a polygon on the first leg.
     pub fn before(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         let whole: ArrayPolygon = polygon.iter().copied().collect();
-        let mut planes = self.mirrors.iter().map(|stage| stage.plane);
-        planes.try_fold(whole, |rest, plane| plane.front(&rest))
+        self.planes()
+            .try_fold(whole, |rest, plane| plane.front(&rest))
+    }
+
+    /// The planes of all mirrors, those with windows first.
+    fn planes(&self) -> impl Iterator<Item = MirrorPlane> {
+        let own = self.mirrors.iter().map(|stage| stage.plane);
+        own.chain(self.passed.iter().copied())
     }
 
     /// The same without windows that all lines from any of `corners` through the last window pass
@@ -236,12 +245,15 @@ impl Chain {
         };
         let from = from.iter().copied().filter(|&p| last.plane.is_before(p));
         let from: Vec<DVec3> = from.collect();
-        chain.mirrors.retain(|stage| {
+        let is_tested = |stage: &ChainMirror| {
             let window = Blocker::new(stage.window.clone());
             let effect = window.map(|w| w.effect(&from, &last.window, graze));
             effect != Some(Effect::Hides)
                 || others.iter().all(|o| o.in_plane(&stage.plane).is_some())
-        });
+        };
+        let (tested, passed): (Vec<_>, Vec<_>) = chain.mirrors.into_iter().partition(is_tested);
+        chain.mirrors = tested;
+        chain.passed.extend(passed.iter().map(|stage| stage.plane));
         chain.mirrors.push(last);
         chain
     }
@@ -291,6 +303,8 @@ impl Chain {
         }
         for other in &chains[1..] {
             joined.add_settled(other);
+            let is_common = |plane: &MirrorPlane| other.passed.iter().any(|p| p.is(plane));
+            joined.passed.retain(is_common);
         }
         Some(joined)
     }

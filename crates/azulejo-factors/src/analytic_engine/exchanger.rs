@@ -210,6 +210,10 @@ impl<'a> Exchanger<'a> {
             counts.add(&group.counts);
             for (id, row) in group.rows {
                 is_done[id as usize] = !group.given_up.contains(&id);
+                if !is_done[id as usize] {
+                    // Rays find the pairs that it has again.
+                    continue;
+                }
                 for (order, row) in orders.iter_mut().zip(row) {
                     order[id as usize] = row.into();
                 }
@@ -268,14 +272,14 @@ impl<'a> Exchanger<'a> {
         let samples = count.min(SAMPLED_ROWS);
         // Numbers that a multiple of the golden ratio leaves are spread evenly, however many are used.
         let place = |k: usize| ((k as f64 * GOLDEN).fract() * count as f64) as u32;
-        let (mut work, mut pairs, mut done) = (PairWork::default(), 0.0, 0usize);
+        let (mut work, mut longest, mut done) = (PairWork::default(), 0.0, 0usize);
         let mut sky = PairWork::default();
         let split = self.horizon_split(self.surfaces.scene.units.up.axis(), self.sides.len());
         for k in 0..samples {
             let row = [place(k)];
             let (group, row_work, seconds) = self.group(&row, false);
             work.add(&row_work);
-            pairs += seconds;
+            longest = f64::max(longest, seconds);
             done += 1;
             if self.loses_light(&group) {
                 sky.add(&self.split_group(&row, split).1);
@@ -289,7 +293,7 @@ impl<'a> Exchanger<'a> {
             // Each pair is computed once.
             seconds: 0.5 * rows * work.in_group().seconds(),
             sky: rows * sky.in_group().seconds(),
-            row: pairs / done.max(1) as f64,
+            longest_row: longest,
         }
     }
 
@@ -616,8 +620,8 @@ pub(crate) struct WorkForecast {
     pub seconds: f64,
     /// Seconds of what the horizon divides, where light leaves the scene.
     pub sky: f64,
-    /// Mean seconds of the pairs of a whole row.
-    pub row: f64,
+    /// Seconds of the pairs of the longest of the rows that were tried.
+    pub longest_row: f64,
 }
 
 impl Record for RowGroup {

@@ -22,12 +22,13 @@ use std::sync::Arc;
 /// exact shapes' leaves, then the triangles of the instances, each in the order of the scene.
 pub(crate) fn assemble(scene: &Scene, kernel: &Kernel) -> Tracer {
     let mut outlines = Outlines::default();
-    let bounds = scene
+    let boxes: Vec<Aabb> = scene
         .objects
         .iter()
         .map(|o| finite_bounds(&o.shape, &mut outlines))
-        .fold(Aabb::EMPTY, Aabb::union);
-    let mut parts = Parts::new(LocalFrame::around(&bounds));
+        .collect();
+    let bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
+    let mut parts = Parts::new(LocalFrame::of(&bounds, || part_boxes(scene, &boxes)));
     for (object, o) in (0..).zip(&scene.objects) {
         if let Shape::Mesh(mesh) = &o.shape {
             parts.add_mesh(object, mesh);
@@ -63,7 +64,7 @@ pub(crate) fn assemble(scene: &Scene, kernel: &Kernel) -> Tracer {
 /// The tracer of a shared mesh alone, in its coordinates.
 fn mesh_tracer(mesh: &Mesh) -> Tracer {
     let bounds = mesh_bounds(mesh);
-    let mut parts = Parts::new(LocalFrame::around(&bounds));
+    let mut parts = Parts::new(LocalFrame::of(&bounds, || face_boxes(mesh)));
     parts.add_mesh(0, mesh);
     parts.prototypes = parts.items;
     parts.own_items = parts.items;
@@ -96,6 +97,30 @@ fn mesh_bounds(mesh: &Mesh) -> Aabb {
     let corners = mesh.faces.corners.iter();
     let positions = corners.map(|&v| mesh.positions[v as usize]);
     Aabb::around(positions.filter(|p| p.is_finite()))
+}
+
+/// The boxes around all faces of a mesh.
+fn face_boxes(mesh: &Mesh) -> impl Iterator<Item = Aabb> {
+    let face = |corners: &[u32]| {
+        let positions = corners.iter().map(|&v| mesh.positions[v as usize]);
+        Aabb::around(positions.filter(|p| p.is_finite()))
+    };
+    mesh.faces
+        .iter()
+        .map(face)
+        .filter(|bounds| !bounds.is_empty())
+}
+
+/// The boxes around all faces of meshes and all other shapes, whose own are given by object.
+fn part_boxes<'a>(scene: &'a Scene, boxes: &'a [Aabb]) -> impl Iterator<Item = Aabb> + 'a {
+    let parts = |(object, own): (&'a azulejo_scene::Object, &Aabb)| {
+        let (mesh, own) = match &object.shape {
+            Shape::Mesh(mesh) => (Some(mesh), None),
+            _ => (None, Some(*own).filter(|own| !own.is_empty())),
+        };
+        mesh.into_iter().flat_map(face_boxes).chain(own)
+    };
+    scene.objects.iter().zip(boxes).flat_map(parts)
 }
 
 fn finite(bounds: Aabb) -> Aabb {
@@ -286,13 +311,13 @@ impl Parts {
             let [a, b, c] = t.corners;
             let min = [0, 1, 2].map(|k| a[k].min(b[k]).min(c[k]));
             let max = [0, 1, 2].map(|k| a[k].max(b[k]).max(c[k]));
-            Reference::new(min, max, id)
+            padded(min, max, id)
         });
         let first_other = self.kernel_triangles.len() as u32;
         let others = (first_other..).zip(&self.other_bounds).map(|(id, b)| {
             // Outward, so that rounding does not clip the shape.
             let (min, max) = (single(b.min), single(b.max));
-            Reference::new(min.map(f32::next_down), max.map(f32::next_up), id)
+            padded(min.map(f32::next_down), max.map(f32::next_up), id)
         });
         let usable = others.filter(Reference::is_finite);
         let mut references = Vec::with_capacity(self.kernel_triangles.len() + self.others.len());
@@ -316,7 +341,7 @@ impl Parts {
             instructions: InstructionSet::detect(),
             frame: self.frame,
             bounds,
-            reach: self.reach.max(0.5 * bounds.size().max_element()),
+            reach: self.reach.max(self.frame.reach()),
             meshes: self.meshes,
             triangles: self.triangles,
             others: self.others,
@@ -327,6 +352,20 @@ impl Parts {
             cell: None,
         }
     }
+}
+
+/// A box of the tree, with room for the rounding of tests of what lies beyond −1..=1, for which rays leave none.
+fn padded(min: [f32; 3], max: [f32; 3], id: u32) -> Reference {
+    let far = min
+        .iter()
+        .chain(&max)
+        .fold(0.0f32, |far, c| far.max(c.abs()));
+    let pad = if far > 1.0 {
+        4.0 * f32::EPSILON * far
+    } else {
+        0.0
+    };
+    Reference::new(min.map(|c| c - pad), max.map(|c| c + pad), id)
 }
 
 /// Whether the kernel can hit a triangle: finite, and its three corners not on one line.

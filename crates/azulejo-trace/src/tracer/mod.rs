@@ -42,7 +42,8 @@ const NO_RAY: KernelRay = KernelRay {
 /// out.
 ///
 /// The kernel works in `f32`, relative to the scene's centre and size, so distant and huge models
-/// lose no precision; [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
+/// lose no precision; if a few small things lie far away from all others, to that of the others.
+/// [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
 /// are hit from both sides. A mesh that many instances share is prepared once. The tests of boxes and triangles are watertight: no ray slips through
 /// between two triangles that share an edge.
 ///
@@ -58,7 +59,7 @@ pub struct Tracer {
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: LocalFrame,
     pub(crate) bounds: Aabb,
-    /// The largest of half the scene's size and its instances' reaches, in world units.
+    /// The largest of the frame's reach and its instances', in world units.
     pub(crate) reach: f64,
     pub(crate) meshes: Vec<MeshPositions>,
     pub(crate) triangles: Vec<TriangleItem>,
@@ -305,8 +306,8 @@ impl Tracer {
     /// `normal`: no ray from there to that side hits the surface that it leaves.
     ///
     /// The offset is 16 · 2⁻²³ times the largest of: the position's distance from the scene's
-    /// centre (along an axis), half the scene's largest extent, and that of each instance. In a
-    /// room of 10 units: 1e-5 units.
+    /// centre (along an axis), half the scene's largest extent, and that of each instance; without
+    /// what is small and far away from the rest. In a room of 10 units: 1e-5 units.
     pub fn leaving(&self, position: DVec3, normal: DVec3) -> DVec3 {
         let away = self.frame.distance(position);
         let step = LEAVING_ULPS * f64::from(f32::EPSILON) * away.max(self.reach);

@@ -11,8 +11,8 @@ use std::fmt;
 /// wall of height h, about h / (20,000 period) goes farther.
 const MOST_CELLS: u32 = 1 << 14;
 
-/// How far the parts of a ray in two neighbouring cells overlap, in the kernel's coordinates across the
-/// plane where they meet: a few times the rounding of `f32`, so that no ray slips through.
+/// How far the parts of a ray in two neighbouring cells overlap across the plane where they meet, relative to
+/// the scene's size: a few times the rounding of `f32`, so that no ray slips through.
 const OVERLAP: f64 = 1e-6;
 
 /// The same along the ray, at most.
@@ -21,9 +21,10 @@ const LONGEST_OVERLAP: f64 = 4.0;
 /// A scene may be larger than its period by this share of it: the rounding of files.
 const SLACK: f64 = 1e-5;
 
-/// The cell of a scene that repeats itself, in the kernel's coordinates; its centre is their origin.
+/// The cell of a scene that repeats itself, in the kernel's coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PeriodicCell {
+    centre: DVec3,
     /// Edge lengths; infinite along axes without repetition.
     period: DVec3,
     /// Half the size of the scene.
@@ -111,6 +112,7 @@ impl Tracer {
         let is_repeated = period.cmpgt(DVec3::ZERO);
         let endless = DVec3::splat(f64::INFINITY);
         self.cell = (is_repeated.any() && !self.bounds.is_empty()).then(|| PeriodicCell {
+            centre: self.frame.point(self.bounds.centre()),
             period: DVec3::select(is_repeated, self.frame.vector(period), endless),
             half: 0.5 * self.frame.vector(self.bounds.size()),
             world: period,
@@ -162,7 +164,7 @@ impl Tracer {
             return *ray;
         };
         let at = self.frame.point(ray.at(t));
-        let cells = (at / cell.period).round();
+        let cells = ((at - cell.centre) / cell.period).round();
         Ray {
             origin: ray.origin - cells * cell.world,
             ..*ray
@@ -254,7 +256,7 @@ impl PeriodicCell {
         let length = direction.length();
         let at = origin + t * direction;
         let is_valid = length > 1e-25 && length.is_finite() && at.is_finite();
-        let cell = (at / self.period).round();
+        let cell = ((at - self.centre) / self.period).round();
         (is_valid && cell.abs().max_element() < 1e9).then(|| CellWalk {
             ray,
             origin,
@@ -272,7 +274,7 @@ impl PeriodicCell {
             return None;
         }
         let end = self.end(walk);
-        let to = (end.0 + overlap(walk, end.1)).min(walk.t_max);
+        let to = (end.0 + self.overlap(walk, end.1)).min(walk.t_max);
         let shift = self.shift(walk.cell);
         let is_first = walk.t <= f64::from(given.t_min).max(0.0);
         let (from, t_min) = if is_first {
@@ -296,7 +298,8 @@ impl PeriodicCell {
 
     /// Where a ray leaves its cell, and along which axis.
     fn end(&self, walk: &CellWalk) -> (f64, usize) {
-        let wall = self.shift(walk.cell) + 0.5 * self.period * walk.direction.signum();
+        let wall =
+            self.centre + self.shift(walk.cell) + 0.5 * self.period * walk.direction.signum();
         let exits = (wall - walk.origin) / walk.direction;
         let exit = |axis: usize| {
             let is_crossed = self.period[axis].is_finite() && walk.direction[axis] != 0.0;
@@ -325,7 +328,7 @@ impl PeriodicCell {
         }
         walk.cell[axis] += walk.direction[axis].signum();
         walk.t = t;
-        walk.overlap = overlap(&walk, axis);
+        walk.overlap = self.overlap(&walk, axis);
         Some(walk)
     }
 
@@ -333,11 +336,22 @@ impl PeriodicCell {
     fn is_past(&self, walk: &CellWalk) -> bool {
         let at = walk.origin + (walk.t - walk.overlap).max(0.0) * walk.direction;
         (0..3).any(|axis| {
-            let (ahead, way) = (at[axis], walk.direction[axis]);
-            let half = self.half[axis] + OVERLAP;
+            let (ahead, way) = (at[axis] - self.centre[axis], walk.direction[axis]);
+            let half = self.half[axis] + OVERLAP * self.size();
             let is_beyond = (ahead > half && way >= 0.0) || (ahead < -half && way <= 0.0);
             self.period[axis].is_infinite() && is_beyond
         })
+    }
+
+    /// Half the largest extent of the scene, at least 1.
+    fn size(&self) -> f64 {
+        self.half.max_element().max(1.0)
+    }
+
+    /// How far parts of a ray overlap beside a plane across an axis, in units of `t`.
+    fn overlap(&self, walk: &CellWalk, axis: usize) -> f64 {
+        let across = OVERLAP / walk.direction[axis].abs();
+        self.size() * across.min(LONGEST_OVERLAP / walk.direction.length())
     }
 
     /// The place of a cell relative to the scene itself.
@@ -348,12 +362,6 @@ impl PeriodicCell {
             DVec3::ZERO,
         )
     }
-}
-
-/// How far parts of a ray overlap beside a plane across an axis, in units of `t`.
-fn overlap(walk: &CellWalk, axis: usize) -> f64 {
-    let across = OVERLAP / walk.direction[axis].abs();
-    across.min(LONGEST_OVERLAP / walk.direction.length())
 }
 
 #[cfg(test)]

@@ -62,6 +62,38 @@ fn a_far_room_is_hit_where_the_near_one_is() {
     assert!(differing < 10, "{differing} of 20000");
 }
 
+/// A cube at 10,000 sizes made near walls as coarse as itself: rays began 2% of a room's size off them.
+#[test]
+fn what_is_far_away_does_not_coarsen_a_room() {
+    let alone = synthetic::furnished_room(6000);
+    let mut with_cube = alone.clone();
+    let corner = DVec3::new(4.0e4, -3.0e4, 2.0e4);
+    let mut cube = synthetic::cube_room().objects.swap_remove(0);
+    if let Shape::Mesh(mesh) = &mut cube.shape {
+        mesh.positions.iter_mut().for_each(|p| *p += corner);
+    }
+    with_cube.objects.push(cube);
+    let (alone, with_cube) = (Tracer::new(&alone), Tracer::new(&with_cube));
+    let mut random = Random(9);
+    let mut differing = 0;
+    for _ in 0..20_000 {
+        let from = DVec3::new(3.0, 2.5, 1.5) + random.point() * DVec3::new(2.9, 2.4, 1.4);
+        let ray = Ray::new(from, random.unit());
+        let a = alone.hit(&ray).expect("the room is closed");
+        let b = with_cube.hit(&ray).expect("the room is still closed");
+        differing += usize::from((a.t - b.t).abs() > 1e-5);
+        let step = (with_cube.leaving(b.position, b.normal) - b.position).length();
+        assert!(step < 3e-5, "{step}");
+        // Into the cube, from within the room's walls as if there were none.
+        let aim = corner + 0.5 * (DVec3::ONE + 0.8 * random.point());
+        let from = corner + 1e3 * random.unit();
+        let hit = with_cube.hit(&Ray::new(from, aim - from));
+        let hit = hit.expect("aimed at the cube");
+        assert!(hit.position.distance(aim) < 2.0, "{hit:?}");
+    }
+    assert!(differing < 10, "{differing} of 20000");
+}
+
 /// Rays that leave a surface, from level to steep, must not hit the item that they leave.
 fn check_leaving(tracer: &Tracer, hit_from: impl Fn(&mut Random) -> Ray, flat: bool) {
     let mut random = Random(21);

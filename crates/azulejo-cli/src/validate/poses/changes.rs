@@ -160,7 +160,8 @@ fn order(pose: &mut Pose, dice: &mut Dice) {
     pose.words.push("another order".into());
 }
 
-/// A copy of a surface that does not shine, 1000 to 10,000 times the size of the scene away.
+/// A copy of a surface that does not shine, 1000 to 10,000 times the size of the scene away. It has fewer faces
+/// than the scene: of two worlds that far apart, the larger is exact.
 fn double(pose: &mut Pose, dice: &mut Dice) {
     let materials = &pose.scene.materials;
     let is_dark = |mesh: &Mesh| {
@@ -175,13 +176,27 @@ fn double(pose: &mut Pose, dice: &mut Dice) {
     if meshes.is_empty() {
         return;
     }
-    let mut copy = dice.one_of(&meshes).clone();
+    let faces: usize = meshes.iter().map(|mesh| mesh.faces.len()).sum();
+    let mut copy = first_faces(dice.one_of(&meshes), faces.saturating_sub(1) / 2);
+    if copy.faces.is_empty() {
+        return;
+    }
     let far = 1e3 * 10f64.powf(dice.unit()) * pose.size_here();
     copy.transform(&DAffine3::from_translation(far * dice.direction()));
     pose.scene
         .objects
         .push(Object::new(DOUBLE, Shape::Mesh(copy)));
     pose.words.push(format!("a double {far:.3e} away"));
+}
+
+/// A mesh of at most so many of the first faces of another.
+fn first_faces(mesh: &Mesh, most: usize) -> Mesh {
+    let mut part = mesh.clone();
+    (part.faces, part.face_materials, part.normals) = Default::default();
+    for (corners, &material) in mesh.faces.iter().zip(&mesh.face_materials).take(most) {
+        part.push_face(corners, material);
+    }
+    part
 }
 
 fn empty(pose: &mut Pose, dice: &mut Dice) {

@@ -2,12 +2,13 @@
 
 use super::dice::Dice;
 use azulejo::models;
-use azulejo_factors::truth;
+use azulejo_factors::form_factors::Plan;
+use azulejo_factors::{FormFactorOptions, PatchSize, truth};
 use azulejo_scene::synthetic::{self, CornellVariant};
 use azulejo_scene::{
     Light, LightKind, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units,
 };
-use azulejo_trace::Progress;
+use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -171,7 +172,17 @@ fn model(path: &Path) -> Option<PosedScene> {
     let folder = path.parent().and_then(Path::file_name)?.to_string_lossy();
     let posed = PosedScene::new(format!("{folder}/{file}"), model.scene);
     posed.scene.validate().ok()?;
-    Some(posed)
+    (!has_flaws(&posed.scene)).then_some(posed)
+}
+
+/// Whether faces overlap in one plane: which of them light meets is then chance, and another in each pose.
+fn has_flaws(scene: &Scene) -> bool {
+    let options = FormFactorOptions {
+        size: PatchSize::FlatWhole(256),
+        ..FormFactorOptions::default()
+    };
+    let tracer = Tracer::new(scene);
+    Plan::new(scene, &tracer, &options).is_ok_and(|plan| !plan.flaws().is_empty())
 }
 
 /// Without pictures and stored light, with a name for each object and a mesh for each instance.
