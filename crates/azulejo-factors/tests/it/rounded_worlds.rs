@@ -138,8 +138,8 @@ fn check_floor(found: &FormFactors, floor: &[usize], slack: f64) {
     check_factor(found, &[WALL], floor, on_common_edge(x, z, y), slack);
 }
 
-/// All entries are shares, no row is off 1 by more than `slack` and chance, and none loses more light than
-/// `lost` of its areas' share.
+/// All entries are shares; a row of some area loses at most the share `lost(area)` of its light, and is off 1 by
+/// no more than that, `slack` and chance.
 #[track_caller]
 fn check_rows(found: &FormFactors, slack: f64, lost: impl Fn(f64) -> f64) {
     let (sums, noise) = (found.row_sums(), found.noise_of_sums());
@@ -163,7 +163,7 @@ fn few_rays(found: &FormFactors) -> f64 {
 }
 
 /// T-joints: the floor is divided where its neighbours have no vertex. It stays closed, and sees what it saw.
-/// By hemicubes up to 69% of a wall's light ended on its own back.
+/// By hemicubes, up to 69% of the light of a wall had ended on its own back.
 #[test]
 fn t_joints_stay_closed() {
     let x = 1.357_913;
@@ -220,8 +220,8 @@ fn room_with_sliver(height: f64) -> (Scene, Vec<usize>) {
     room_with_floor(&[vec![a, b, m], vec![b, c, m], vec![c, d, m], vec![d, a, m]])
 }
 
-/// A sliver changes nothing for the others, and is a row like theirs as far as its corners are known. One of
-/// nine rows is more than a tenth: the analytic engine refused the room, because rays from the sliver missed it.
+/// A sliver changes nothing for the others, and is a row like theirs as far as its corners are known. The
+/// analytic engine had refused the room, because rays from the sliver, one of nine rows, start beside it.
 #[test]
 fn slivers_disturb_no_other_row() {
     for height in [1e-4, 1e-6] {
@@ -285,8 +285,8 @@ fn check_sliver(found: &FormFactors) {
             _ => 1.0 - slack,
         };
         assert!((least..=1.0 + slack).contains(&sums[i]), "{i}: {}", sums[i]);
-        let (most, _) = between(found, &[i], &[0]);
-        assert!(most * found.areas[i] <= found.areas[0] * (1.0 + 1e-9));
+        let (to_sliver, _) = between(found, &[found.faces[i].object as usize], &[0]);
+        assert!(to_sliver * found.areas[i] <= found.areas[0] * (1.0 + 1e-9));
     }
 }
 
