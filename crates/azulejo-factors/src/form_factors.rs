@@ -285,12 +285,20 @@ impl<'a> PreparedPlan<'a> {
         let mut factors = self.estimate(journal, progress)?;
         factors.engine_used.notes.extend(self.group_note());
         self.describe(&mut factors);
-        factors.is_closed = factors.loses_no_light();
+        factors.is_closed = factors.loses_no_light() || self.loses_only_strays(&factors);
         if self.plan.is_to_close(&mut factors) {
             factors.close(progress)?;
         }
         factors.update_row_errors();
         Ok(factors)
+    }
+
+    /// Whether light is lost by nothing but rays of rows that are too narrow for them.
+    fn loses_only_strays(&self, factors: &FormFactors) -> bool {
+        let tracer = self.gatherer.surfaces().tracer;
+        let lengths = factors.exchange.row_lengths();
+        let is_seeing = |row: usize| lengths[row] > 0 && !self.sides.is_too_narrow(row, tracer);
+        self.engine != Engine::Analytic && factors.seeing_lose_no_light(is_seeing)
     }
 
     /// The engine, where it was to be chosen the chosen one.
@@ -459,8 +467,12 @@ impl<'a> PreparedPlan<'a> {
         let traced = tracing.trace(journal, progress)?;
         let traced = traced.ok_or(FactorsError::Elsewhere)?;
         let factors = merge::merge(&self.sides, traced, &exact, progress)?;
+        let mut engine_used = estimator.engine_used().because(why);
+        engine_used
+            .notes
+            .extend(self.sides.narrow_note(self.gatherer.surfaces().tracer));
         Ok(FormFactors {
-            engine_used: estimator.engine_used().because(why),
+            engine_used,
             ..factors
         })
     }

@@ -322,7 +322,8 @@ impl<'a> HemicubeEstimator<'a> {
             if is_central {
                 let normal = self.patches.normal(patch);
                 let normal = if is_front { normal } else { -normal };
-                let eye = tracer.leaving(self.patches.centre(patch), normal);
+                let centre = self.facets.above(patch, self.patches.centre(patch));
+                let eye = tracer.leaving(centre, normal);
                 let turn = TAU * u3;
                 return HemicubePoint {
                     view: View { eye, normal, turn },

@@ -57,7 +57,7 @@ impl FormFactors {
     /// # Errors
     /// [`Cancelled`]; what was changed by then stays changed.
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
-        self.rest.iter_mut().for_each(put_back_leaks);
+        self.put_back_leaks();
         let Some(mut moved) = self.close_within(self.closure_weight(), progress)? else {
             let note = "rows were not closed, because some would move by many times their errors: they see only \
                         each other";
@@ -77,6 +77,18 @@ impl FormFactors {
         }
         self.closed = Some(self.adjustment(&moved, &self.deficits()));
         Ok(())
+    }
+
+    /// Removes escaped light so small that it must have leaked, and all of it from rows that see anything of a
+    /// closed scene.
+    fn put_back_leaks(&mut self) {
+        let lengths = self.exchange.row_lengths();
+        for (rest, length) in self.rest.iter_mut().zip(lengths) {
+            if rest.escaped() <= LOSS || self.is_closed && length > 0 {
+                (rest.sky, rest.sky_error) = (0.0, 0.0);
+                (rest.ground, rest.ground_error) = (0.0, 0.0);
+            }
+        }
     }
 
     /// Where no entry has an error, none could change by its own.
@@ -221,14 +233,6 @@ impl ClosureWeight {
     /// Whether exact entries give way, too.
     fn is_spread(self) -> bool {
         matches!(self, ClosureWeight::Errors { least } if least > 0.0)
-    }
-}
-
-/// Removes escaped light so small that it must have leaked.
-fn put_back_leaks(rest: &mut RowRemainder) {
-    if rest.escaped() <= LOSS {
-        (rest.sky, rest.sky_error) = (0.0, 0.0);
-        (rest.ground, rest.ground_error) = (0.0, 0.0);
     }
 }
 

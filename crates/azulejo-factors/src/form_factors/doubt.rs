@@ -25,14 +25,18 @@ pub(super) struct RowCheck<'a> {
 
 impl RowCheck<'_> {
     /// The rows, in order, whose direct light is not where rays find it: by themselves, together with their
-    /// neighbours, or all rows together. Columns without formulas are left out.
+    /// neighbours, or all rows together. Columns without formulas are left out, and rows that are too narrow for
+    /// rays.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub fn doubtful(&self, all: &AllPairs, progress: &Progress) -> Result<Vec<usize>, Cancelled> {
         let n = self.sides.len();
         let rays = (RAYS / n.max(1)).clamp(ROW_RAYS[0], ROW_RAYS[1]) / REPLICATES * REPLICATES;
-        let is_compared = |row: usize| self.exchanger.has(row) && all.is_done[row];
+        let tracer = self.gatherer.surfaces().tracer;
+        let is_compared = |row: usize| {
+            self.exchanger.has(row) && all.is_done[row] && !self.sides.is_too_narrow(row, tracer)
+        };
         let mut strata = vec![Strata::default(); n];
         self.add_factors(&all.orders[0], is_compared, &mut strata);
         progress.begin("rows against rays", n as u64);

@@ -4,10 +4,17 @@ use super::boxes::{BoxTree, distance};
 use crate::patch::Patches;
 use crate::row::{Side, side};
 use azulejo_scene::math::Aabb;
+use azulejo_trace::Tracer;
 use rayon::prelude::*;
 
 /// Relative difference of corners up to which two patches back to back count as one wall.
 const COVERS: f64 = 1e-5;
+
+/// Least width of a patch, in steps of its rays off the surface.
+const LEAST_WIDTH: f64 = 16.0;
+
+/// Width of a patch, in steps of its rays off the surface, below which it is said that it shows.
+const NARROW: f64 = 100.0;
 
 /// No patch covers the back of this one.
 const NO_TWIN: u32 = u32::MAX;
@@ -54,6 +61,39 @@ impl<'a> Sides<'a> {
 
     pub fn area(&self, row: usize) -> f64 {
         self.patches.area(self.patch(row))
+    }
+
+    /// The step that rays make off the surface of a row before they start, and how many of them go into the width
+    /// of its patch. Curved patches have no step.
+    pub fn leaving(&self, row: usize, tracer: &Tracer) -> (f64, f64) {
+        let (patches, patch) = (self.patches, self.patch(row));
+        let centre = patches.centre(patch);
+        let step = tracer
+            .leaving(centre, patches.normal(patch))
+            .distance(centre);
+        (step, patches.area(patch) / patches.diameter(patch) / step)
+    }
+
+    /// Whether a row is too narrow for rays: some start beside it, behind the walls that it touches.
+    pub fn is_too_narrow(&self, row: usize, tracer: &Tracer) -> bool {
+        self.leaving(row, tracer).1 < LEAST_WIDTH
+    }
+
+    /// That rows are so narrow in their scene that it shows where rays and hemicubes start.
+    pub fn narrow_note(&self, tracer: &Tracer) -> Option<String> {
+        let narrow: Vec<f64> = (0..self.len())
+            .map(|row| self.leaving(row, tracer))
+            .filter(|&(_, width)| width > 0.0 && width < NARROW)
+            .map(|(step, _)| step)
+            .collect();
+        let step = narrow.iter().copied().fold(0.0, f64::max);
+        (!narrow.is_empty()).then(|| {
+            format!(
+                "{} rows are less than {NARROW} times as wide as the {step:.1e} that rays start off a surface in so \
+                 large a scene, and see what is close to them less exactly than their errors say",
+                narrow.len()
+            )
+        })
     }
 
     /// The column of light that hits a patch, if it has one.

@@ -1,5 +1,6 @@
 //! Flat triangles that approximate curved patches, for item buffers.
 
+use super::bent::onto;
 use super::{PatchPoint, Patches};
 use glam::DVec3;
 
@@ -60,7 +61,11 @@ impl<'a> PatchFacets<'a> {
     /// patch.
     pub fn sample(&self, i: usize, u1: f64, u2: f64) -> PatchPoint {
         if self.patches.polygon(i).is_some() {
-            return self.patches.sample(i, u1, u2);
+            let point = self.patches.sample(i, u1, u2);
+            return PatchPoint {
+                position: self.above(i, point.position),
+                ..point
+            };
         }
         let (s, t, weight) = self.patches.sample_parameters(i, u1, u2);
         let n = self.steps(i);
@@ -85,6 +90,17 @@ impl<'a> PatchFacets<'a> {
             position,
             normal,
             weight,
+        }
+    }
+
+    /// A position of flat patch `i`, moved along its normal onto its triangles. Where a face is not exactly
+    /// flat they are not those that the tracer sees.
+    pub fn above(&self, i: usize, position: DVec3) -> DVec3 {
+        let is_bent = self.patches.bent.contains_key(&self.patches.owner[i]);
+        if is_bent {
+            onto(&self.of(i), self.patches.normal(i), position)
+        } else {
+            position
         }
     }
 

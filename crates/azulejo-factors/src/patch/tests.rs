@@ -360,9 +360,29 @@ fn points_lie_on_the_triangles_of_bent_faces() {
                     });
                     let height = height.fold(f64::INFINITY, f64::min);
                     assert!(height < 1e-12, "{bend} {size} {i}: {height}");
+                    check_above(&patches, i, [u1, u2]);
                 }
             }
         }
+    }
+}
+
+/// Hemicubes stand on the triangles that item buffers draw, which may be divided along the other diagonal.
+fn check_above(patches: &Patches, i: usize, [u1, u2]: [f64; 2]) {
+    let facets = PatchFacets::new(patches);
+    for p in [
+        facets.sample(i, u1, u2).position,
+        facets.above(i, patches.centre(i)),
+    ] {
+        let height = facets.of(i).into_iter().filter_map(|[a, b, c]| {
+            let normal = (b - a).cross(c - a);
+            let is_inside =
+                |from: DVec3, to: DVec3| (to - from).cross(p - from).dot(normal) > -1e-12;
+            (is_inside(a, b) && is_inside(b, c) && is_inside(c, a))
+                .then(|| normal.normalize().dot(p - a).abs())
+        });
+        let height = height.fold(0.0, f64::max);
+        assert!(height < 1e-12, "{i}: {height}");
     }
 }
 

@@ -18,4 +18,5 @@ mod matrix_operations;
 mod polygons;
 mod poses;
 mod rays;
+mod rounded_worlds;
 mod scenes;

@@ -12,7 +12,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot, dvec3};
 
 /// How coordinates are written.
 #[derive(Clone, Copy, Debug)]
-enum Digits {
+pub(crate) enum Digits {
     Decimals(i32),
     Single,
     Double,
@@ -32,7 +32,7 @@ impl Digits {
 }
 
 /// A turn and a shift by up to `reach`, different for each `k`.
-fn pose(k: u32, reach: f64) -> DAffine3 {
+pub(crate) fn pose(k: u32, reach: f64) -> DAffine3 {
     let random = |d: u32| 2.0 * f64::from(uniform(&[k, d])) - 1.0;
     let turn = DQuat::from_euler(
         EulerRot::XYZ,
@@ -45,7 +45,7 @@ fn pose(k: u32, reach: f64) -> DAffine3 {
 }
 
 /// A scene in another pose, its meshes written with these digits and read again.
-fn posed(scene: &Scene, map: &DAffine3, digits: Digits) -> Scene {
+pub(crate) fn posed(scene: &Scene, map: &DAffine3, digits: Digits) -> Scene {
     let mut posed = scene.clone().transformed(map);
     for object in &mut posed.objects {
         if let Shape::Mesh(mesh) = &mut object.shape {
@@ -59,7 +59,7 @@ fn posed(scene: &Scene, map: &DAffine3, digits: Digits) -> Scene {
 }
 
 /// A box seen from inside, each wall an object.
-fn room(size: DVec3) -> Scene {
+pub(crate) fn room(size: DVec3) -> Scene {
     let mut scene = Scene::default();
     let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
     let walls = [
