@@ -198,9 +198,13 @@ impl Chain {
         self.beyond(self.image_of(polygon))
     }
 
-    /// The same, clipped at the last mirror only.
+    /// The same, clipped at the last mirror only, if it does not lie in one whose window needs no test.
     pub fn placed_roughly(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
         let image = self.image_of(polygon);
+        let is_beyond = |plane: &MirrorPlane| plane.back(&image).is_some();
+        if !self.passed.iter().all(is_beyond) {
+            return None;
+        }
         match self.mirrors.last() {
             Some(stage) => stage.plane.back(&image),
             None => Some(image),
@@ -228,6 +232,13 @@ impl Chain {
         let whole: ArrayPolygon = polygon.iter().copied().collect();
         self.planes()
             .try_fold(whole, |rest, plane| plane.front(&rest))
+    }
+
+    /// Whether a polygon lies in or behind a mirror whose window needs no test, so that its light does not start
+    /// on the first leg.
+    pub fn is_behind(&self, polygon: &[DVec3]) -> bool {
+        let is_before = |plane: &MirrorPlane| plane.front(polygon).is_some();
+        !self.passed.iter().all(is_before)
     }
 
     /// The planes of all mirrors, those with windows first.

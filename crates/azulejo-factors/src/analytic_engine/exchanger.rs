@@ -110,7 +110,7 @@ impl<'a> Exchanger<'a> {
         let planes = &scene_occluders.planes;
         let facet = |(row, &side): (usize, &Side)| facet(patches, planes, side, row as u32);
         let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
-        let (images, known) = images(
+        let (mut images, known) = images(
             patches,
             surfaces,
             &scene_occluders,
@@ -118,6 +118,8 @@ impl<'a> Exchanger<'a> {
             options.is_per_channel,
         );
         let facets = FacetTree::new(&list, scene_occluders.size);
+        let set_columns = |image: &mut MirrorImage| image.set_columns(&facets.list);
+        images.list.par_iter_mut().for_each(set_columns);
         let mut positions = vec![NOWHERE; sides.len()];
         for (position, facet) in facets.list.iter().enumerate() {
             positions[facet.id as usize] = position as u32;

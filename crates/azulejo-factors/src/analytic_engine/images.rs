@@ -24,6 +24,8 @@ pub(super) struct MirrorImage {
     pub graze: f64,
     /// The mirrors, from the columns on.
     chain: Chain,
+    /// Columns behind mirrors whose windows need no test; empty if there are no such mirrors.
+    behind: Vec<bool>,
 }
 
 /// A flat mirror: the coplanar patches of one material together.
@@ -90,7 +92,24 @@ impl MirrorImage {
             // Each mirror has a rounding of its own.
             graze: scene_occluders.planes.graze * (1 + chain.length) as f64,
             chain,
+            behind: Vec::new(),
         }
+    }
+
+    /// Finds out which columns no light reaches first.
+    pub fn set_columns(&mut self, columns: &[Facet]) {
+        let behind: Vec<bool> = columns
+            .iter()
+            .map(|facet| self.chain.is_behind(facet.polygon()))
+            .collect();
+        if behind.contains(&true) {
+            self.behind = behind;
+        }
+    }
+
+    /// Whether a column lies behind a mirror of the chain.
+    pub fn is_behind(&self, column: usize) -> bool {
+        self.behind.get(column).is_some_and(|&is_behind| is_behind)
     }
 
     /// Images of facets, clipped to what columns may see.

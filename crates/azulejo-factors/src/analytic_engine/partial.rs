@@ -25,6 +25,10 @@ const SHARES: [f64; 3] = [1.5, 0.1, 0.1];
 /// The same for replacing a piece by its centroid.
 const FAR: f64 = 0.1;
 
+/// Relative error of cells with discontinuities inside, once there are too many to cut along all of them:
+/// measured.
+const UNCUT: f64 = 0.01;
+
 /// A blocker or window, with the edges that matter.
 #[derive(Clone, Copy)]
 struct Obstruction<'a> {
@@ -41,6 +45,10 @@ pub(super) struct PartialVisibility {
     next: Vec<ClippedPolygon>,
     planes: Vec<(DVec3, f64)>,
     rest: [ClippedPolygon; 2],
+    /// Whether there are more cells than are cut.
+    is_uncut: bool,
+    /// Error of the present pair beyond its goal.
+    doubt: f64,
     /// What was done.
     pub work: PairWork,
 }
@@ -161,6 +169,7 @@ impl PartialVisibility {
             depth: 0,
             wants_seen,
         };
+        self.doubt = 0.0;
         self.work.count(WorkKind::Contour, 1);
         let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
         let value = base
@@ -171,7 +180,7 @@ impl PartialVisibility {
             };
         Approximate {
             value: value.max(0.0),
-            error: goal.error,
+            error: goal.error + self.doubt,
         }
     }
 
@@ -237,11 +246,19 @@ impl PartialVisibility {
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
             return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
-        let seen = if ratio_a <= ratio_b {
-            self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
+        let (from_to, way, is_far) = if ratio_a <= ratio_b {
+            ([a, b], 1.0, is_far(ratio_b))
         } else {
-            self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
+            ([b, a], -1.0, is_far(ratio_a))
         };
+        self.cut_cells(from_to, kept, goal);
+        if self.is_uncut && UNCUT * size > goal.error {
+            if pair.depth < MOST_DEPTH {
+                return self.quartered(pair, way > 0.0, kept, goal);
+            }
+            self.doubt += UNCUT * size;
+        }
+        let seen = self.integrate(from_to, way, kept, points, is_far, goal);
         let sees_part = goal.up.is_some() || kept.iter().any(|s| s.is_window);
         if pair.wants_seen && !sees_part {
             seen + whole(a, b, goal)
@@ -293,7 +310,7 @@ impl PartialVisibility {
         parts.sum()
     }
 
-    /// The visible part, or minus the hidden part, summed over points of one facet; `way` is −1
+    /// The visible part, or minus the hidden part, summed over points of the cells of one facet; `way` is −1
     /// from the second facet of the pair to the first.
     fn integrate(
         &mut self,
@@ -304,7 +321,6 @@ impl PartialVisibility {
         is_far: bool,
         goal: PairGoal,
     ) -> f64 {
-        self.cut_cells(from, to, obstructions, goal);
         // What a point of the second facet sees below its horizon, it is seen from above.
         let horizon = goal.up.map(|up| way * up);
         let rule = gauss(points);
@@ -333,11 +349,11 @@ impl PartialVisibility {
     /// Cuts a facet along the discontinuities of the view of another.
     fn cut_cells(
         &mut self,
-        from: &Facet,
-        to: &Facet,
+        [from, to]: [&Facet; 2],
         obstructions: &[Obstruction],
         PairGoal { up, graze, .. }: PairGoal,
     ) {
+        self.is_uncut = false;
         self.cells.clear();
         let mut whole = ClippedPolygon::default();
         whole.set(from.polygon().iter().copied());
@@ -377,7 +393,11 @@ impl PartialVisibility {
     fn cut(&mut self, normal: DVec3, offset: f64, graze: f64) {
         for k in 0..self.cells.len() {
             let (heights, low, high) = self.cells[k].heights(normal, offset);
-            if low < -graze && high > graze && self.cells.len() < MOST_CELLS {
+            if low < -graze && high > graze {
+                if self.cells.len() >= MOST_CELLS {
+                    self.is_uncut = true;
+                    return;
+                }
                 let mut halves = [ClippedPolygon::default(); 2];
                 self.cells[k].clip(&heights, 1.0, &mut halves[0]);
                 self.cells[k].clip(&heights, -1.0, &mut halves[1]);

@@ -420,7 +420,8 @@ impl<'a> PairTraversal<'a> {
             }
             for (k, &value) in columns.clone().zip(&self.sums) {
                 let facet = &self.columns.list[k];
-                if (!self.requested.upper || facet.id >= own.id) && !facet.is_empty() {
+                let is_lit = !facet.is_empty() && !image.is_behind(k);
+                if (!self.requested.upper || facet.id >= own.id) && is_lit {
                     let value = image.weight * value.max(0.0);
                     found.add(place, k, value, error * value);
                     if let Some(split) = self.requested.split
@@ -449,6 +450,9 @@ impl<'a> PairTraversal<'a> {
         };
         let is_lower = self.requested.upper && b.id < a.id;
         if a.is_empty() || b.is_empty() || is_lower || self.is_given_up(row) {
+            return;
+        }
+        if image.is_behind(column) {
             return;
         }
         self.work.count(WorkKind::Visit, 1);

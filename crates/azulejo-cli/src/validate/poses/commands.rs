@@ -151,6 +151,12 @@ impl PosedCommand {
             && (scene.is_lit || !needs_light)
     }
 
+    /// Whether a change leaves what it computes as it is. Particles from outside start all around the scene, and
+    /// hardly any meets it if something lies far away.
+    pub fn suits_change(&self, change: &str, scene: SceneTraits) -> bool {
+        change != "double" || !scene.has_lights || !self.name.contains("particles")
+    }
+
     /// Formats that keep all of a scene that it needs.
     pub fn formats(&self, scene: SceneTraits) -> &'static [&'static str] {
         match self.measure {

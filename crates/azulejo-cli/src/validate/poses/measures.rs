@@ -190,7 +190,13 @@ impl Inquiry<'_> {
 
     /// The group of an object's faces, by its name; `None` if others were added to it.
     fn group_of_name(&self, name: &str) -> Option<usize> {
-        let object = self.site.names.iter().position(|n| n == name)?;
+        let place = |name: &str| self.site.names.iter().position(|n| n == name);
+        // Objects of one name have the number of their row behind it.
+        let is_number = |words: &str| words.bytes().all(|b| b.is_ascii_digit());
+        let object = place(name).or_else(|| {
+            let (name, number) = name.rsplit_once(" #")?;
+            is_number(number).then(|| place(name))?
+        })?;
         if self.site.has_added(object) {
             return None;
         }

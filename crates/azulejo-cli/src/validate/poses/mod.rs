@@ -169,7 +169,9 @@ impl<'a> Poses<'a> {
         let traits = posed.traits();
         let suited: Vec<&PosedCommand> = self.commands.iter().filter(|c| c.suits(traits)).collect();
         let command = *dice.one_of(&suited);
-        let mut places: Vec<usize> = (0..CHANGES.len()).collect();
+        let mut places: Vec<usize> = (0..CHANGES.len())
+            .filter(|&k| command.suits_change(CHANGES[k].name, traits))
+            .collect();
         dice.shuffle(&mut places);
         places.truncate(1 + dice.below(MOST_CHANGES));
         places.sort_unstable();
@@ -314,7 +316,9 @@ impl<'a> Poses<'a> {
             Ok(site) => site,
             Err(problem) => return Ok(Err(problem)),
         };
-        let groups = groups(&original, [&base.site, &site], plan.command.measure);
+        let mut groups = groups(&original, [&base.site, &site], plan.command.measure);
+        let moved = site.moved + base.site.moved;
+        original.slivers(moved).for_each(|pair| groups.join(pair));
         let is_exact = plan.changes.iter().all(|c| c.name == "threads");
         let mut inquiry = Inquiry {
             command: plan.command,
@@ -340,7 +344,6 @@ impl<'a> Poses<'a> {
             |c: &&'static Change| matches!(c.name, "triangles" | "quarters" | "format");
         let divided = plan.changes.iter().any(is_divided);
         let bent = if divided { original.bent } else { 0.0 };
-        let moved = site.moved + base.site.moved;
         record.slack = SLACK * (original.sensitivity * moved + bent);
         if matches!(base.end, RunEnd::Unfinished) || matches!(end, RunEnd::Unfinished) {
             record.outcome = PoseOutcome::Unfinished;

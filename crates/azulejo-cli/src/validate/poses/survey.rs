@@ -9,6 +9,9 @@ use azulejo_scene::{Mesh, Scene, Shape, TriangleTree};
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
+/// Share of a face's area that rounding may change, for its row to be compared.
+const MOST_MOVED: f64 = 0.01;
+
 /// The elements of an original scene.
 pub struct Original {
     tree: TriangleTree,
@@ -18,6 +21,8 @@ pub struct Original {
     whole: HashMap<String, usize>,
     /// Area of each element, 0 for shapes that are not meshes.
     pub areas: Vec<f64>,
+    /// Circumference over area of each face.
+    narrowness: Vec<f64>,
     /// The smallest box around all.
     pub bounds: Aabb,
     /// Change of an area, relative to it, for each unit by which vertices move: the largest circumference
@@ -46,6 +51,7 @@ impl Original {
     pub fn new(posed: &PosedScene) -> Original {
         let mut mesh = Mesh::default();
         let (mut objects, mut whole) = (Vec::new(), HashMap::new());
+        let mut narrowness = Vec::new();
         let (mut sensitivity, mut bent, mut uneven) = (0.0f64, 0.0f64, 0.0f64);
         for (k, object) in posed.scene.objects.iter().enumerate() {
             let Shape::Mesh(own) = &object.shape else {
@@ -55,13 +61,11 @@ impl Original {
             for face in 0..own.faces.len() {
                 let corners = own.face_positions(face);
                 let next = corners.iter().cycle().skip(1);
-                around += corners
-                    .iter()
-                    .zip(next)
-                    .map(|(a, b)| a.distance(*b))
-                    .sum::<f64>();
+                let own_around: f64 = corners.iter().zip(next).map(|(a, b)| a.distance(*b)).sum();
+                around += own_around;
                 let normal = own.face_area_vector(face);
                 area += normal.length();
+                narrowness.push(own_around / normal.length().max(f64::MIN_POSITIVE));
                 bend = bend.max(height(&corners, normal.normalize_or_zero()));
                 let first = mesh.positions.len() as u32;
                 mesh.positions.extend(&corners);
@@ -90,6 +94,7 @@ impl Original {
             objects,
             whole,
             areas,
+            narrowness,
             bounds: posed.scene.bounds(),
             sensitivity,
             bent,
@@ -101,6 +106,18 @@ impl Original {
     /// The size of the scene.
     pub fn size(&self) -> f64 {
         self.bounds.diagonal()
+    }
+
+    /// Faces that are as narrow as vertices moved: any face may become of them. Each comes with another face of
+    /// its object, with which it can be compared.
+    pub fn slivers(&self, moved: f64) -> impl Iterator<Item = [usize; 2]> {
+        let is_sliver = move |&face: &usize| self.narrowness[face] * moved > MOST_MOVED;
+        let faces = 0..self.narrowness.len();
+        faces.clone().filter(is_sliver).filter_map(move |face| {
+            let mut others = faces.clone().filter(|other| !is_sliver(other));
+            let other = others.find(|&other| self.objects[other] == self.objects[face])?;
+            Some([face, other])
+        })
     }
 
     /// A point on an element and its unit normal, by two random numbers; `None` for shapes that are no mesh
