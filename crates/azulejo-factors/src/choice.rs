@@ -6,9 +6,10 @@
 //! core; that they are counts keeps the choice, and with it the result, the same on every machine.
 //! Graphics cards are never chosen automatically, because their speed is unknown.
 
-use crate::analytic_engine::exchanger::{Exchanger, ExchangerOptions, WorkForecast};
+use crate::analytic_engine::exchanger::{Exchanger, ExchangerOptions};
 use crate::engine::Engine;
 use crate::patch::Patches;
+use crate::row::Side;
 use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};
 use azulejo_trace::{KernelRay, Surfaces};
@@ -104,17 +105,11 @@ impl EngineChoice {
         {
             return choice;
         }
-        let work = choice.forecast(surfaces, patches);
-        EngineChoice {
-            seconds: work.seconds,
-            sky_seconds: work.sky,
-            row_seconds: work.longest_row,
-            ..choice
-        }
+        choice.with_forecast(surfaces, patches)
     }
 
-    /// The work of all pairs of fronts.
-    fn forecast(&self, surfaces: &Surfaces, patches: &Patches) -> WorkForecast {
+    /// With the work of all pairs of fronts, and of what the horizon divides.
+    fn with_forecast(self, surfaces: &Surfaces, patches: &Patches) -> EngineChoice {
         let most = FORECAST.0 * self.matrix_seconds(ROW_RAYS) + FORECAST.1;
         let options = ExchangerOptions {
             accuracy: None,
@@ -122,8 +117,24 @@ impl EngineChoice {
             seed: 0,
             row_budget: most,
         };
-        let fronts = (0..patches.len() as u32).map(|patch| 2 * patch).collect();
-        Exchanger::new(patches, surfaces, fronts, options).forecast(most)
+        let fronts = || (0..patches.len() as Side).map(|patch| 2 * patch);
+        let exchanger = Exchanger::new(patches, surfaces, fronts().collect(), options);
+        let work = exchanger.forecast(most);
+        let sky_seconds = if work.open.is_empty() {
+            0.0
+        } else {
+            // Light ends on backs, too, which are no rows.
+            let backs = exchanger.hidden_sides(|_, is_front| is_front);
+            let sides = fronts().chain(backs).collect();
+            let exchanger = Exchanger::new(patches, surfaces, sides, options);
+            exchanger.forecast_of_sky(&work, patches.len(), most)
+        };
+        EngineChoice {
+            seconds: work.seconds,
+            sky_seconds,
+            row_seconds: work.longest_row,
+            ..self
+        }
     }
 
     /// Seconds that so many rays from each patch take.

@@ -9,6 +9,9 @@ const SAMPLES: usize = 4096;
 /// The scene has to be this many times as large as its crowded place for that to have coordinates of its own.
 const FAR: f64 = 32.0;
 
+/// Most faces that are intersected in `f64`, because they are large and near at once.
+const MOST_LARGE: usize = 256;
+
 /// Boxes within this many sizes of the crowded place belong to it.
 const BESIDE: f64 = 4.0;
 
@@ -39,32 +42,30 @@ impl LocalFrame {
         }
     }
 
-    /// The frame of a scene with these `boxes`, all of them within `bounds`: about the crowded place, if little
-    /// else lies far away from it.
-    ///
-    /// What is farther away may only be small as seen from there. A large triangle's plane is rounded as its
-    /// corners are, and nearer points of it would have less rounding than it has.
+    /// The frame of a scene with these `boxes`, all of them within `bounds`: about the crowded place, if that is
+    /// small beside the scene, and few things are [large](LocalFrame::is_large) as seen from there.
     pub(crate) fn of<B: Iterator<Item = Aabb>>(bounds: &Aabb, boxes: impl Fn() -> B) -> LocalFrame {
         let whole = LocalFrame::around(bounds);
         let Some(crowd) = crowded(&boxes) else {
             return whole;
         };
-        let (centre, half) = (crowd.centre(), 0.5 * crowd.size().max_element());
-        let reach = boxes().fold(half, |reach, b| {
-            let farthest = (b.min - centre).abs().max((b.max - centre).abs());
-            let nearest = (b.min - centre).max(centre - b.max).max(DVec3::ZERO);
-            let (farthest, nearest) = (farthest.max_element(), nearest.max_element());
-            if farthest > 2.0 * nearest.max(half) {
-                reach.max(farthest)
-            } else {
-                reach
-            }
-        });
-        if reach > 0.0 && FAR * reach < whole.reach {
-            LocalFrame::about(centre, reach)
+        let half = 0.5 * crowd.size().max_element();
+        let about = LocalFrame::about(crowd.centre(), half);
+        let is_apart = half > 0.0 && FAR * half < whole.reach;
+        if is_apart && boxes().filter(|b| about.is_large(b)).count() <= MOST_LARGE {
+            about
         } else {
             whole
         }
+    }
+
+    /// Whether something reaches from near the centre, or from far away to twice as far. Rounding of its corners
+    /// would move it by more than what is near is rounded.
+    pub(crate) fn is_large(&self, of: &Aabb) -> bool {
+        let centre = self.centre;
+        let farthest = (of.min - centre).abs().max((of.max - centre).abs());
+        let nearest = (of.min - centre).max(centre - of.max).max(DVec3::ZERO);
+        farthest.max_element() > 2.0 * nearest.max_element().max(self.reach)
     }
 
     /// World units around the centre in which coordinates are rounded as 1 is.
@@ -184,10 +185,14 @@ mod tests {
     }
 
     #[test]
-    fn large_things_near_by_are_within_reach() {
+    fn a_plain_takes_no_digits() {
         let rooms = [(0.0, 1.0), (1.0, 1.0), (2.0, 1.0)];
         let on_a_plain = [rooms[0], rooms[1], rooms[2], (-1e4, 2e4)];
-        assert!(reach(&on_a_plain) > 0.99e4, "{}", reach(&on_a_plain));
+        assert_eq!(reach(&on_a_plain), 1.5);
         assert_eq!(reach(&rooms), 1.5);
+        let frame = LocalFrame::around(&cubes(&[(0.0, 3.0)])[0]);
+        let is_large = |of: (f64, f64)| frame.is_large(&cubes(&[of])[0]);
+        assert!(is_large((-1e4, 2e4)) && is_large((10.0, 1e4)));
+        assert!(!is_large((0.0, 3.0)) && !is_large((1e4, 10.0)));
     }
 }

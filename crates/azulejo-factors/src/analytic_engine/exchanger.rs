@@ -274,29 +274,41 @@ impl<'a> Exchanger<'a> {
         let samples = count.min(SAMPLED_ROWS);
         // Numbers that a multiple of the golden ratio leaves are spread evenly, however many are used.
         let place = |k: usize| ((k as f64 * GOLDEN).fract() * count as f64) as u32;
-        let (mut work, mut longest, mut done) = (PairWork::default(), 0.0, 0usize);
-        let mut sky = PairWork::default();
-        let split = self.horizon_split(self.surfaces.scene.units.up.axis(), self.sides.len());
+        let mut work = PairWork::default();
+        let mut forecast = WorkForecast::default();
         for k in 0..samples {
-            let row = [place(k)];
-            let (group, row_work, seconds) = self.group(&row, false);
+            let (group, row_work, seconds) = self.group(&[place(k)], false);
             work.add(&row_work);
-            longest = f64::max(longest, seconds);
-            done += 1;
+            forecast.longest_row = f64::max(forecast.longest_row, seconds);
+            forecast.tried += 1;
             if self.loses_light(&group) {
-                sky.add(&self.split_group(&row, split).1);
+                let row = self.facets.list[place(k) as usize].id;
+                forecast.open.push(row as usize);
             }
-            if work.seconds() + sky.seconds() > most {
+            if work.seconds() > most {
                 break;
             }
         }
-        let rows = count as f64 / done.max(1) as f64;
-        WorkForecast {
-            // Each pair is computed once.
-            seconds: 0.5 * rows * work.in_group().seconds(),
-            sky: rows * sky.in_group().seconds(),
-            longest_row: longest,
+        // Each pair is computed once.
+        let rows = count as f64 / forecast.tried.max(1) as f64;
+        forecast.seconds = 0.5 * rows * work.in_group().seconds();
+        forecast
+    }
+
+    /// Seconds that the horizon takes, from the rows of a forecast that lose light, of which the first `rows`
+    /// sides are rows; ends early as that.
+    pub fn forecast_of_sky(&self, forecast: &WorkForecast, rows: usize, most: f64) -> f64 {
+        let split = self.horizon_split(self.surfaces.scene.units.up.axis(), rows);
+        let (mut work, mut tried) = (PairWork::default(), 0usize);
+        for &row in &forecast.open {
+            work.add(&self.split_group(&[self.positions[row]], split).1);
+            tried += 1;
+            if work.seconds() > most {
+                break;
+            }
         }
+        let open = rows as f64 * forecast.open.len() as f64 / forecast.tried.max(1) as f64;
+        open * work.in_group().seconds() / tried.max(1) as f64
     }
 
     /// Positions of the facets of rows that have one: neighbours together, so that clusters are
@@ -616,14 +628,16 @@ const LOST: f64 = 1e-3;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Work before it is done.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct WorkForecast {
     /// Seconds that all pairs take on one core.
     pub seconds: f64,
-    /// Seconds of what the horizon divides, where light leaves the scene.
-    pub sky: f64,
     /// Seconds of the pairs of the longest of the rows that were tried.
     pub longest_row: f64,
+    /// Rows that were tried.
+    pub tried: usize,
+    /// Those of them whose light does not all end on columns.
+    pub open: Vec<usize>,
 }
 
 impl Record for RowGroup {

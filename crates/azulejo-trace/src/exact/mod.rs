@@ -16,7 +16,7 @@ mod triangle;
 
 pub(crate) use line::Line3;
 pub(crate) use primitive::ExactPrimitive;
-pub(crate) use triangle::point_on_triangle;
+pub(crate) use triangle::{crossing, point_on_triangle};
 
 use crate::frame::LocalFrame;
 use crate::hit::ResolvedPoint;

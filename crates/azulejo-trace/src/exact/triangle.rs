@@ -1,5 +1,6 @@
 //! The point of a triangle that a ray hits, in double precision.
 
+use super::line::Line3;
 use crate::hit::ResolvedPoint;
 use azulejo_scene::math::Ray;
 use glam::DVec3;
@@ -40,9 +41,39 @@ fn barycentric(ab: DVec3, ac: DVec3, area: DVec3, p: DVec3) -> (f64, f64) {
     (u / over, v / over)
 }
 
+/// Where a line meets a triangle: `t`, and the weights of the second and third corner. Lines through a common
+/// edge of two triangles meet at least one of them: both compute the same for it.
+pub(crate) fn crossing(corners: [DVec3; 3], line: &Line3) -> Option<(f64, f64, f64)> {
+    let [a, b, c] = corners.map(|p| p - line.origin);
+    let weights = [b.cross(c), c.cross(a), a.cross(b)].map(|n| n.dot(line.direction));
+    let sum: f64 = weights.iter().sum();
+    let is_inside = weights.iter().all(|&w| w >= 0.0) || weights.iter().all(|&w| w <= 0.0);
+    let area = (b - a).cross(c - a);
+    let t = area.dot(a) / area.dot(line.direction);
+    (is_inside && sum != 0.0 && t.is_finite()).then(|| (t, weights[1] / sum, weights[2] / sum))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_cross_inside_and_on_edges() {
+        let corners = [DVec3::ZERO, 1e5 * DVec3::X, 1e5 * DVec3::Y];
+        let down = |x: f64, y: f64| Line3 {
+            origin: DVec3::new(x, y, 2.0),
+            direction: -DVec3::Z,
+        };
+        let (t, u, v) = crossing(corners, &down(2e4, 3e4)).unwrap();
+        assert!((t - 2.0).abs() < 1e-12 && (u - 0.2).abs() < 1e-12 && (v - 0.3).abs() < 1e-12);
+        assert!(crossing(corners, &down(0.0, 0.25)).is_some());
+        assert_eq!(crossing(corners, &down(-1e-9, 1.0)), None);
+        let level = Line3 {
+            origin: DVec3::ZERO,
+            direction: DVec3::X,
+        };
+        assert_eq!(crossing(corners, &level), None);
+    }
 
     #[test]
     fn point_is_on_the_triangle_and_near_the_ray() {

@@ -1,7 +1,7 @@
 //! Construction of a tracer from a scene: collects and transforms triangles and shapes, and builds
 //! the tree.
 
-use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
+use super::placed::{Placed, PlacedPrimitive, PlacedTracer, PlacedTriangle};
 use super::transparency::ItemTransparencies;
 use super::twins::drop_twins;
 use super::{MeshPositions, Tracer, TriangleItem};
@@ -208,7 +208,10 @@ impl Parts {
                     triangle,
                 });
                 let corners = vertices.map(|v| local[v as usize]);
-                if has_area(&corners) {
+                let world = vertices.map(|v| mesh.positions[v as usize]);
+                if self.frame.is_large(&Aabb::around(world)) {
+                    self.add_large(item, world);
+                } else if has_area(&corners) {
                     self.kernel_triangles.push(KernelTriangle { corners, item });
                 }
             }
@@ -223,6 +226,19 @@ impl Parts {
             first_item,
             positions: mesh.positions.clone(),
         });
+    }
+
+    /// Adds a triangle that reaches so far that `f32` would move it.
+    fn add_large(&mut self, item: u32, corners: [DVec3; 3]) {
+        let [a, b, c] = corners;
+        let area = (b - a).cross(c - a);
+        if area == DVec3::ZERO || !area.is_finite() {
+            return;
+        }
+        let corners = corners.map(|p| self.frame.point(p));
+        let placed = PlacedTriangle { item, corners };
+        self.others.push(Placed::Triangle(Box::new(placed)));
+        self.push_other_bounds(&Aabb::around([a, b, c]));
     }
 
     fn add_primitive(&mut self, object: u32, primitive: &azulejo_scene::Primitive) {

@@ -42,7 +42,8 @@ const NO_RAY: KernelRay = KernelRay {
 /// out.
 ///
 /// The kernel works in `f32`, relative to the scene's centre and size, so distant and huge models
-/// lose no precision; if a few small things lie far away from all others, to that of the others.
+/// lose no precision: relative to those of most of it, if a few things lie far away from all others, or reach
+/// far away, as the ground of a town.
 /// [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
 /// are hit from both sides. A mesh that many instances share is prepared once. The tests of boxes and triangles are watertight: no ray slips through
 /// between two triangles that share an edge.
@@ -198,6 +199,7 @@ impl Tracer {
             };
         }
         match self.other_of(item) {
+            Placed::Triangle(t) => self.item(t.item),
             Placed::Primitive(p) => Item {
                 object: p.object,
                 face: item - p.first_item,
@@ -234,7 +236,7 @@ impl Tracer {
         }
         match self.other_of(item) {
             Placed::Instance(i) => item - i.first_item + i.first_prototype,
-            Placed::Primitive(_) | Placed::Exact(_) => item,
+            Placed::Triangle(_) | Placed::Primitive(_) | Placed::Exact(_) => item,
         }
     }
 
@@ -266,7 +268,7 @@ impl Tracer {
         }
         match self.other_of(item) {
             Placed::Instance(i) => i.world_normals * normal,
-            Placed::Primitive(_) | Placed::Exact(_) => normal,
+            Placed::Triangle(_) | Placed::Primitive(_) | Placed::Exact(_) => normal,
         }
     }
 
@@ -307,7 +309,7 @@ impl Tracer {
     ///
     /// The offset is 16 · 2⁻²³ times the largest of: the position's distance from the scene's
     /// centre (along an axis), half the scene's largest extent, and that of each instance; without
-    /// what is small and far away from the rest. In a room of 10 units: 1e-5 units.
+    /// what lies or reaches far away from all others. In a room of 10 units: 1e-5 units.
     pub fn leaving(&self, position: DVec3, normal: DVec3) -> DVec3 {
         let away = self.frame.distance(position);
         let step = LEAVING_ULPS * f64::from(f32::EPSILON) * away.max(self.reach);

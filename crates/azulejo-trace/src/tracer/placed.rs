@@ -1,20 +1,29 @@
 //! The contents of a tracer besides triangles: exact shapes, and other tracers.
 
 use super::Tracer;
-use crate::exact::{ExactPrimitive, Line3, PlacedExact};
+use crate::exact::{ExactPrimitive, Line3, PlacedExact, crossing, point_on_triangle};
 use crate::frame::{LocalFrame, double, single};
 use crate::hit::ResolvedPoint;
 use crate::kernel::{KernelHit, KernelRay, OtherShapes};
 use azulejo_scene::math::Ray;
-use glam::{DAffine3, DMat3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
 /// A shape other than a triangle, in leaves of its own.
 #[derive(Clone, Debug)]
 pub(crate) enum Placed {
+    Triangle(Box<PlacedTriangle>),
     Primitive(Box<PlacedPrimitive>),
     Exact(Box<PlacedExact>),
     Instance(Box<PlacedTracer>),
+}
+
+/// A triangle of a mesh that is too large for the kernel's digits.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedTriangle {
+    pub item: u32,
+    /// In kernel coordinates.
+    pub corners: [DVec3; 3],
 }
 
 /// An exact primitive.
@@ -44,6 +53,7 @@ pub(crate) struct PlacedTracer {
 impl Placed {
     pub(crate) fn first_item(&self) -> u32 {
         match self {
+            Placed::Triangle(t) => t.item,
             Placed::Primitive(p) => p.first_item,
             Placed::Exact(e) => e.first_item,
             Placed::Instance(i) => i.first_item,
@@ -53,10 +63,37 @@ impl Placed {
     /// The surface point of a hit on this shape.
     pub(crate) fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
         match self {
+            Placed::Triangle(t) => t.resolve(frame, ray, hit),
             Placed::Primitive(p) => p.resolve(ray, hit),
             Placed::Exact(e) => e.resolve(frame, ray, hit),
             Placed::Instance(i) => i.resolve(ray, hit),
         }
+    }
+}
+
+impl PlacedTriangle {
+    fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
+        let Some((t, u, v)) = self.crossing(ray, hit.t) else {
+            return;
+        };
+        let t = t as f32;
+        if hit.is_after(t, self.item) {
+            *hit = KernelHit::on_surface(t, self.item, [u as f32, v as f32]);
+        }
+    }
+
+    fn any(&self, ray: &KernelRay, t_max: f32) -> bool {
+        self.crossing(ray, t_max).is_some()
+    }
+
+    fn crossing(&self, ray: &KernelRay, t_max: f32) -> Option<(f64, f64, f64)> {
+        let range = f64::from(ray.t_min.max(0.0))..=f64::from(t_max);
+        crossing(self.corners, &Line3::of(ray)).filter(|(t, ..)| range.contains(t))
+    }
+
+    fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
+        let corners = self.corners.map(|p| frame.world_point(p));
+        point_on_triangle(corners, ray, f64::from(hit.t))
     }
 }
 
@@ -162,6 +199,7 @@ impl PlacedTracer {
 impl OtherShapes for [Placed] {
     fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit) {
         match &self[shape as usize] {
+            Placed::Triangle(t) => t.closest(ray, hit),
             Placed::Primitive(p) => p.closest(ray, hit),
             Placed::Exact(e) => e.closest(ray, hit),
             Placed::Instance(i) => i.closest(ray, hit),
@@ -170,6 +208,7 @@ impl OtherShapes for [Placed] {
 
     fn any(&self, shape: u32, ray: &KernelRay, t_max: f32) -> bool {
         match &self[shape as usize] {
+            Placed::Triangle(t) => t.any(ray, t_max),
             Placed::Primitive(p) => p.any(ray, t_max),
             Placed::Exact(e) => e.any(ray, t_max),
             Placed::Instance(i) => i.any(ray, t_max),

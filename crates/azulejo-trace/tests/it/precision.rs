@@ -94,6 +94,40 @@ fn what_is_far_away_does_not_coarsen_a_room() {
     assert!(differing < 10, "{differing} of 20000");
 }
 
+/// The ground of a town reaches 10,000 times as far as a house on it.
+#[test]
+fn a_plain_does_not_coarsen_what_stands_on_it() {
+    let mut town = synthetic::furnished_room(6000);
+    let slope = DVec3::new(0.01, -0.02, 1.0);
+    let on_ground =
+        |x: f64, y: f64| DVec3::new(3e4 * x, 3e4 * y, -0.5 - 3e4 * (slope.x * x + slope.y * y));
+    let [a, b, c, d] = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| on_ground(x, y));
+    let ground = triangle_mesh(&[[a, b, c], [a, c, d]]);
+    town.objects
+        .push(azulejo_scene::Object::new("ground", ground));
+    let tracer = Tracer::new(&town);
+    let normal = slope.normalize();
+    let mut random = Random(11);
+    for k in 0..20_000 {
+        // Beside the house, on the common edge and within the triangles.
+        let x = 3e-3 * random.next();
+        let y = if k % 2 == 0 { x } else { 3e-3 * random.next() };
+        let place = on_ground(x, y);
+        let from = place + DVec3::new(0.0, 0.0, -1.0);
+        let hit = tracer.hit(&Ray::new(from, place - from)).expect("no gap");
+        assert!(
+            (hit.t - 1.0).abs() < 1e-9 && hit.position.distance(place) < 1e-6,
+            "{hit:?}"
+        );
+        let origin = tracer.leaving(place, -normal);
+        assert!(origin.distance(place) < 1e-3);
+        let level = random.unit();
+        let steep = [1e-6, 1e-3, 0.5][k % 3];
+        let way = level - level.dot(normal) * normal - steep * normal;
+        assert_eq!(tracer.hit(&Ray::new(origin, way)), None);
+    }
+}
+
 /// Rays that leave a surface, from level to steep, must not hit the item that they leave.
 fn check_leaving(tracer: &Tracer, hit_from: impl Fn(&mut Random) -> Ray, flat: bool) {
     let mut random = Random(21);
