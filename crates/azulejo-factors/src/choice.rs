@@ -10,8 +10,8 @@ use crate::analytic_engine::exchanger::{Exchanger, ExchangerOptions};
 use crate::engine::Engine;
 use crate::patch::Patches;
 use crate::row::Side;
-use azulejo_scene::math::Ray;
-use azulejo_trace::sampling::{seeds, sobol};
+use azulejo_scene::math::{Frame, Ray};
+use azulejo_trace::sampling::{cosine_about, seeds, sobol};
 use azulejo_trace::{KernelRay, Surfaces};
 
 /// Formulas are worth this many times the time of rays. In rooms their rows are some fifty times better, for
@@ -36,12 +36,15 @@ const MOST_PATCHES: usize = 200_000;
 /// Share of the area that has to be flat for formulas to be worth while.
 const MOSTLY_FLAT: f64 = 0.95;
 
-/// Seconds per ray, including sampling its start and locating the patch it hits, and per binary digit of the
-/// number of patches.
-const SECONDS_PER_RAY: (f64, f64) = (0.15e-6, 0.02e-6);
+/// Seconds per ray with sampling its start; more for one that meets a patch, which is located, and that per binary
+/// digit of the number of patches; more for one that starts on a curved patch.
+const SECONDS_PER_RAY: [f64; 4] = [0.09e-6, 0.06e-6, 0.04e-6, 0.4e-6];
 
-/// Seconds per row by rays of the formulas of close pairs, with their shadow rays.
-const SECONDS_PER_ROW: f64 = 1e-3;
+/// Seconds per formula of a close pair, with its shadow rays.
+const SECONDS_PER_PAIR: f64 = 50e-6;
+
+/// Rays that tell how many meet a patch.
+const RAYS: u32 = 1_024;
 
 /// Rays per row of a matrix by default.
 const ROW_RAYS: f64 = 4_096.0;
@@ -63,6 +66,10 @@ pub struct EngineChoice {
     pub is_specular: bool,
     /// Shares of all pairs that see each other: fully, and partially. Of sampled pairs.
     pub visible: [f64; 2],
+    /// Share of the rays from fronts that meet a patch.
+    pub met: f64,
+    /// Close pairs, which rows by rays have formulas for.
+    pub close_pairs: usize,
     /// Seconds that formulas for all pairs take on one core, by counted work; infinite where they are not
     /// considered.
     pub seconds: f64,
@@ -75,8 +82,13 @@ pub struct EngineChoice {
 }
 
 impl EngineChoice {
-    /// The properties of a scene as divided into `patches`.
-    pub fn of(surfaces: &Surfaces, patches: &Patches, memory: u64) -> EngineChoice {
+    /// The properties of a scene as divided into `patches`; rows by rays have formulas for so many close pairs.
+    pub fn of(
+        surfaces: &Surfaces,
+        patches: &Patches,
+        memory: u64,
+        close_pairs: usize,
+    ) -> EngineChoice {
         let (mut flat, mut all) = (0.0, 0.0);
         for p in 0..patches.len() {
             let area = patches.area(p);
@@ -91,6 +103,8 @@ impl EngineChoice {
             flat: flat / f64::max(all, f64::MIN_POSITIVE),
             is_specular: materials.iter().any(|m| m.is_specular()),
             visible: visible_shares(surfaces, patches),
+            met: met_share(surfaces, patches),
+            close_pairs,
             seconds: f64::INFINITY,
             sky_seconds: 0.0,
             row_seconds: f64::INFINITY,
@@ -140,13 +154,14 @@ impl EngineChoice {
     /// Seconds that so many rays from each patch take.
     fn ray_seconds(&self, rays: f64) -> f64 {
         let patches = self.patches.max(1) as f64;
-        let per_ray = SECONDS_PER_RAY.0 + SECONDS_PER_RAY.1 * patches.log2();
-        patches * rays * per_ray
+        let [start, meeting, locating, curved] = SECONDS_PER_RAY;
+        let meeting = self.met * (meeting + locating * patches.log2());
+        patches * rays * (start + meeting + curved * (1.0 - self.flat))
     }
 
     /// Seconds of a matrix by so many rays from each patch, with formulas for close pairs.
     fn matrix_seconds(&self, rays: f64) -> f64 {
-        self.ray_seconds(rays) + self.patches as f64 * SECONDS_PER_ROW
+        self.ray_seconds(rays) + self.close_pairs as f64 * SECONDS_PER_PAIR
     }
 
     /// Seconds of CPU time of an engine that was chosen for form factors.
@@ -276,6 +291,26 @@ fn visible_shares(surfaces: &Surfaces, patches: &Patches) -> [f64; 2] {
     [clear, partial].map(|count| f64::from(count) / f64::from(PAIRS))
 }
 
+/// Share of the light of all fronts, each with as much as any other, that meets a patch.
+fn met_share(surfaces: &Surfaces, patches: &Patches) -> f64 {
+    if patches.is_empty() {
+        return 0.0;
+    }
+    let scrambling = seeds(&[0xf2]);
+    let ray = |k: u32| {
+        let u: [f64; 4] = std::array::from_fn(|d| f64::from(sobol(k, d, scrambling[d])));
+        let patch = k as usize * patches.len() / RAYS as usize;
+        let start = patches.sample(patch, u[0], u[1]);
+        let direction = cosine_about(&Frame::from_normal(start.normal), u[2], u[3]);
+        let origin = surfaces.tracer.leaving(start.position, start.normal);
+        surfaces.tracer.kernel_ray(&Ray::new(origin, direction))
+    };
+    let rays: Vec<KernelRay> = (0..RAYS).map(ray).collect();
+    let mut met = Vec::new();
+    surfaces.tracer.any(&rays, &mut met);
+    met.iter().filter(|&&met| met).count() as f64 / f64::from(RAYS)
+}
+
 /// A ray between points of two patches, if their fronts face each other there.
 fn between(
     surfaces: &Surfaces,
@@ -312,6 +347,8 @@ mod tests {
         flat: 1.0,
         is_specular: false,
         visible: [0.5, 0.1],
+        met: 1.0,
+        close_pairs: 80_000,
         seconds: 30.0,
         sky_seconds: 0.0,
         row_seconds: 0.01,

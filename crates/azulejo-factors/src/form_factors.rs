@@ -216,11 +216,18 @@ impl<'a> PreparedPlan<'a> {
             Some(groups) => groups.samples(&plan.patches),
             None => RowSamples::of_rays(plan.options.rays.min(MOST_RAYS)),
         };
+        let sides = Sides::new(&plan.patches, plan.options.two_sided);
         let (mut row_budget, mut seconds) = (f64::INFINITY, None);
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
                 let surfaces = Surfaces::new(scene, tracer);
-                let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
+                let close_pairs = if plan.options.analytic {
+                    near::count(&sides, &surfaces)
+                } else {
+                    0
+                };
+                let memory = plan.options.memory;
+                let choice = EngineChoice::of(&surfaces, &plan.patches, memory, close_pairs);
                 let rays = samples.rays.mean(plan.patches.len());
                 let (engine, why) = choice.for_factors(rays);
                 row_budget = choice.row_budget();
@@ -233,7 +240,7 @@ impl<'a> PreparedPlan<'a> {
         let why = instead.or(why);
         PreparedPlan {
             plan,
-            sides: Sides::new(&plan.patches, plan.options.two_sided),
+            sides,
             gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
             seed: hash(&[seed as u32, (seed >> 32) as u32]),
             engine,

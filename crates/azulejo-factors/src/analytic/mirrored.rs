@@ -124,8 +124,12 @@ impl MirrorPlane {
         }
     }
 
+    fn height(&self, p: DVec3) -> f64 {
+        (p - self.point).dot(self.normal)
+    }
+
     fn is_before(&self, p: DVec3) -> bool {
-        (p - self.point).dot(self.normal) > 0.0
+        self.height(p) > 0.0
     }
 
     /// Whether two planes are the same, facing the same way.
@@ -264,7 +268,10 @@ impl Chain {
         };
         let (tested, passed): (Vec<_>, Vec<_>) = chain.mirrors.into_iter().partition(is_tested);
         chain.mirrors = tested;
-        chain.passed.extend(passed.iter().map(|stage| stage.plane));
+        // What lies behind others is nothing that light comes from.
+        let is_touched = |plane: &MirrorPlane| from.iter().any(|&p| plane.height(p) <= graze);
+        let planes = passed.iter().map(|stage| stage.plane);
+        chain.passed.extend(planes.filter(is_touched));
         chain.mirrors.push(last);
         chain
     }

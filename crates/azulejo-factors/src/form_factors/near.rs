@@ -104,6 +104,11 @@ pub(super) fn exact(
     Ok(exact)
 }
 
+/// Number of pairs that have a formula.
+pub(super) fn count(sides: &Sides, surfaces: &Surfaces) -> usize {
+    PairSelector::new(sides, surfaces).pairs().len()
+}
+
 /// Exact estimates of all pairs of one row that have a formula.
 pub(super) fn exact_row(
     sides: &Sides,
