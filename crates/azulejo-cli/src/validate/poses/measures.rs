@@ -191,12 +191,7 @@ impl Inquiry<'_> {
     /// The group of an object's faces, by its name; `None` if others were added to it.
     fn group_of_name(&self, name: &str) -> Option<usize> {
         let place = |name: &str| self.site.names.iter().position(|n| n == name);
-        // Objects of one name have the number of their row behind it.
-        let is_number = |words: &str| words.bytes().all(|b| b.is_ascii_digit());
-        let object = place(name).or_else(|| {
-            let (name, number) = name.rsplit_once(" #")?;
-            is_number(number).then(|| place(name))?
-        })?;
+        let object = place(name).or_else(|| place(without_number(name)?))?;
         if self.site.has_added(object) {
             return None;
         }
@@ -214,7 +209,8 @@ impl Inquiry<'_> {
         // The group and side of each row.
         let mut rows: HashMap<&str, (usize, &str)> = HashMap::new();
         for line in &lines {
-            let (group, side) = match (by_object, line[0].strip_suffix(" (back)")) {
+            let numbered = without_number(line[0]).unwrap_or(line[0]);
+            let (group, side) = match (by_object, numbered.strip_suffix(" (back)")) {
                 (false, _) => (self.group_of_face(line), line.get(7).copied().unwrap_or("")),
                 (true, Some(name)) => (self.group_of_name(name), "back"),
                 (true, None) => (self.group_of_name(line[0]), "front"),
@@ -634,4 +630,9 @@ impl<'a> Means<'a> {
         };
         self.sums.iter().map(quantity).collect()
     }
+}
+/// A name without the number of its row, which follows the names that several objects share.
+fn without_number(name: &str) -> Option<&str> {
+    let (name, number) = name.rsplit_once(" #")?;
+    number.bytes().all(|b| b.is_ascii_digit()).then_some(name)
 }
