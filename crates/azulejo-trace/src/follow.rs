@@ -120,19 +120,14 @@ pub fn follow(
                 on_event(path, Event::Escape);
                 continue;
             }
-            on_event(
-                path,
-                Event::Surface {
-                    hit: *hit,
-                    front: surfaces.is_front(&path.ray, hit),
-                },
-            );
+            let (hit, front) = surfaces.facing(&path.ray, hit);
+            on_event(path, Event::Surface { hit, front });
             if surfaces.is_specular(hit.item) {
                 let specular = SpecularHit {
                     path,
                     item: hit.item,
                     material: surfaces.material(hit.item),
-                    at: SurfaceInteraction::new(surfaces.tracer, &path.ray, hit),
+                    at: SurfaceInteraction::new(surfaces.tracer, &path.ray, &hit),
                     key: hash(&[seed, wave, index as u32]),
                     heaviest,
                 };

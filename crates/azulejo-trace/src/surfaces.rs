@@ -314,7 +314,45 @@ impl<'a> Surfaces<'a> {
         }
         n[0] * d[0] + n[1] * d[1] + n[2] * d[2] < 0.0
     }
+
+    /// A hit of a ray and whether it is at the front: if it is at a back, and there is a front in the same place, that
+    /// front. Which of two faces back to back a ray hits first is rounding, unless both are divided alike.
+    pub fn facing(&self, ray: &KernelRay, hit: &KernelHit) -> (KernelHit, bool) {
+        if self.is_front(ray, hit) {
+            return (*hit, true);
+        }
+        let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
+        if self.material(hit.item).dielectric.is_some() {
+            return (*hit, false);
+        }
+        let far = length(ray.origin) + hit.t * length(ray.direction) + 1.0;
+        let beside = BACK_TO_BACK * f32::EPSILON * far / length(ray.direction);
+        let mut next = KernelRay {
+            t_min: hit.t - beside,
+            t_max: hit.t + beside,
+            ..*ray
+        };
+        let mut found = [KernelHit::NOTHING];
+        for _ in 0..MOST_SHEETS {
+            self.tracer.closest_into(&[next], &mut found);
+            if !found[0].is_hit() {
+                break;
+            }
+            if self.is_front(ray, &found[0]) {
+                return (found[0], true);
+            }
+            next = next.behind(&found[0]);
+        }
+        (*hit, false)
+    }
 }
+
+/// Distance of two faces back to back, in units of the rounding of coordinates: a few for each, and for slanting
+/// rays.
+const BACK_TO_BACK: f32 = 16.0;
+
+/// Faces in one place that are looked at.
+const MOST_SHEETS: usize = 4;
 
 impl ItemSurface {
     fn new(

@@ -137,9 +137,8 @@ impl RowCheck<'_> {
         surfaces.tracer.closest(&rays, &mut hits);
         let hit = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
         hit.filter_map(|(ray, hit)| {
-            let column = self
-                .sides
-                .column(patches.at(hit), surfaces.is_front(ray, hit))?;
+            let (hit, is_front) = surfaces.facing(ray, hit);
+            let column = self.sides.column(patches.at(&hit), is_front)?;
             Some(column as usize)
         })
         .collect()

@@ -311,6 +311,34 @@ fn sheets_back_to_back_are_one_wall() {
     }
 }
 
+/// The outer sheet is divided along the other diagonal: which of the two a ray meets first is rounding, and light
+/// that met the back of the outer one was lost.
+#[test]
+fn sheets_back_to_back_may_be_divided_in_other_ways() {
+    let (mut scene, _) = room_with_floor(&[strip(0.0, SIZE.x)]);
+    let Shape::Mesh(floor) = &scene.objects[0].shape else {
+        unreachable!("rooms are meshes");
+    };
+    let mut outside = Mesh {
+        positions: floor.positions.clone(),
+        ..Mesh::default()
+    };
+    outside.push_face(&[1, 0, 3], 0);
+    outside.push_face(&[1, 3, 2], 0);
+    scene
+        .objects
+        .push(Object::new("outside", Shape::Mesh(outside)));
+    let twin = scene.objects.len() - 1;
+    let turned = posed(&scene, &pose(1, 10.0), Digits::Decimals(6));
+    for (scene, slack) in [(&scene, 1e-10), (&turned, 1e-6)] {
+        for engine in engines() {
+            let found = compute(scene, &engine);
+            check_floor(&found, &[0], slack);
+            assert_eq!(between(&found, &[twin], &[0, 1, 2, 3, 4, 5]), (0.0, 0.0));
+        }
+    }
+}
+
 /// A wall that is there twice. Light can meet only one of them: those inside should see the pair as they see
 /// one. They see it one and a half times by rays and hemicubes, since both sheets send out all of their light;
 /// so the program names the pair, and formulas refuse it.
