@@ -31,6 +31,8 @@ struct ObjectSummary<'s> {
     faces: usize,
     triangles: usize,
     area: f64,
+    /// Inside a closed mesh; negative if its fronts are inside, as those of a room.
+    volume: Option<f64>,
     /// Emitted power per channel, W; `None` for an object that does not emit.
     power: Option<Rgb>,
     solved: bool,
@@ -134,6 +136,10 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
             faces: mesh.faces.len(),
             triangles: mesh.faces.triangle_count(),
             area,
+            volume: mesh.enclosed_volume().map(|volume| {
+                let map = placed.world_from_mesh();
+                volume * map.map_or(1.0, |map| map.matrix3.determinant())
+            }),
             power: emits.then_some(power),
             solved: !placed.irradiance.is_empty() || scene.is_lightmapped(&object.shape),
         };
@@ -154,6 +160,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 faces: 0,
                 triangles: 0,
                 area: areas.values().sum(),
+                volume: None,
                 power: (!power.is_black()).then_some(power),
                 solved: exact.proxy.is_some(),
             }
@@ -169,6 +176,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 faces: 0,
                 triangles: 0,
                 area,
+                volume: None,
                 power: (!emitted.is_black()).then_some(emitted * (PI * area)),
                 solved: p.light.is_some(),
             }
@@ -419,6 +427,7 @@ fn list(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
             "faces": part.faces,
             "triangles": part.triangles,
             "area": number(part.area),
+            "volume": part.volume.map(number),
             "emits": part.power.is_some(),
             "solved": part.solved,
         });
@@ -448,11 +457,17 @@ fn table(scene: &Scene, parts: &[ObjectSummary<'_>]) -> Vec<String> {
         .max()
         .unwrap_or(0)
         .max(6);
-    let row = |name: &str, kind: &str, rest: [&str; 4]| {
-        let [vertices, faces, triangles, area] = rest;
-        format!("{name:<width$}  {kind:<13} {vertices:>11} {faces:>11} {triangles:>11} {area:>12}")
+    let row = |name: &str, kind: &str, rest: [&str; 5]| {
+        let [vertices, faces, triangles, area, volume] = rest;
+        format!(
+            "{name:<width$}  {kind:<13} {vertices:>11} {faces:>11} {triangles:>11} {area:>12} {volume:>12}"
+        )
     };
-    let heading = row("object", "kind", ["vertices", "faces", "triangles", "area"]);
+    let heading = row(
+        "object",
+        "kind",
+        ["vertices", "faces", "triangles", "area", "volume"],
+    );
     let mut rows = vec![String::new(), heading];
     rows.extend(shown.zip(&names).map(|((_, p), name)| {
         let counts = [p.vertices, p.faces, p.triangles].map(count);
@@ -460,7 +475,9 @@ fn table(scene: &Scene, parts: &[ObjectSummary<'_>]) -> Vec<String> {
         let mark = if p.power.is_some() { " lamp" } else { "" };
         let content = p.inventory.as_ref().map(Inventory::words);
         let content = content.map_or_else(String::new, |words| format!("  {words}"));
-        row(name, p.kind, [v, f, t, &short(p.area)]) + mark + &content
+        let volume = p.volume.map_or_else(String::new, short);
+        let row = row(name, p.kind, [v, f, t, &short(p.area), &volume]);
+        (row + mark + &content).trim_end().to_owned()
     }));
     if parts.len() > LISTED {
         rows.push(format!("… and {} more", count(parts.len() - LISTED)));

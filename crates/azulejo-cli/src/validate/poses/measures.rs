@@ -491,6 +491,7 @@ impl Inquiry<'_> {
         let square = self.site.scale().powi(2);
         let mut areas: BTreeMap<usize, f64> = BTreeMap::new();
         let mut objects: BTreeMap<usize, Vec<&str>> = BTreeMap::new();
+        let mut volumes = Vec::new();
         let list = report["object_list"].as_array().into_iter().flatten();
         for (k, object) in list.enumerate() {
             let Some(element) = self.site.object_elements(k).next() else {
@@ -504,6 +505,15 @@ impl Inquiry<'_> {
                 object["area"].as_f64().unwrap_or(f64::NAN) / square;
             let name = object["name"].as_str().unwrap_or_default();
             objects.entry(group).or_default().push(name);
+            if let Some(volume) = object["volume"].as_f64() {
+                let volume = volume / (square * self.site.scale());
+                // Of all corners moved outwards.
+                let bias = 2.0 * areas[&group] * self.site.moved;
+                volumes.push(Quantity {
+                    bias,
+                    ..Quantity::exact(format!("volume {group}"), volume)
+                });
+            }
         }
         let inverted = report["inverted"].as_array().into_iter().flatten();
         let inverted: BTreeSet<&str> = inverted.filter_map(Value::as_str).collect();
@@ -534,6 +544,7 @@ impl Inquiry<'_> {
         };
         if is_whole {
             quantities.extend(single.by_ref().map(verdict));
+            quantities.extend(volumes);
         }
         quantities
     }
