@@ -112,8 +112,7 @@ fn known() -> SceneFamily {
 /// The models in the folder `examples` of the project, if that is where the program runs.
 fn examples() -> SceneFamily {
     let files = files_below(Path::new("examples"), 1).into_iter();
-    // The screen of box.vs3 is two sheets back to back. Which of them a ray meets is chance once they are divided
-    // in different ways.
+    // The screen of box.vs3 is two sheets back to back: with two sides each, four in one place.
     let is_model = |path: &PathBuf| path.extension().is_some_and(|e| e == "grf");
     files.filter(is_model).filter_map(|p| model(&p)).collect()
 }
