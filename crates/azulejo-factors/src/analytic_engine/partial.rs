@@ -256,7 +256,10 @@ impl PartialVisibility {
             if pair.depth < MOST_DEPTH {
                 return self.quartered(pair, way > 0.0, kept, goal);
             }
-            self.doubt += UNCUT * size;
+            // At corners where facets and obstructions meet, the rest is small beside what was quartered.
+            if fits(points) {
+                self.doubt = self.doubt.hypot(UNCUT * size);
+            }
         }
         let seen = self.integrate(from_to, way, kept, points, is_far, goal);
         let sees_part = goal.up.is_some() || kept.iter().any(|s| s.is_window);
