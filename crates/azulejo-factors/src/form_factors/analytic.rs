@@ -321,3 +321,34 @@ fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) ->
     }
     notes
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::form_factors::{NoJournal, Plan};
+    use crate::{Closure, Engine, FormFactorOptions, PatchSize};
+    use azulejo_scene::synthetic::room_with_table;
+    use azulejo_trace::{Progress, Tracer};
+
+    /// What formulas had found of rows that were then left to rays counted beside what these found: some rows
+    /// summed to 2.
+    #[test]
+    fn rows_left_to_rays_count_once() {
+        let scene = room_with_table(60);
+        let tracer = Tracer::new(&scene);
+        let options = FormFactorOptions {
+            engine: Engine::Analytic,
+            size: PatchSize::Edge(0.0),
+            closure: Closure::Never,
+            ..FormFactorOptions::default()
+        };
+        let plan = Plan::new(&scene, &tracer, &options).unwrap();
+        let mut prepared = plan.prepare();
+        prepared.row_budget = 1e-5;
+        let factors = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+        let notes = factors.engine_used.notes.join("; ");
+        assert!(notes.contains("rows were left to rays"), "{notes}");
+        let off = factors.row_sums().into_iter().map(|sum| (sum - 1.0).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 0.1, "{off}");
+    }
+}

@@ -642,6 +642,7 @@ impl<'a> Means<'a> {
         self.sums.iter().map(quantity).collect()
     }
 }
+
 /// A name without the number of its row, which follows the names that several objects share.
 fn without_number(name: &str) -> Option<&str> {
     let (name, number) = name.rsplit_once(" #")?;
