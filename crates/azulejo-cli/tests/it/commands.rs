@@ -24,6 +24,13 @@ fn info_counts() {
     }
     assert_eq!(info["lights"]["area"], json!(1));
     assert!((info["area"].as_f64().unwrap() - 81.0).abs() < 1e-9);
+    // The room is seen from inside, the lamp is open.
+    let volumes = [0, 1].map(|i| info["object_list"][i]["volume"].as_f64());
+    assert_eq!(volumes.iter().flatten().count(), 1, "{volumes:?}");
+    assert!(
+        (volumes.iter().flatten().sum::<f64>() + 48.0).abs() < 1e-9,
+        "{volumes:?}"
+    );
     let per_object: u64 = (0..2)
         .map(|i| info["object_list"][i]["vertices"].as_u64().unwrap())
         .sum();

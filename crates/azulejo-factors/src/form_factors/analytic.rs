@@ -330,7 +330,7 @@ mod tests {
     use azulejo_trace::{Progress, Tracer};
 
     /// What formulas had found of rows that were then left to rays counted beside what these found: some rows
-    /// summed to 2.
+    /// summed to 1.9.
     #[test]
     fn rows_left_to_rays_count_once() {
         let scene = room_with_table(60);
