@@ -1,7 +1,7 @@
 //! Loops over many items, by all threads of all processes that share the work.
 
-use azulejo_trace::journal::{Record, shared};
-use azulejo_trace::{Cancelled, Work};
+use azulejo_trace::run::Record;
+use azulejo_trace::{Cancelled, Run};
 use rayon::prelude::*;
 
 /// Batches of a block that one thread of a process computes before it asks for the next: some milliseconds.
@@ -14,25 +14,25 @@ pub(crate) const SHORT_BLOCK: usize = 1;
 pub(crate) fn in_batches<I: Sync, T: Record + Send>(
     items: &[I],
     size: usize,
-    work: Work,
+    run: Run,
     of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
 ) -> Result<Vec<T>, Cancelled> {
-    in_blocks(items, (size, BLOCK), work, of_batch)
+    in_blocks(items, (size, BLOCK), run, of_batch)
 }
 
 /// The same with blocks of so many batches.
 pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
     items: &[I],
     (size, block): (usize, usize),
-    (journal, progress): Work,
+    run: Run,
     of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
 ) -> Result<Vec<T>, Cancelled> {
     let batches: Vec<&[I]> = items.chunks(size).collect();
     let of_number = |&number: &usize| {
-        progress.advance(0)?;
+        run.progress.advance(0)?;
         of_batch(batches[number])
     };
-    let found = shared(journal, (batches.len(), block), progress, |wanted| {
+    let found = run.shared((batches.len(), block), |wanted| {
         wanted.par_iter().map(of_number).collect()
     })?;
     Ok(found.into_iter().flatten().collect())
@@ -42,11 +42,11 @@ pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
 pub(crate) fn in_counted_batches<I: Sync, T: Record + Send>(
     items: &[I],
     size: (usize, usize),
-    work: Work,
+    run: Run,
     of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
 ) -> Result<Vec<T>, Cancelled> {
-    in_blocks(items, size, work, |batch| {
-        work.1.advance(batch.len() as u64)?;
+    in_blocks(items, size, run, |batch| {
+        run.progress.advance(batch.len() as u64)?;
         of_batch(batch)
     })
 }

@@ -14,8 +14,8 @@ use crate::nodes::Nodes;
 use crate::rays::READ_RATE;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::{Record, RecordReader};
-use azulejo_trace::{Cancelled, Gathered, REPLICATES, Work};
+use azulejo_trace::run::{Record, RecordReader};
+use azulejo_trace::{Cancelled, Gathered, REPLICATES, Run};
 
 /// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
 /// what changes from place to place is blurred.
@@ -47,11 +47,11 @@ pub(crate) fn corrected(
     nodes: &Nodes,
     pairs: &[NodePair],
     rays: &[PairRays],
-    work: Work,
+    run: Run,
 ) -> Result<Vec<NodeLight>, Cancelled> {
     let (samples, lattice) = (nodes.samples, nodes.lattice());
-    let around = nodes.far_around(work)?;
-    let smooth = |count| Smoothed::new(nodes, (pairs, rays), around, count, work);
+    let around = nodes.far_around(run)?;
+    let smooth = |count| Smoothed::new(nodes, (pairs, rays), around, count, run);
     let nearest = smooth(NEIGHBOURS[0])?;
     let strata = nearest.strata();
     // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
@@ -89,7 +89,7 @@ impl Smoothed {
         (pairs, rays): (&[NodePair], &[PairRays]),
         around: &[Vec<u32>],
         count: usize,
-        work: Work,
+        run: Run,
     ) -> Result<Smoothed, Cancelled> {
         let (samples, lattice) = (nodes.samples, nodes.lattice());
         let cells: Vec<u32> = (0..lattice.len() as u32).collect();
@@ -99,7 +99,7 @@ impl Smoothed {
             let node = lattice.node(cell as usize);
             node_light(samples, lattice, (pairs, rays), node, near)
         };
-        let found = in_batches(&cells, BATCH, work, |batch| {
+        let found = in_batches(&cells, BATCH, run, |batch| {
             Ok(batch.iter().map(of_cell).collect())
         })?;
         let mut smoothed = Smoothed {

@@ -9,7 +9,7 @@ use crate::nodes::Nodes;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Work};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -100,12 +100,12 @@ impl SampleDirect {
         lattice: Lattice,
         of_nodes: Vec<Gathered>,
         missing: &[u32],
-        work: Work,
+        run: Run,
     ) -> Result<(), Cancelled> {
         let none = SampleDirect::none(samples.samples.len());
         let mut nodes = Nodes::new(samples, &none, lattice);
         nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
-        let light = nodes.interpolated(&nodes.interpolation_errors(work)?, work)?;
+        let light = nodes.interpolated(&nodes.interpolation_errors(run)?, run)?;
         for &sample in missing {
             let TexelLight {
                 irradiance,
@@ -134,10 +134,10 @@ pub fn direct(
     gatherer: &Gatherer,
     error: f64,
     seed: u32,
-    work: Work,
+    run: Run,
 ) -> Result<SampleDirect, Cancelled> {
-    let found = at_centres(samples, gatherer, seed, work)?;
-    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, work)
+    let found = at_centres(samples, gatherer, seed, run)?;
+    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, run)
 }
 
 /// As [`direct`], from direct light that was gathered at the point of each sample.
@@ -150,13 +150,13 @@ pub fn direct_from(
     gatherer: &Gatherer,
     (at_centres, error): (&[Gathered], f64),
     seed: u32,
-    work: Work,
+    run: Run,
 ) -> Result<SampleDirect, Cancelled> {
     let mut found = SampleDirect::none(samples.samples.len());
     for (sample, light) in at_centres.iter().enumerate() {
         found.set(sample, light);
     }
-    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, work)
+    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, run)
 }
 
 /// Looks at texels in more places where light is uneven or noisy.
@@ -166,9 +166,9 @@ fn with_shadow_edges(
     gatherer: &Gatherer,
     (mut found, error): (SampleDirect, f64),
     seed: u32,
-    work: Work,
+    run: Run,
 ) -> Result<SampleDirect, Cancelled> {
-    let (_, progress) = work;
+    let progress = run.progress;
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
         if progress.out_of_time() {
@@ -176,7 +176,7 @@ fn with_shadow_edges(
         }
         let uneven = uneven(samples, &found, error * mean, round);
         progress.begin("shadow edges", uneven.len() as u64);
-        let fine = in_counted_batches(&uneven, (UNEVEN_BATCH, BLOCK), work, |batch| {
+        let fine = in_counted_batches(&uneven, (UNEVEN_BATCH, BLOCK), run, |batch| {
             let light = |&s: &u32| {
                 (!progress.out_of_time())
                     .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
@@ -198,9 +198,9 @@ fn at_centres(
     samples: &Samples,
     gatherer: &Gatherer,
     seed: u32,
-    work: Work,
+    run: Run,
 ) -> Result<SampleDirect, Cancelled> {
-    let (_, progress) = work;
+    let progress = run.progress;
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
     let mut found = SampleDirect::none(count);
@@ -214,7 +214,7 @@ fn at_centres(
     let mut sparse = None;
     if progress.has_deadline() {
         let lattice = Lattice::new(samples, SPARSE);
-        let light = in_counted_batches(&lattice.nodes, (BATCH, BLOCK), work, |batch| {
+        let light = in_counted_batches(&lattice.nodes, (BATCH, BLOCK), run, |batch| {
             Ok(gather(batch))
         })?;
         for (&sample, light) in lattice.nodes.iter().zip(&light) {
@@ -228,7 +228,7 @@ fn at_centres(
         left.retain(|&s| is_left[s as usize]);
         sparse = Some((lattice, light));
     }
-    let light = in_counted_batches(&left, (BATCH, BLOCK), work, |batch| {
+    let light = in_counted_batches(&left, (BATCH, BLOCK), run, |batch| {
         Ok(if progress.out_of_time() {
             vec![None; batch.len()]
         } else {
@@ -243,7 +243,7 @@ fn at_centres(
         }
     }
     if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
-        found.interpolate(samples, lattice, light, &missing, work)?;
+        found.interpolate(samples, lattice, light, &missing, run)?;
     }
     Ok(found)
 }

@@ -10,7 +10,7 @@ use crate::direct::direct;
 use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::samples::{Rows, Samples};
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, Gatherer, Work};
+use azulejo_trace::{Cancelled, Gatherer, Run};
 
 /// Width of the texels with which edges are looked for, relative to that of the lightmap's.
 const COARSER: u32 = 4;
@@ -69,15 +69,15 @@ pub fn chart_importance(
     gatherer: &Gatherer,
     error: f64,
     seed: u32,
-    work: Work,
+    run: Run,
 ) -> Result<ChartImportance, Cancelled> {
     let mut coarse = atlas.clone();
     for size in coarse.layout.pages.iter_mut().flatten() {
         *size = (*size / COARSER).max(LEAST_PAGE);
     }
-    let samples = Samples::new(&coarse, gatherer.surfaces().tracer, work)?;
+    let samples = Samples::new(&coarse, gatherer.surfaces().tracer, run)?;
     let error = COARSER_ERROR * error;
-    let light = direct(&samples, &coarse, gatherer, error, seed, work)?;
+    let light = direct(&samples, &coarse, gatherer, error, seed, run)?;
     let mut charts = vec![ChartEdges::default(); atlas.layout.charts as usize];
     let mut first = 0;
     for (page, coverage) in samples.pages.iter().enumerate() {

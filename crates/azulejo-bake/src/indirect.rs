@@ -13,7 +13,7 @@ use crate::nodes::Nodes;
 use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Work, sequence_gain};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Run, sequence_gain};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -116,7 +116,7 @@ pub fn first_look<E: From<Cancelled>>(
     samples: &Samples,
     direct: &SampleDirect,
     goal: IndirectGoal,
-    work: Work,
+    run: Run,
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<TexelLight>, NodeLattice), E> {
     let mut nodes = Nodes::new(samples, direct, first_lattice(samples));
@@ -124,7 +124,7 @@ pub fn first_look<E: From<Cancelled>>(
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
-            if !coarse.contains(&true) || work.1.out_of_time() {
+            if !coarse.contains(&true) || run.progress.out_of_time() {
                 break;
             }
             nodes.divide(&coarse);
@@ -136,9 +136,9 @@ pub fn first_look<E: From<Cancelled>>(
         })?;
         nodes.light.extend(found.into_iter().map(NodeLight::from));
         nodes.measure_mean();
-        errors = nodes.interpolation_errors(work)?;
+        errors = nodes.interpolation_errors(run)?;
     }
-    let light = nodes.interpolated(&errors, work)?;
+    let light = nodes.interpolated(&errors, run)?;
     Ok((light, NodeLattice(nodes.into_lattice())))
 }
 
@@ -154,13 +154,13 @@ pub fn look_again<E: From<Cancelled>>(
     samples: &Samples,
     direct: &SampleDirect,
     nodes: &NodeLattice,
-    work: Work,
+    run: Run,
     gather: &mut PairGather<E>,
 ) -> Result<Vec<TexelLight>, E> {
-    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), work);
+    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), run);
     paired.gather_new(gather)?;
     let errors = vec![0.0; paired.nodes.lattice().len()];
-    Ok(paired.nodes.interpolated(&errors, work)?)
+    Ok(paired.nodes.interpolated(&errors, run)?)
 }
 
 /// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
@@ -176,35 +176,35 @@ pub fn with_indirect<E: From<Cancelled>>(
     start: NodeLattice,
     goal: IndirectGoal,
     is_final: bool,
-    work: Work,
+    run: Run,
     gather: &mut PairGather<E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut paired = PairedNodes::new(samples, direct, start.0, work);
+    let mut paired = PairedNodes::new(samples, direct, start.0, run);
     paired.gather_new(gather)?;
     if !is_final {
         paired.quieten(goal, gather)?;
     }
-    let mut errors = paired.nodes.interpolation_errors(work)?;
+    let mut errors = paired.nodes.interpolation_errors(run)?;
     for _ in 1..=MOST_ROUNDS {
         let permitted = goal.permitted(paired.nodes.mean);
         let coarse = paired.nodes.coarse_cells(&errors, permitted);
-        if !coarse.contains(&true) || work.1.out_of_time() {
+        if !coarse.contains(&true) || run.progress.out_of_time() {
             break;
         }
         paired.nodes.divide(&coarse);
         paired.gather_new(gather)?;
-        errors = paired.nodes.interpolation_errors(work)?;
+        errors = paired.nodes.interpolation_errors(run)?;
     }
     if !is_final {
         for _ in 0..MOST_RAISES {
             let Some(rays) = paired.wanted(&errors, goal)? else {
                 break;
             };
-            if work.1.out_of_time() {
+            if run.progress.out_of_time() {
                 break;
             }
             paired.raise(&rays, gather)?;
-            errors = paired.nodes.interpolation_errors(work)?;
+            errors = paired.nodes.interpolation_errors(run)?;
         }
     }
     let nodes = &paired.nodes;
@@ -215,7 +215,7 @@ pub fn with_indirect<E: From<Cancelled>>(
         nodes: nodes.light.len(),
         interpolation: (squares.max(0.0) / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
     };
-    Ok((nodes.interpolated(&errors, work)?, statistics))
+    Ok((nodes.interpolated(&errors, run)?, statistics))
 }
 
 /// Cells as large as leaves enough of them.
@@ -250,7 +250,7 @@ struct PairedNodes<'a> {
     pairs: Vec<NodePair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
-    work: Work<'a>,
+    run: Run<'a>,
 }
 
 /// The light at the nodes of each request, in their order.
@@ -261,10 +261,10 @@ impl<'a> PairedNodes<'a> {
         samples: &'a Samples,
         direct: &'a SampleDirect,
         lattice: Lattice,
-        work: Work<'a>,
+        run: Run<'a>,
     ) -> PairedNodes<'a> {
         PairedNodes {
-            work,
+            run,
             nodes: Nodes::new(samples, direct, lattice),
             pairs: Vec::new(),
             rays: Vec::new(),
@@ -276,7 +276,7 @@ impl<'a> PairedNodes<'a> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.lattice().len(), self.work.1);
+            let rays = first_rays(self.nodes.lattice().len(), self.run.progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
             let found = gather(&[PairRequest {
                 points: &points,
@@ -292,7 +292,7 @@ impl<'a> PairedNodes<'a> {
 
     fn update(&mut self) -> Result<(), Cancelled> {
         let nodes = &mut self.nodes;
-        nodes.light = corrected(nodes, &self.pairs, &self.rays, self.work)?;
+        nodes.light = corrected(nodes, &self.pairs, &self.rays, self.run)?;
         let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
         nodes
             .light
@@ -320,7 +320,7 @@ impl<'a> PairedNodes<'a> {
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
         // All at once, so that processes that share the work meet once; before a deadline one part after the other.
-        let (together, at_once) = if self.work.1.has_deadline() {
+        let (together, at_once) = if self.run.progress.has_deadline() {
             (BETWEEN_LOOKS, 1)
         } else {
             (usize::MAX, alike.len().max(1))
@@ -331,7 +331,7 @@ impl<'a> PairedNodes<'a> {
         });
         let parts: Vec<([u32; 4], &[usize])> = parts.collect();
         for parts in parts.chunks(at_once) {
-            if self.work.1.out_of_time() {
+            if self.run.progress.out_of_time() {
                 break;
             }
             let targets = parts.iter().map(|(_, members)| {
@@ -374,7 +374,7 @@ impl<'a> PairedNodes<'a> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
             let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
-            if noise <= permitted || self.work.1.out_of_time() {
+            if noise <= permitted || self.run.progress.out_of_time() {
                 break;
             }
             let rays = self.allocated([1.0, 0.0], permitted);
@@ -392,7 +392,7 @@ impl<'a> PairedNodes<'a> {
         errors: &[f64],
         goal: IndirectGoal,
     ) -> Result<Option<Vec<PairRays>>, Cancelled> {
-        let (read, shared, rest) = self.nodes.texel_noise(errors, self.work)?;
+        let (read, shared, rest) = self.nodes.texel_noise(errors, self.run)?;
         let permitted = (MARGIN * goal.permitted(self.nodes.mean)).powi(2);
         let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
         if read + shared <= budget {

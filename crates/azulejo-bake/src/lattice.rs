@@ -8,7 +8,7 @@
 
 use crate::batches::in_batches;
 use crate::samples::Samples;
-use azulejo_trace::{Cancelled, Work};
+use azulejo_trace::{Cancelled, Run};
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -147,7 +147,7 @@ impl Lattice {
         &self,
         samples: &Samples,
         count: usize,
-        work: Work,
+        run: Run,
     ) -> Result<Vec<Vec<u32>>, Cancelled> {
         let at = |sample: u32| {
             let place = place(samples, sample);
@@ -169,7 +169,7 @@ impl Lattice {
             near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             near.into_iter().map(|n| n.1).collect()
         };
-        in_batches(&self.cells, BATCH, work, |batch| {
+        in_batches(&self.cells, BATCH, run, |batch| {
             Ok(batch.iter().map(of_cell).collect())
         })
     }

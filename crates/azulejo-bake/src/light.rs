@@ -2,7 +2,7 @@
 
 use azulejo_scene::Rgb;
 use azulejo_trace::Gathered;
-use azulejo_trace::journal::{Record, RecordReader};
+use azulejo_trace::run::{Record, RecordReader};
 
 /// Irradiance with its standard error, W/m² (lx in photometric scenes): in single precision, because there is one
 /// for each of millions of texels.

@@ -10,8 +10,8 @@ use crate::lattice::{Lattice, place, weights};
 use crate::light::{NodeLight, TexelLight};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::Record;
-use azulejo_trace::{Cancelled, GatherPoint, Work};
+use azulejo_trace::run::Record;
+use azulejo_trace::{Cancelled, GatherPoint, Run};
 use glam::DVec2;
 use std::sync::OnceLock;
 
@@ -76,24 +76,19 @@ impl<'a> Nodes<'a> {
     }
 
     /// For each cell its own node and those of one interpolation.
-    fn near_around(&self, work: Work) -> Result<&[Vec<u32>], Cancelled> {
-        self.nodes_around(0, NEIGHBOURS, work)
+    fn near_around(&self, run: Run) -> Result<&[Vec<u32>], Cancelled> {
+        self.nodes_around(0, NEIGHBOURS, run)
     }
 
     /// For each cell its own node and those that a correction may be averaged over, nearest first.
-    pub fn far_around(&self, work: Work) -> Result<&[Vec<u32>], Cancelled> {
-        self.nodes_around(1, MOST_NEIGHBOURS, work)
+    pub fn far_around(&self, run: Run) -> Result<&[Vec<u32>], Cancelled> {
+        self.nodes_around(1, MOST_NEIGHBOURS, run)
     }
 
-    fn nodes_around(
-        &self,
-        which: usize,
-        count: usize,
-        work: Work,
-    ) -> Result<&[Vec<u32>], Cancelled> {
+    fn nodes_around(&self, which: usize, count: usize, run: Run) -> Result<&[Vec<u32>], Cancelled> {
         let known = &self.around[which];
         if known.get().is_none() {
-            let found = self.lattice.nodes_around(self.samples, count, work)?;
+            let found = self.lattice.nodes_around(self.samples, count, run)?;
             return Ok(known.get_or_init(|| found));
         }
         Ok(known.get().map_or(&[], Vec::as_slice))
@@ -102,11 +97,11 @@ impl<'a> Nodes<'a> {
     /// What `of_cell` finds for all cells in their order.
     fn of_cells<T: Record + Send>(
         &self,
-        work: Work,
+        run: Run,
         of_cell: impl Fn(usize) -> T + Sync,
     ) -> Result<Vec<T>, Cancelled> {
         let cells: Vec<u32> = (0..self.lattice.len() as u32).collect();
-        in_batches(&cells, BATCH, work, |batch| {
+        in_batches(&cells, BATCH, run, |batch| {
             Ok(batch.iter().map(|&cell| of_cell(cell as usize)).collect())
         })
     }
@@ -175,9 +170,9 @@ impl<'a> Nodes<'a> {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn texel_noise(&self, errors: &[f64], work: Work) -> Result<(f64, f64, f64), Cancelled> {
-        let around = self.near_around(work)?;
-        let own = self.of_cells(work, |cell| {
+    pub fn texel_noise(&self, errors: &[f64], run: Run) -> Result<(f64, f64, f64), Cancelled> {
+        let around = self.near_around(run)?;
+        let own = self.of_cells(run, |cell| {
             // The middle of a cell and its rim: a node and a texel between.
             let places = self.places(&around[cell]);
             let mut shares = Vec::new();
@@ -216,9 +211,9 @@ impl<'a> Nodes<'a> {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn interpolation_errors(&self, work: Work) -> Result<Vec<f64>, Cancelled> {
-        let around = self.near_around(work)?;
-        let own = self.of_cells(work, |cell| self.left_out(cell, &around[cell]))?;
+    pub fn interpolation_errors(&self, run: Run) -> Result<Vec<f64>, Cancelled> {
+        let around = self.near_around(run)?;
+        let own = self.of_cells(run, |cell| self.left_out(cell, &around[cell]))?;
         let mut of_node = vec![0.0; self.light.len()];
         for (cell, &error) in own.iter().enumerate() {
             of_node[self.lattice.node(cell) as usize] = error;
@@ -288,8 +283,8 @@ impl<'a> Nodes<'a> {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn interpolated(&self, errors: &[f64], work: Work) -> Result<Vec<TexelLight>, Cancelled> {
-        let around = self.near_around(work)?;
+    pub fn interpolated(&self, errors: &[f64], run: Run) -> Result<Vec<TexelLight>, Cancelled> {
+        let around = self.near_around(run)?;
         let mut light = vec![TexelLight::default(); self.samples.samples.len()];
         let of_cell = |cell: usize| -> Vec<TexelLight> {
             let places = self.places(&around[cell]);
@@ -302,7 +297,7 @@ impl<'a> Nodes<'a> {
         };
         let cells: Vec<u32> = (0..self.lattice.len() as u32).collect();
         for cells in cells.chunks(AT_ONCE) {
-            let found = in_batches(cells, BATCH, work, |batch| {
+            let found = in_batches(cells, BATCH, run, |batch| {
                 let of_cells = batch.iter().flat_map(|&cell| of_cell(cell as usize));
                 Ok(of_cells.collect())
             })?;

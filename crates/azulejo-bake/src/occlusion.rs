@@ -5,10 +5,10 @@ use crate::batches::{SHORT_BLOCK, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::journal::{Division, LoopSize, digest, resumed};
+use azulejo_trace::run::{LoopSize, digest};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
 use azulejo_trace::{
-    Cancelled, GatherPoint, Gathered, JournalStage, KernelRay, REPLICATES, Tracer, Work,
+    Cancelled, GatherPoint, Gathered, KernelRay, REPLICATES, Run, RunStage, Tracer,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,11 +19,11 @@ const BATCH: usize = 32;
 /// Strata that are enough to see which side of a surface is freer.
 const FEW_STRATA: u32 = 4;
 
-/// Rays of a block that a journal stores, about, and fewest and most of its points.
+/// Rays of a block that is stored, about, and fewest and most of its points.
 const BLOCK_RAYS: usize = 1 << 20;
 const BLOCK: [usize; 2] = [256, 1 << 15];
 
-/// Points of a block that a journal stores.
+/// Points of a block that is stored.
 fn block_points(strata: u32) -> usize {
     let rays = REPLICATES * (strata * strata).max(1) as usize;
     (BLOCK_RAYS / rays).clamp(BLOCK[0], BLOCK[1])
@@ -38,7 +38,7 @@ pub struct Hemispheres<'a> {
     /// Keys the rays.
     pub seed: u32,
     /// Divides, counts and stops.
-    pub work: Work<'a>,
+    pub run: Run<'a>,
 }
 
 impl Hemispheres<'_> {
@@ -47,38 +47,38 @@ impl Hemispheres<'_> {
     /// # Errors
     /// The caller cancelled.
     pub fn free(&self, points: &[GatherPoint], strata: u32) -> Result<Vec<Gathered>, Cancelled> {
-        self.work.1.begin("occlusion", points.len() as u64);
-        in_counted_batches(points, (BATCH, SHORT_BLOCK), self.work, |batch| {
+        self.run.progress.begin("occlusion", points.len() as u64);
+        in_counted_batches(points, (BATCH, SHORT_BLOCK), self.run, |batch| {
             Ok(self.free_of(batch, strata))
         })
     }
 
-    /// The same in blocks that the journal holds or others compute; `None` if the result is made elsewhere.
+    /// The same, as the result of a run: in blocks that are stored and divided; `None` if the result is made elsewhere.
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn free_in_blocks(
+    pub fn free_of_all(
         &self,
         points: &[GatherPoint],
         strata: u32,
     ) -> Result<Option<Vec<Gathered>>, Cancelled> {
-        let (journal, progress) = self.work;
-        if !journal.is_kept() || journal.has_steps() {
+        let run = self.run;
+        if !run.role().is_kept || run.is_shared() {
             return self.free(points, strata).map(Some);
         }
         let places = points.iter().flat_map(|p| [p.position, p.normal]);
         let numbers = places.flat_map(|v| v.to_array());
-        journal.rely_on(JournalStage::Points, digest(numbers))?;
+        run.blocks.rely_on(RunStage::Points, digest(numbers))?;
         let size = LoopSize {
             items: points.len(),
             block: block_points(strata),
             at_once: block_points(strata),
         };
-        let own = Division::new(size.items, size.block, journal).own_items(journal);
-        progress.begin("occlusion", own as u64);
-        resumed(journal, JournalStage::Points, size, progress, |wanted| {
+        let own = run.own_items(size.items);
+        run.progress.begin("occlusion", own as u64);
+        run.resumed(RunStage::Points, size, |wanted| {
             let of_batch = |batch: &[usize]| {
-                progress.advance(batch.len() as u64)?;
+                run.progress.advance(batch.len() as u64)?;
                 let points: Vec<GatherPoint> = batch.iter().map(|&i| points[i]).collect();
                 Ok(self.free_of(&points, strata))
             };

@@ -16,7 +16,7 @@ use crate::pad::pad_charts;
 use crate::samples::{PageSampler, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Work};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -81,9 +81,9 @@ impl BetweenTexels<'_> {
         &self,
         lightmap: &mut Lightmap,
         rest: &Lightmap,
-        work: Work,
+        run: Run,
     ) -> Result<f64, Cancelled> {
-        let is_short = work.1.out_of_time();
+        let is_short = run.progress.out_of_time();
         let one_of = if is_short { FEW } else { 1 };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, rest)
@@ -91,7 +91,7 @@ impl BetweenTexels<'_> {
                 self.is_one_of(if *is_uneven { one_of } else { EVEN }, shown)
             })
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, rest, work)?;
+        let found = self.all_squares(&looked_at, lightmap, rest, run)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
@@ -166,13 +166,13 @@ impl BetweenTexels<'_> {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn estimate(&self, lightmap: &Lightmap, work: Work) -> Result<f64, Cancelled> {
+    pub fn estimate(&self, lightmap: &Lightmap, run: Run) -> Result<f64, Cancelled> {
         let rest = self.shown.lightmap(self.samples, self.rest);
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, &rest)
             .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, &rest, work)?;
+        let found = self.all_squares(&looked_at, lightmap, &rest, run)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
@@ -202,10 +202,10 @@ impl BetweenTexels<'_> {
         looked_at: &[(&ShownSample, bool)],
         lightmap: &Lightmap,
         rest: &Lightmap,
-        work: Work,
+        run: Run,
     ) -> Result<Vec<Option<Squares>>, Cancelled> {
-        work.1.begin("between texels", looked_at.len() as u64);
-        let found = in_counted_batches(looked_at, (BATCH, BLOCK), work, |batch| {
+        run.progress.begin("between texels", looked_at.len() as u64);
+        let found = in_counted_batches(looked_at, (BATCH, BLOCK), run, |batch| {
             let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
                 self.squares(shown, is_uneven, lightmap, rest)
             };

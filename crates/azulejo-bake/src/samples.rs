@@ -11,8 +11,8 @@ use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
 use azulejo_scene::math::Ray;
-use azulejo_trace::journal::{Record, RecordReader};
-use azulejo_trace::{Cancelled, Tracer, Work};
+use azulejo_trace::run::{Record, RecordReader};
+use azulejo_trace::{Cancelled, Run, Tracer};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -70,12 +70,12 @@ impl Samples {
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn new(atlas: &Atlas, tracer: &Tracer, work: Work) -> Result<Samples, Cancelled> {
+    pub fn new(atlas: &Atlas, tracer: &Tracer, run: Run) -> Result<Samples, Cancelled> {
         let mut all = Samples::default();
         for page in 0..atlas.layout.pages.len() as u32 {
-            let coverage = Coverage::new(&atlas.receivers, &atlas.layout, page, work.1)?;
+            let coverage = Coverage::new(&atlas.receivers, &atlas.layout, page, run.progress)?;
             let sampler = PageSampler::new(atlas, tracer, &coverage, page);
-            let (samples, regions) = sampler.samples(all.regions, work)?;
+            let (samples, regions) = sampler.samples(all.regions, run)?;
             all.regions += regions;
             all.samples.extend(samples);
             all.pages.push(coverage);
@@ -164,12 +164,12 @@ impl<'a> PageSampler<'a> {
     }
 
     /// The samples of the page, with regions numbered from `first`, and the number of regions.
-    fn samples(&self, first: u32, work: Work) -> Result<(Vec<TexelSample>, u32), Cancelled> {
+    fn samples(&self, first: u32, run: Run) -> Result<(Vec<TexelSample>, u32), Cancelled> {
         let texels = self.coverage.texels.len();
-        work.1.begin("points", 2 * texels as u64);
-        let points = self.points(work)?;
+        run.progress.begin("points", 2 * texels as u64);
+        let points = self.points(run)?;
         let neighbours = self.neighbours();
-        let is_free = self.joined(&points, &neighbours, work)?;
+        let is_free = self.joined(&points, &neighbours, run)?;
         let mut is_between = vec![false; texels];
         for (&(a, b), _) in neighbours.iter().zip(&is_free).filter(|(_, free)| !**free) {
             is_between[a as usize] = true;
@@ -232,13 +232,13 @@ impl<'a> PageSampler<'a> {
     }
 
     /// The point of each texel nearest to the centre of what it covers.
-    fn points(&self, work: Work) -> Result<Vec<SurfacePoint>, Cancelled> {
+    fn points(&self, run: Run) -> Result<Vec<SurfacePoint>, Cancelled> {
         let texels: Vec<u32> = (0..self.coverage.texels.len() as u32).collect();
         let point = |&texel: &u32| {
             let [x, y] = self.coverage.texels[texel as usize].centre.map(f64::from);
             self.surface_point(texel as usize, DVec2::new(x, y), LIFT)
         };
-        in_counted_batches(&texels, (BATCH, SHORT_BLOCK), work, |batch| {
+        in_counted_batches(&texels, (BATCH, SHORT_BLOCK), run, |batch| {
             let mut points: Vec<SurfacePoint> = batch.iter().map(point).collect();
             self.lower_where_blocked(&mut points);
             Ok(points)
@@ -357,14 +357,14 @@ impl<'a> PageSampler<'a> {
         &self,
         points: &[SurfacePoint],
         pairs: &[(u32, u32)],
-        work: Work,
+        run: Run,
     ) -> Result<Vec<bool>, Cancelled> {
         let ray = |&(a, b): &(u32, u32)| {
             let [a, b] = [a, b].map(|t| points[t as usize].raised);
             self.tracer.kernel_ray(&Ray::between(a, b))
         };
-        let found = in_blocks(pairs, (BATCH, SHORT_BLOCK), work, |batch| {
-            work.1.advance((batch.len() / 2) as u64)?;
+        let found = in_blocks(pairs, (BATCH, SHORT_BLOCK), run, |batch| {
+            run.progress.advance((batch.len() / 2) as u64)?;
             let rays: Vec<_> = batch.iter().map(ray).collect();
             let mut blocked = Vec::new();
             self.tracer.any(&rays, &mut blocked);

@@ -8,7 +8,7 @@ use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
 use super::placement::{self, PlaceArg, Placement};
-use super::shards::{Shard, merge, shard};
+use super::shard::{self, MergeArgs, ShardArgs};
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
 use super::{exchange, form_factors, validate};
@@ -77,8 +77,8 @@ pub enum Command {
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
     /// Put together what a command computed in parts with --shard
-    #[command(after_help = merge::EXAMPLES)]
-    Merge(merge::MergeArgs),
+    #[command(after_help = shard::EXAMPLES)]
+    Merge(MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
     #[command(after_help = exchange::args::EXAMPLES)]
     Exchange(exchange::args::ExchangeArgs),
@@ -419,11 +419,8 @@ pub struct SolveArgs {
     /// irradiance alone [default: as many as the exact values need; with --in-place: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
-    /// Compute only shard K of N of the vertices, from 1, and write it to -o as a part; `azulejo merge` makes
-    /// the result of all parts. An interrupted shard resumes by the same command. With --rays alone:
-    /// work to an error or a time cannot be divided
-    #[arg(long, value_name = "K/N", value_parser = shard)]
-    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub part: ShardArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -669,11 +666,8 @@ pub struct ProbeArgs {
     /// output [default: `-`, or none with --json]
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
-    /// Compute only shard K of N of the --points, from 1, and write it to -o as a part; `azulejo merge` makes
-    /// the result of all parts. An interrupted shard resumes by the same command. With --rays alone:
-    /// work to an error or a time cannot be divided
-    #[arg(long, value_name = "K/N", value_parser = shard)]
-    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub part: ShardArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }

@@ -243,19 +243,10 @@ fn open_card(_: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
     ))
 }
 
-#[cfg(feature = "embree")]
 fn load_embree(path: Option<PathBuf>) -> Result<Kernel, String> {
     let loaded = azulejo_trace::embree::Embree::load(path.as_deref());
     let hint = |e| format!("{e} (--embree=PATH, or {EMBREE_VARIABLE})");
     loaded.map(Kernel::Embree).map_err(hint)
-}
-
-#[cfg(not(feature = "embree"))]
-fn load_embree(_: Option<PathBuf>) -> Result<Kernel, String> {
-    let how = "cargo build --release --features embree";
-    Err(format!(
-        "this azulejo was built without Embree: build it with \"{how}\""
-    ))
 }
 
 /// Name of the graphics card that `--gpu auto` would use.
@@ -264,17 +255,10 @@ pub fn fastest_card_name() -> Result<String, String> {
 }
 
 /// The version of Embree that would be loaded without `--embree`.
-#[cfg(feature = "embree")]
 pub fn embree_version() -> Result<String, String> {
     let path = std::env::var_os(EMBREE_VARIABLE).map(PathBuf::from);
     let loaded = azulejo_trace::embree::Embree::load(path.as_deref());
     loaded.map(|e| e.version()).map_err(|e| e.to_string())
-}
-
-/// The reason why Embree is not available.
-#[cfg(not(feature = "embree"))]
-pub fn embree_version() -> Result<String, String> {
-    load_embree(None).map(|_| String::new())
 }
 
 impl PreparedEngine {

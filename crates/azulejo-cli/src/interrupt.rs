@@ -45,6 +45,7 @@ pub fn install(
     progress: Arc<Progress>,
     block_end: Arc<BlockEnd>,
     is_quiet: bool,
+    is_silent: bool,
 ) -> Result<(), Failure> {
     let on_interrupt = move || {
         if block_end.ask() {
@@ -57,8 +58,8 @@ pub fn install(
         progress.cancel();
         std::thread::sleep(PATIENCE);
         output::abandon_all();
-        // Of several ranks, one says it.
-        if !crate::ranks::is_helper() {
+        // Of several processes, one says it.
+        if !is_silent {
             let _ = writeln!(std::io::stderr(), "\nerror: {}", Failure::Cancelled);
         }
         std::process::exit(1);

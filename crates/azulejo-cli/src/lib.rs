@@ -18,7 +18,6 @@ mod engine;
 mod exchange;
 mod experiment;
 mod failure;
-mod file_journal;
 mod form_factors;
 mod generate;
 mod grf;
@@ -34,38 +33,30 @@ mod machine_info;
 mod matrix_info;
 mod matrix_metrics;
 mod model_table;
-
 mod pass;
 mod placement;
 mod points;
 mod probe;
 mod progress_bar;
-#[cfg_attr(
-    not(feature = "mpi"),
-    allow(
-        dead_code,
-        reason = "without MPI nobody starts ranks; tests and lints see their messages all the same"
-    )
-)]
-mod ranks;
-mod record_file;
 mod render;
 mod report;
 mod rtrace;
+mod runner;
 mod session;
-mod shards;
+mod shard;
 mod solve;
 mod surroundings;
 mod validate;
 mod values;
 mod views;
 mod workbench;
-mod workers;
 
 use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
-use ranks::Ranks;
+use report::Report;
+use runner::ranks::{self, Ranks};
+use runner::{Runner, merge};
 use session::Session;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -98,7 +89,7 @@ pub fn main() -> ExitCode {
         }
     };
     let common = cli.common;
-    let is_one_of_many = ranks::is_helper() && !ranks::has_own_work(&cli);
+    let is_one_of_many = ranks::is_helper() && !runner::has_own_work(&cli.command);
     match ranks::launch(cli, run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -111,7 +102,8 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
-    let mut session = Session::start(cli.common, ranks)?;
+    let setup = ranks.as_ref().map(Ranks::setup).unwrap_or_default();
+    let mut session = Session::start(cli.common, setup)?;
     let report = match &cli.command {
         Command::Brdf { command } => return brdf::run(command, session),
         Command::Grf { command } => return grf::run(command, session),
@@ -131,17 +123,18 @@ fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
             return session.print(report);
         }
         Command::Convert(args) => convert::run(args, &mut session)?,
-        Command::Solve(args) => solve::run(args, &mut session)?,
         Command::Bake(args) if args.check => {
             let (report, end) = bake::check(args, &mut session)?;
             session.print(report)?;
             return end;
         }
-        Command::Bake(args) => bake::run(args, &mut session)?,
         Command::Render(args) => render::run(args, &mut session)?,
-        Command::Probe(args) => probe::run(args, &mut session)?,
-        Command::FormFactors(args) => form_factors::run(args, &mut session)?,
-        Command::Merge(args) => shards::merge::run(args, &mut session)?,
+        Command::Merge(args) => {
+            let plan = merge::plan(args, &mut session)?;
+            let report = divided(&plan.command, plan.runner(), &mut session)?;
+            plan.finish(&mut session);
+            report
+        }
         Command::Exchange(args) => exchange::run(args, &mut session)?,
         Command::Experiment(args) => match experiment::run(args, &mut session)? {
             Some(report) if args.list => return session.print(report),
@@ -156,8 +149,23 @@ fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
         Command::Text(args) => lettering::run_text(args, &mut session)?,
         Command::Font { command } => lettering::run_font(command, &mut session)?,
         Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,
+        Command::Solve(_) | Command::Bake(_) | Command::Probe(_) | Command::FormFactors(_) => {
+            let runner = Runner::new(&cli.command, ranks)?;
+            divided(&cli.command, runner, &mut session)?
+        }
     };
     session.finish(report)
+}
+
+/// Runs a command whose work can be divided.
+fn divided(command: &Command, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
+    match command {
+        Command::Solve(args) => solve::run(args, runner, session),
+        Command::Bake(args) => bake::run(args, runner, session),
+        Command::Probe(args) => probe::run(args, runner, session),
+        Command::FormFactors(args) => form_factors::run(args, runner, session),
+        _ => Err(Failure::misuse("the work of this command is not divided")),
+    }
 }
 
 /// Prints the error on standard error, and with `--json` also as JSON on standard output.

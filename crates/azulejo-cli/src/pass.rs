@@ -5,15 +5,16 @@ use super::content_key::ContentHasher;
 use super::engine::{self, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
+use super::runner::{Runner, WorkKey};
 use super::session::Session;
-use super::shards::WorkKey;
 use azulejo::machine;
 use azulejo_radiosity::{
     EnergyBalance, Engine, FirstPass, LightSolution, Method, PatchSize, PointNormal, SolveError,
     StoredSides,
 };
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
-use azulejo_trace::{Journal, Measure, Measured, NoJournal, Progress, Tracer};
+use azulejo_trace::run::Alone;
+use azulejo_trace::{Blocks, Measure, Measured, Run, Tracer};
 use std::time::Instant;
 
 /// The patch size for the library; `None` if the command line does not specify one.
@@ -57,37 +58,27 @@ pub fn solve(
     session: &Session,
 ) -> Result<LightSolution, Failure> {
     let options = options(args, prepared, session);
-    solve_in_blocks(scene, tracer, args, (&options, &NoJournal), session)
-}
-
-/// The same, with blocks that the journal holds or others compute.
-pub fn solve_in_blocks(
-    scene: &Scene,
-    tracer: &Tracer,
-    args: &FirstPassArgs,
-    (options, journal): (&FirstPass, &dyn Journal),
-    session: &Session,
-) -> Result<LightSolution, Failure> {
-    session.limit_time(args.limit());
-    with_forecast(args, session, |progress| {
-        azulejo_radiosity::solve_in_blocks(scene, tracer, options, journal, progress)
+    with_forecast(args, (&Alone, session), |run| {
+        azulejo_radiosity::solve(scene, tracer, &options, run)
     })
     .map_err(failure)
 }
 
-/// Refuses to share work between processes that depends on the time.
-pub fn refuse_time(args: &FirstPassArgs) -> Result<(), Failure> {
-    match args.limit() {
-        None => Ok(()),
-        Some(_) => Err(Failure::misuse(
+/// Refuses to share work between processes that depends on the time, or, if they never meet, on the results of all
+/// points.
+pub fn refuse_indivisible(args: &FirstPassArgs, runner: &Runner) -> Result<(), Failure> {
+    match runner.shared_by() {
+        Some(_) if runner.is_part() => refuse_parts(args),
+        Some(_) if args.limit().is_some() => Err(Failure::misuse(
             "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
              or --rays, and the time to the queue; what is done by then is kept",
         )),
+        _ => Ok(()),
     }
 }
 
-/// Refuses to divide work that depends on the time, or on the results of all points.
-pub fn refuse_indivisible(args: &FirstPassArgs) -> Result<(), Failure> {
+/// Refuses to divide work between parts that depends on the time, or on the results of all points.
+fn refuse_parts(args: &FirstPassArgs) -> Result<(), Failure> {
     if args.limit().is_some() {
         return Err(Failure::misuse(
             "--shard: how far work comes in a --time depends on the machine, so that parts would not fit together; \
@@ -132,16 +123,17 @@ pub fn work_key(
     }
 }
 
-/// Runs work under a progress bar, and says as soon as it is known if the requested error will not
-/// be reached.
+/// Runs work on blocks under a progress bar and within the time, and says as soon as it is known if the requested
+/// error will not be reached.
 pub fn with_forecast<T>(
     args: &FirstPassArgs,
-    session: &Session,
-    work: impl FnOnce(&Progress) -> T,
+    (blocks, session): (&dyn Blocks, &Session),
+    work: impl FnOnce(Run) -> T,
 ) -> T {
+    session.limit_time(args.limit());
     let start = Instant::now();
-    let words = |found: &Measured| forecast(found, args, start);
-    session.with_measures(&words, work)
+    let words = |measured: &Measured| forecast(measured, args, start);
+    session.with_measures(&words, |progress| work(Run::new(blocks, progress)))
 }
 
 /// What a measure says of a requested error that will not be reached.
@@ -183,6 +175,20 @@ pub fn failure(error: impl Into<SolveError>) -> Failure {
              --sun 135,40"
         )),
         other => Failure::failed(other),
+    }
+}
+
+/// What this process has of a result: nothing where another makes it.
+///
+/// # Errors
+/// Other errors of the solver.
+pub fn unless_elsewhere<T>(
+    outcome: Result<T, impl Into<SolveError>>,
+) -> Result<Option<T>, Failure> {
+    match outcome.map_err(Into::into) {
+        Ok(value) => Ok(Some(value)),
+        Err(SolveError::Elsewhere) => Ok(None),
+        Err(error) => Err(failure(error)),
     }
 }
 

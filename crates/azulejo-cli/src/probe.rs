@@ -4,18 +4,15 @@ use super::args::ProbeArgs;
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
-use super::ranks::RankJournal;
 use super::report::{Report, count, number, seconds, short};
+use super::runner::{Completion, DividedWork, Runner, Sharing};
 use super::session::Session;
-use super::shards::{MergedParts, PartPlan, Shard};
-use super::workers::Workers;
 use super::{input, pass, points};
 use azulejo::output::Output;
-use azulejo_radiosity::{FirstPass, PointNormal, Probed, SolveError};
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
-use azulejo_trace::{Cancelled, Journal, KernelHit, Progress, Tracer};
+use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -48,103 +45,12 @@ impl ProbeResults {
     }
 }
 
-/// Runs `probe`.
-pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
-    match (args.shard, session.ranks().cloned()) {
-        (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
-        (None, _) => whole(args, None, session),
-    }
-}
-
-/// Runs `probe` with points from parts.
-pub fn run_merged(
-    args: &ProbeArgs,
-    parts: &MergedParts,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    whole(args, Some(parts), session)
-}
-
-/// Measures irradiance at a part of the points.
-fn part(args: &ProbeArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
-    let Some(points) = &args.probes.points else {
-        return Err(Failure::misuse(
-            "--shard divides --points; --radiance and --hits take a file of rays, which can be divided itself",
-        ));
-    };
-    pass::refuse_indivisible(&args.first_pass)?;
-    let output = args.output.as_deref().unwrap_or(Path::new("-"));
-    let planned = PartPlan::check(shard, output)?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
-    let points = points::read_points(points, args.normals.as_deref())?;
-    let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&args.first_pass, &prepared, session);
-    let part = planned.open(&pass::work_key(&scene, &tracer, &options, &points), session)?;
-    let mut report = Report::default();
-    part.fill(session, &mut report, |part, session| {
-        let done = session.with_progress(|p| {
-            azulejo_radiosity::probe_in_blocks(&scene, &tracer, &points, &options, (part, p))
-        });
-        match done {
-            Ok(_) | Err(SolveError::Elsewhere) => Ok(()),
-            Err(e) => Err(pass::failure(e)),
-        }
-    })?;
-    Ok(report)
-}
-
-/// Takes part in the work of rank 0.
-fn help(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
-    let points = shared_points(args)?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
-    let points = points::read_points(points, args.normals.as_deref())?;
-    let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&args.first_pass, &prepared, session);
-    let key = || pass::work_key(&scene, &tracer, &options, &points);
-    Workers::new(None, None, session).compute(key, session, |journal, session| {
-        probed(&scene, &tracer, &points, args, (&options, journal), session)
-    })?;
-    Ok(Report::default())
-}
-
-/// The points of a work that several processes share.
-fn shared_points(args: &ProbeArgs) -> Result<&Path, Failure> {
-    pass::refuse_time(&args.first_pass)?;
-    args.probes.points.as_deref().ok_or_else(|| {
-        Failure::misuse(
-            "MPI processes share the work of --points; --radiance and --hits take a file of rays, which can be divided \
-             itself",
-        )
-    })
-}
-
-/// Measures irradiance at points, with blocks that the journal holds or others compute.
-fn probed(
-    scene: &Scene,
-    tracer: &Tracer,
-    points: &[PointNormal],
-    args: &ProbeArgs,
-    (options, journal): (&FirstPass, &dyn Journal),
-    session: &Session,
-) -> Result<Probed, Failure> {
-    session.limit_time(args.first_pass.limit());
-    pass::with_forecast(&args.first_pass, session, |progress| {
-        azulejo_radiosity::probe_in_blocks(scene, tracer, points, options, (journal, progress))
-    })
-    .map_err(pass::failure)
-}
-
-/// Measures at all points or rays, or makes that of parts, and writes it.
-fn whole(
-    args: &ProbeArgs,
-    parts: Option<&MergedParts>,
-    session: &mut Session,
-) -> Result<Report, Failure> {
+/// Measures at all points or rays, or a part of the points, and writes it.
+pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
+    refuse_indivisible(args, &runner)?;
     let default = (!session.json()).then_some(Path::new("-"));
     let output = args.output.as_deref().or(default);
+    let output = output.filter(|_| runner.writes());
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
     let prepared = args.first_pass.engine.prepare()?;
@@ -155,26 +61,18 @@ fn whole(
     } else {
         input::read_lit(&args.input, instant, session)?
     };
-    session.share_files()?;
-    if session.ranks().is_some() {
-        shared_points(args)?;
-    }
+    runner.share_files(session)?;
     let mut report = Report::default();
-    let mut journal = None;
+    let mut rest = Completion::default();
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
         (Some(path), _, _) => {
-            let points = points::read_points(path, args.normals.as_deref())?;
-            let workers = Workers::new(parts, output.as_ref().and_then(Output::file), session);
-            let (rows, of_ranks) = irradiance(
-                &scene,
-                &points,
-                args,
-                workers,
-                &prepared,
-                session,
-                &mut report,
-            )?;
-            journal = of_ranks;
+            let file = output.as_ref().and_then(Output::file);
+            let work = (args, &prepared, file);
+            let found = irradiance(&scene, path, work, runner, session, &mut report)?;
+            let Some((rows, completion)) = found else {
+                return Ok(report);
+            };
+            rest = completion;
             rows
         }
         (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,
@@ -185,8 +83,18 @@ fn whole(
         points::write_rows(&output, rows.columns, &rows.values, session.progress())?;
         report.value("output", output.path().display().to_string());
     }
-    journal.iter().for_each(RankJournal::remove);
+    rest.finish(&mut report);
     Ok(report)
+}
+
+/// Refuses to share rays between processes, and work that depends on the time.
+fn refuse_indivisible(args: &ProbeArgs, runner: &Runner) -> Result<(), Failure> {
+    if let (Some(by), None) = (runner.shared_by(), &args.probes.points) {
+        return Err(Failure::misuse(format_args!(
+            "{by} divides --points; --radiance and --hits take a file of rays, which can be divided itself"
+        )));
+    }
+    pass::refuse_indivisible(&args.first_pass, runner)
 }
 
 /// Prepares the scene for tracing and reports how long that took.
@@ -206,27 +114,39 @@ fn spent(label: &str, key: &str, clock: Clock, report: &mut Report) {
     report.value(&format!("{key}_cpu_seconds"), number(cpu));
 }
 
+/// Irradiance at the points of a file; `None` if another process makes the result.
 fn irradiance(
     scene: &Scene,
-    points: &[PointNormal],
-    args: &ProbeArgs,
-    workers: Workers,
-    prepared: &PreparedEngine,
+    path: &Path,
+    (args, prepared, output): (&ProbeArgs, &PreparedEngine, Option<&Path>),
+    runner: Runner,
     session: &mut Session,
     report: &mut Report,
-) -> Result<(ProbeResults, Option<RankJournal>), Failure> {
+) -> Result<Option<(ProbeResults, Completion)>, Failure> {
+    let points = points::read_points(path, args.normals.as_deref())?;
     let tracer = build(scene, prepared, report)?;
     let options = pass::options(&args.first_pass, prepared, session);
     let clock = Clock::start();
-    let key = || pass::work_key(scene, &tracer, &options, points);
-    let (probed, journal) = workers.compute(key, session, |journal, session| {
-        probed(scene, &tracer, points, args, (&options, journal), session)
+    let plan = DividedWork {
+        key: &|| pass::work_key(scene, &tracer, &options, &points),
+        sharing: Sharing::All,
+        output,
+    };
+    let probed = runner.compute(&plan, session, report, |blocks, session| {
+        let probed = pass::with_forecast(&args.first_pass, (blocks, session), |run| {
+            azulejo_radiosity::probe(scene, &tracer, &points, &options, run)
+        });
+        pass::unless_elsewhere(probed)
     })?;
+    let Some(probed) = probed else {
+        return Ok(None);
+    };
     spent("tracing", "trace", clock, report);
-    pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
+    let (value, rest) = (probed.value, probed.rest);
+    pass::describe(&value.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
-    let values = probed.estimates.iter().flat_map(row).collect();
-    Ok((ProbeResults::of_light(IRRADIANCE, values)?, journal))
+    let values = value.estimates.iter().flat_map(row).collect();
+    Ok(Some((ProbeResults::of_light(IRRADIANCE, values)?, rest)))
 }
 
 fn radiance(

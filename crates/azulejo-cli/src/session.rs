@@ -5,9 +5,7 @@ use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::interrupt::{self, BlockEnd};
 use super::progress_bar;
-use super::ranks::{Control, RankCosts, Ranks};
 use super::report::{self, Report};
-use super::shards;
 use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
@@ -24,12 +22,9 @@ use std::time::{Duration, Instant};
 pub struct Session {
     json: bool,
     quiet: bool,
-    /// The processes that share the work, if there are several.
-    ranks: Option<Ranks>,
-    /// What the work took each of them.
-    rank_costs: Vec<RankCosts>,
     progress: Arc<Progress>,
     block_end: Arc<BlockEnd>,
+    memory: Option<u64>,
     clock: Clock,
     warnings: Vec<Value>,
     /// The warnings as text, for commands that list them in their result.
@@ -40,30 +35,61 @@ pub struct Session {
     makes_image: bool,
 }
 
+/// How a process works: by itself, or as one of several.
+#[derive(Debug)]
+pub struct SessionSetup {
+    /// Whether it says nothing, not even its result: another does.
+    pub is_silent: bool,
+    /// The progress of the work.
+    pub progress: Arc<Progress>,
+    /// How it ends behind a block that is kept.
+    pub block_end: Arc<BlockEnd>,
+    /// Threads, if the command line does not say.
+    pub threads: Option<usize>,
+    /// Memory of the machine, bytes.
+    pub memory: Option<u64>,
+}
+
+impl Default for SessionSetup {
+    fn default() -> SessionSetup {
+        SessionSetup {
+            is_silent: false,
+            progress: Arc::default(),
+            block_end: Arc::default(),
+            threads: None,
+            memory: azulejo::machine::memory(),
+        }
+    }
+}
+
 impl Session {
     /// Starts the clock, sets up the threads and installs the handler of Ctrl-C.
-    pub fn start(common: CommonArgs, ranks: Option<Ranks>) -> Result<Session, Failure> {
-        let control = ranks.as_ref().map(|ranks| ranks.control.clone());
-        let Control {
-            block_end,
+    pub fn start(common: CommonArgs, setup: SessionSetup) -> Result<Session, Failure> {
+        let SessionSetup {
+            is_silent,
             progress,
-        } = control.unwrap_or_default();
-        let is_helper = ranks.as_ref().is_some_and(|ranks| !ranks.is_root());
-        let is_quiet = common.quiet || common.json || is_helper;
-        interrupt::install(Arc::clone(&progress), Arc::clone(&block_end), is_quiet)?;
-        let threads = common.threads.map(usize::from);
-        let threads = threads.or(ranks.as_ref().map(|ranks| ranks.threads));
+            block_end,
+            threads,
+            memory,
+        } = setup;
+        let is_quiet = common.quiet || common.json || is_silent;
+        interrupt::install(
+            Arc::clone(&progress),
+            Arc::clone(&block_end),
+            is_quiet,
+            is_silent,
+        )?;
+        let threads = common.threads.map(usize::from).or(threads);
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.unwrap_or(0))
             .build_global()
             .map_err(|e| Failure::failed(format_args!("cannot start the threads: {e}")))?;
         Ok(Session {
-            json: common.json && !is_helper,
-            quiet: common.quiet || is_helper,
-            ranks,
-            rank_costs: Vec::new(),
+            json: common.json && !is_silent,
+            quiet: common.quiet || is_silent,
             progress,
             block_end,
+            memory,
             clock: Clock::start(),
             warnings: Vec::new(),
             listed: None,
@@ -167,40 +193,14 @@ impl Session {
         self.makes_image
     }
 
-    /// The processes that share the work, if there are several.
-    pub fn ranks(&self) -> Option<&Ranks> {
-        self.ranks.as_ref()
-    }
-
-    /// Says what the work took each of them.
-    pub fn set_rank_costs(&mut self, costs: Vec<RankCosts>) {
-        self.rank_costs = costs;
-    }
-
     /// Seconds of processors that this process took so far.
     pub fn cpu_seconds(&self) -> f64 {
         self.clock.cpu()
     }
 
-    /// Gives the files that were read to the other ranks, if there are any.
-    ///
-    /// # Errors
-    /// See [`Ranks::share_files`].
-    pub fn share_files(&self) -> Result<(), Failure> {
-        match &self.ranks {
-            Some(ranks) if ranks.is_root() => {
-                ranks.share_files(&shards::files_of_command()?, &self.files)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Memory of the machine, bytes; of that of rank 0, if several share the work.
+    /// Memory of the machine, bytes; where several processes share the work, of that of the first.
     pub fn memory(&self) -> Option<u64> {
-        match &self.ranks {
-            Some(ranks) => ranks.memory,
-            None => azulejo::machine::memory(),
-        }
+        self.memory
     }
 
     /// How the work ends behind a block that is kept.
@@ -285,19 +285,6 @@ impl Session {
 
     /// Adds time and memory of the run.
     fn costs(&self, report: &mut Report) {
-        if let Some(ranks) = &self.ranks {
-            let nodes = match ranks.nodes {
-                1 => "one machine".to_owned(),
-                nodes => format!("{nodes} machines"),
-            };
-            let words = format!(
-                "{} on {nodes}, {}; time and memory below are those of rank 0",
-                ranks.size,
-                cost_words(&self.rank_costs)
-            );
-            report.fact("ranks", ranks.size, "ranks", words);
-            report.value("rank_costs", rank_values(&self.rank_costs));
-        }
         let (wall, cpu) = (self.clock.wall(), self.clock.cpu());
         let threads = rayon::current_num_threads();
         let mut words = format!(
@@ -322,35 +309,4 @@ impl Session {
         report.write_json(&mut out)?;
         Ok(out.flush()?)
     }
-}
-
-/// What a work took all ranks, for people.
-fn cost_words(costs: &[RankCosts]) -> String {
-    let cpu = |c: &RankCosts| c.cpu;
-    let least = costs.iter().map(cpu).fold(f64::INFINITY, f64::min);
-    let most = costs.iter().map(cpu).fold(0.0, f64::max);
-    let exchanged: u64 = costs.iter().map(|c| c.traffic.given).sum();
-    format!(
-        "{} of CPU time, {} to {} each, {} exchanged",
-        report::seconds(costs.iter().map(cpu).sum()),
-        report::seconds(least.min(most)),
-        report::seconds(most),
-        report::bytes(exchanged)
-    )
-}
-
-/// The same as values, one object for each rank.
-fn rank_values(costs: &[RankCosts]) -> Vec<Value> {
-    let value = |c: &RankCosts| {
-        json!({
-            "cpu_seconds": report::number(c.cpu),
-            "divided_seconds": report::number(c.traffic.divided),
-            "waited_seconds": report::number(c.traffic.waited),
-            "blocks": c.traffic.blocks,
-            "exchanges": c.traffic.exchanges,
-            "given_bytes": c.traffic.given,
-            "gathered_bytes": c.traffic.gathered,
-        })
-    };
-    costs.iter().map(value).collect()
 }

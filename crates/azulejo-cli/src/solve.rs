@@ -1,18 +1,15 @@
 //! `solve`: the first pass, from scene to irradiance on its vertices.
 
-use super::args::{FirstPassArgs, SidesArg, SolveArgs};
-use super::engine::PreparedEngine;
+use super::args::{SidesArg, SolveArgs};
 use super::failure::Failure;
 use super::in_place::InPlace;
 use super::kept_gltf::KeptGltf;
-use super::ranks::RankJournal;
 use super::report::Report;
+use super::runner::{DividedWork, Runner, Sharing};
 use super::session::Session;
-use super::shards::{MergedParts, PartPlan, Shard};
-use super::workers::Workers;
 use super::{convert, input, pass};
 use azulejo::models::ModelOutput;
-use azulejo_radiosity::{LightSolution, SolveError};
+use azulejo_radiosity::LightSolution;
 use azulejo_scene::Scene;
 use std::path::Path;
 
@@ -58,100 +55,58 @@ impl SolvedOutput {
     }
 }
 
-/// Runs `solve`.
-pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    match (args.shard, session.ranks().cloned()) {
-        (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
-        (None, _) => whole(args, None, session),
-    }
-}
-
-/// Runs `solve` with vertices from parts.
-pub fn run_merged(
-    args: &SolveArgs,
-    parts: &MergedParts,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    whole(args, Some(parts), session)
-}
-
-/// The options of the first pass.
-fn pass_args(args: &SolveArgs) -> FirstPassArgs {
-    if args.in_place {
+/// Solves the light, or a part of it, and writes the scene with it.
+pub fn run(args: &SolveArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
+    let first_pass = if args.in_place {
         InPlace::options(&args.first_pass)
     } else {
         args.first_pass.clone()
-    }
-}
-
-/// Gathers the light at a part of the vertices.
-fn part(args: &SolveArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
-    pass::refuse_indivisible(&args.first_pass)?;
-    let Some(output) = &args.output else {
-        return Err(Failure::misuse("--shard: -o PART is missing"));
     };
-    let planned = PartPlan::check(shard, output)?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
-    let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&pass_args(args), &prepared, session);
-    let part = planned.open(&pass::work_key(&scene, &tracer, &options, &[]), session)?;
-    let mut report = Report::default();
-    part.fill(session, &mut report, |part, session| {
-        let done = session.with_progress(|p| {
-            azulejo_radiosity::solve_in_blocks(&scene, &tracer, &options, part, p)
-        });
-        match done {
-            Ok(_) | Err(SolveError::Elsewhere) => Ok(()),
-            Err(e) => Err(pass::failure(e)),
-        }
-    })?;
-    Ok(report)
-}
-
-/// Takes part in the work of rank 0.
-fn help(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    let first_pass = pass_args(args);
-    pass::refuse_time(&first_pass)?;
+    pass::refuse_indivisible(&first_pass, &runner)?;
+    let output = runner
+        .writes()
+        .then(|| SolvedOutput::check(args))
+        .transpose()?;
+    session.claim_stdout(output.as_ref().is_some_and(SolvedOutput::is_stdout))?;
     let prepared = first_pass.engine.prepare()?;
     let scene = input::read_relit(&args.input, first_pass.instant(), session)?;
+    runner.share_files(session)?;
+    let kept = match &output {
+        Some(_) => KeptGltf::of(args, &scene, session)?,
+        None => None,
+    };
     let tracer = prepared.tracer(&scene)?;
     let options = pass::options(&first_pass, &prepared, session);
-    let key = || pass::work_key(&scene, &tracer, &options, &[]);
-    Workers::new(None, None, session).compute(key, session, |journal, session| {
-        let how = (&options, journal);
-        pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
+    let plan = DividedWork {
+        key: &|| pass::work_key(&scene, &tracer, &options, &[]),
+        sharing: Sharing::All,
+        output: output.as_ref().and_then(SolvedOutput::file),
+    };
+    let mut report = Report::default();
+    let light = runner.compute(&plan, session, &mut report, |blocks, session| {
+        let light = pass::with_forecast(&first_pass, (blocks, session), |run| {
+            azulejo_radiosity::solve(&scene, &tracer, &options, run)
+        });
+        pass::unless_elsewhere(light)
     })?;
-    Ok(Report::default())
-}
-
-/// Solves the light, or makes it from parts, and writes the scene with it.
-fn whole(
-    args: &SolveArgs,
-    parts: Option<&MergedParts>,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    let output = SolvedOutput::check(args)?;
-    session.claim_stdout(output.is_stdout())?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
-    session.share_files()?;
-    let kept = KeptGltf::of(args, &scene, session)?;
-    let first_pass = pass_args(args);
-    let tracer = prepared.tracer(&scene)?;
-    let options = pass::options(&first_pass, &prepared, session);
-    if session.ranks().is_some() {
-        pass::refuse_time(&first_pass)?;
-    }
-    let workers = Workers::new(parts, output.file(), session);
-    let key = || pass::work_key(&scene, &tracer, &options, &[]);
-    let (light, journal) = workers.compute(key, session, |journal, session| {
-        let how = (&options, journal);
-        pass::solve_in_blocks(&scene, &tracer, &first_pass, how, session)
-    })?;
-    let report = write(args, (scene, light), (&output, kept), &prepared, session)?;
-    journal.iter().for_each(RankJournal::remove);
+    let (Some(light), Some(output)) = (light, &output) else {
+        return Ok(report);
+    };
+    pass::describe(
+        &light.value.report,
+        &first_pass,
+        &prepared,
+        &scene,
+        &mut report,
+    )?;
+    write(
+        args,
+        (scene, light.value),
+        (output, kept),
+        session,
+        &mut report,
+    )?;
+    light.rest.finish(&mut report);
     Ok(report)
 }
 
@@ -160,12 +115,9 @@ fn write(
     args: &SolveArgs,
     (mut scene, light): (Scene, LightSolution),
     (output, kept): (&SolvedOutput, Option<KeptGltf>),
-    prepared: &PreparedEngine,
     session: &mut Session,
-) -> Result<Report, Failure> {
-    let first_pass = pass_args(args);
-    let mut report = Report::default();
-    pass::describe(&light.report, &first_pass, prepared, &scene, &mut report)?;
+    report: &mut Report,
+) -> Result<(), Failure> {
     let fits = KeptGltf::fits(&light.irradiance);
     if kept.is_some() && !fits {
         session.note(
@@ -175,12 +127,11 @@ fn write(
     }
     scene.set_irradiance(light.irradiance);
     if let Some(kept) = kept.filter(|_| fits) {
-        kept.write(&scene, session, &mut report)?;
-        return Ok(report);
+        return kept.write(&scene, session, report);
     }
     let path: &Path = match output {
         SolvedOutput::Model(output) => {
-            if first_pass.sides == Some(SidesArg::Split) {
+            if args.first_pass.sides == Some(SidesArg::Split) {
                 scene = scene.split_sides().into_owned();
             }
             convert::round(&mut scene, args.digits);
@@ -195,5 +146,5 @@ fn write(
     };
     let path = path.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
-    Ok(report)
+    Ok(())
 }

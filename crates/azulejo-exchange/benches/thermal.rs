@@ -22,7 +22,7 @@ use azulejo_exchange::{
     Enclosure, GroupBy, Groups, HeatProblem, RowCondition, SpectralRange, SurfaceBand,
     exchange_factors, heat_balance,
 };
-use azulejo_factors::form_factors::{Closure, NoJournal, Plan};
+use azulejo_factors::form_factors::{Closure, Plan};
 use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
 use azulejo_formats::numpy::ArrayCompression;
 use azulejo_formats::zarr::ZarrSink;
@@ -71,9 +71,7 @@ fn enclosure(scene: &Scene, options: &FormFactorOptions) -> Enclosure {
     let tracer = Tracer::new(scene);
     let plan = Plan::new(scene, &tracer, options).expect("a scene of faces");
     let prepared = plan.prepare();
-    let factors = prepared
-        .compute(&NoJournal, &Progress::new())
-        .expect("factors");
+    let factors = prepared.compute(&Progress::new()).expect("factors");
     Enclosure::new(&prepared, scene, factors)
 }
 

@@ -11,8 +11,8 @@ pub enum FactorsError {
     NoSurface,
     /// The caller cancelled.
     Cancelled,
-    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
-    /// ([`Journal::assembles`](azulejo_trace::Journal::assembles)).
+    /// No failure: the blocks of this process are done, and another makes the result of them
+    /// ([`RunRole::assembles`](azulejo_trace::RunRole::assembles)).
     Elsewhere,
     /// A few rays contradict the formulas of many rows.
     Doubtful {

@@ -3,7 +3,7 @@
 //! 1. [`Plan`] divides the scene; [`PreparedPlan`] chooses the engine and forecasts the memory.
 //! 2. `near` finds the pairs for which a formula pays: close ones, and those with emitters. Their
 //!    direct part is the exact form factor times the visible fraction.
-//! 3. `rows` asks the engine for the rows of all sides. Finished blocks go into a [`Journal`].
+//! 3. `rows` asks the engine for the rows of all sides. Finished blocks are kept by a [`Run`].
 //! 4. `merge` makes one exchange area of the two estimates that the sides of a pair give.
 //! 5. [`FormFactors::close`] enforces closure: changes entries within their errors so that no
 //!    light is missing.
@@ -49,8 +49,7 @@ use crate::row::Columns;
 use crate::samples::{RowSamples, SampleCounts};
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
-pub use azulejo_trace::{Journal, JournalStage, NoJournal};
+use azulejo_trace::{Cancelled, Gatherer, Progress, Run, Surfaces, Tracer};
 pub use design_effect::DesignEffect;
 pub use enclosure::{InterchangeError, Scaled};
 pub use exchange::{Exchange, ExchangeAreas};
@@ -95,7 +94,7 @@ pub fn form_factors(
     progress: &Progress,
 ) -> Result<FormFactors, FactorsError> {
     let plan = Plan::new(scene, tracer, options)?;
-    plan.prepare().compute(&NoJournal, progress)
+    plan.prepare().compute(progress)
 }
 
 /// A scene divided into the patches whose form factors are computed.
@@ -278,23 +277,20 @@ impl<'a> PreparedPlan<'a> {
         }))
     }
 
-    /// Computes the matrix, continuing from the blocks that the journal holds.
+    /// Computes the matrix, except blocks that are stored. A `&Progress` is a run of one process.
     ///
     /// # Errors
     /// [`FactorsError::TooLarge`] if the forecast exceeds the memory,
-    /// [`FactorsError::Cancelled`], and [`FactorsError::Elsewhere`] when all blocks of this process are in the
-    /// journal of one that does not assemble them.
-    pub fn compute(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<FormFactors, FactorsError> {
-        let mut factors = self.estimate(journal, progress)?;
+    /// [`FactorsError::Cancelled`], and [`FactorsError::Elsewhere`] when all blocks of this process are done and
+    /// another makes the result of them.
+    pub fn compute<'r>(&self, run: impl Into<Run<'r>>) -> Result<FormFactors, FactorsError> {
+        let run = run.into();
+        let mut factors = self.estimate(run)?;
         factors.engine_used.notes.extend(self.group_note());
         self.describe(&mut factors);
         factors.is_closed = factors.loses_no_light() || self.loses_only_strays(&factors);
         if self.plan.is_to_close(&mut factors) {
-            factors.close(progress)?;
+            factors.close(run.progress)?;
         }
         factors.update_row_errors();
         Ok(factors)
@@ -364,15 +360,11 @@ impl<'a> PreparedPlan<'a> {
     }
 
     /// An error if the matrix is assembled here and does not fit in memory.
-    fn refuse_too_large(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<(), FactorsError> {
-        if !journal.assembles() {
+    fn refuse_too_large(&self, run: Run) -> Result<(), FactorsError> {
+        if !run.role().assembles {
             return Ok(());
         }
-        let forecast = self.forecast(progress)?;
+        let forecast = self.forecast(run.progress)?;
         refuse(self.plan.options, forecast.rows, forecast.bytes as f64)
     }
 
@@ -419,18 +411,14 @@ impl<'a> PreparedPlan<'a> {
     }
 
     /// All rows as estimated, before closure.
-    fn estimate(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<FormFactors, FactorsError> {
+    fn estimate(&self, run: Run) -> Result<FormFactors, FactorsError> {
         if self.engine != Engine::Analytic {
-            return self.by_rows(&self.engine, self.why.clone(), journal, progress);
+            return self.by_rows(&self.engine, self.why.clone(), run);
         }
-        match self.by_formulas(journal, progress) {
+        match self.by_formulas(run) {
             Err(doubt @ FactorsError::Doubtful { .. }) if !self.has_engine_by_name() => {
                 let why = format!("rays, because {doubt}");
-                self.by_rows(&Engine::Rays, Some(why), journal, progress)
+                self.by_rows(&Engine::Rays, Some(why), run)
             }
             Err(error) => Err(error),
             Ok(mut factors) => {
@@ -445,21 +433,14 @@ impl<'a> PreparedPlan<'a> {
         &self,
         engine: &Engine,
         why: Option<String>,
-        journal: &dyn Journal,
-        progress: &Progress,
+        run: Run,
     ) -> Result<FormFactors, FactorsError> {
         let options = self.plan.options;
-        self.refuse_too_large(journal, progress)?;
+        self.refuse_too_large(run)?;
         let estimator = self.estimator_of(engine);
         let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
-            near::exact(
-                &self.sides,
-                self.gatherer.surfaces(),
-                seed,
-                journal,
-                progress,
-            )?
+            near::exact(&self.sides, self.gatherer.surfaces(), seed, run)?
         } else {
             vec![Vec::new(); self.sides.len()]
         };
@@ -471,9 +452,9 @@ impl<'a> PreparedPlan<'a> {
             separate: options.separate,
             is_known: &|_, _, _| false,
         };
-        let traced = tracing.trace(journal, progress)?;
+        let traced = tracing.trace(run)?;
         let traced = traced.ok_or(FactorsError::Elsewhere)?;
-        let factors = merge::merge(&self.sides, traced, &exact, progress)?;
+        let factors = merge::merge(&self.sides, traced, &exact, run.progress)?;
         let mut engine_used = estimator.engine_used().because(why);
         engine_used
             .notes

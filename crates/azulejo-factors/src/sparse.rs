@@ -2,7 +2,7 @@
 
 use crate::row::Entry;
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::{Record, RecordReader};
+use azulejo_trace::run::{Record, RecordReader};
 use rayon::prelude::*;
 
 /// A matrix in compressed rows with one or three `f32` weights per entry.

@@ -10,7 +10,7 @@ use crate::geometry::{self, GeometryArrays};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
 use azulejo_exchange::{ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight};
-use azulejo_factors::form_factors::{Adjustment, NoJournal, Plan, RowRemainder};
+use azulejo_factors::form_factors::{Adjustment, Plan, RowRemainder};
 use azulejo_factors::{FormFactorOptions, FormFactors};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
@@ -57,7 +57,7 @@ fn compute(
 ) -> PyResult<(Enclosure, Vec<String>)> {
     let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
     let prepared = plan.prepare();
-    let factors = prepared.compute(&NoJournal, progress);
+    let factors = prepared.compute(progress);
     let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(of_factors)?);
     let outside = OutsideLight::of_rows(&prepared, scene, &enclosure.factors, progress);
     enclosure.outside = outside.map_err(of_factors)?;

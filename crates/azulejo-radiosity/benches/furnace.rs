@@ -12,7 +12,7 @@ use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
 use azulejo_scene::Rgb;
 use azulejo_scene::synthetic::cube_room;
-use azulejo_trace::{Gatherer, NoJournal, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 use std::f64::consts::PI;
 
 fn main() {
@@ -50,12 +50,11 @@ fn worst_error(diffuse: f64, mirror: f64, rays: u32) -> f64 {
         &reflectance,
         &estimator,
         1,
-        &NoJournal,
-        &progress,
+        Run::alone(&progress),
     )
     .expect("nobody cancels")
     .expect("there is no deadline");
-    let found = system.solve_all(None, &progress).expect("nobody cancels");
+    let found = system.solve_all(None).expect("nobody cancels");
     let expected = 1.0 + diffuse / (1.0 - diffuse - mirror);
     let reflected = found.mean();
     let fronts = (0..patches.len()).map(|p| 1.0 + reflected[2 * p].mean());

@@ -11,7 +11,7 @@ use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
 use azulejo_scene::synthetic::furnished_room;
-use azulejo_trace::{Gatherer, NoJournal, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 use std::time::Instant;
 use usage::{cpu_seconds, peak_mebibytes};
 
@@ -46,13 +46,12 @@ fn main() {
         &reflectance,
         &estimator,
         1,
-        &NoJournal,
-        &progress,
+        Run::alone(&progress),
     )
     .expect("nobody cancels")
     .expect("there is no deadline");
     let traced = wall.elapsed().as_secs_f64();
-    let found = system.solve_all(None, &progress).expect("nobody cancels");
+    let found = system.solve_all(None).expect("nobody cancels");
     let solved = wall.elapsed().as_secs_f64();
     let cpu = cpu_seconds() - cpu;
     let count = patches.len() as f64;

@@ -46,7 +46,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         most_rays: u32,
     ) -> Result<(), GatherError> {
         let termination = all.strata.termination(0);
-        let left = self.progress.time_left().unwrap_or_default();
+        let left = self.run.progress.time_left().unwrap_or_default();
         let seconds_per_ray = self.pace.seconds_per_ray(termination);
         let rays = RECORDS_SHARE * left.as_secs_f64() / seconds_per_ray.max(f64::MIN_POSITIVE);
         let most = (rays / f64::from(FEWEST_RAYS)).min(self.points.len() as f64) as usize;
@@ -67,7 +67,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let more = all.needed(goal);
             all.rays_needed = more * self.points.len() as f64 / cells.count() as f64;
             let rays = f64::from(each) * more;
-            self.progress.measured(Measure::OutOfReach {
+            self.run.progress.measured(Measure::OutOfReach {
                 error: goal,
                 seconds: rays * self.points.len() as f64 * seconds_per_ray,
                 rays,
@@ -84,7 +84,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         rays: u32,
     ) -> Result<(), GatherError> {
         let records: Vec<u32> = cells.records().collect();
-        self.progress.begin("irradiance", records.len() as u64);
+        self.run.progress.begin("irradiance", records.len() as u64);
         let found = self.gather_at(&records, 0..rays, all.strata.termination(0))?;
         let found: Option<Vec<SplitIrradiance>> = found.into_iter().collect();
         let found = found.ok_or(GatherError::OutOfTime)?;
@@ -101,7 +101,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     /// each point of a sample.
     fn measure_cells(&self, all: &mut Gathering, rays: u32) -> Result<(), GatherError> {
         let sample = self.sample_by_area(all);
-        self.progress
+        self.run
+            .progress
             .begin("comparing with paths", sample.len() as u64);
         let paths = self.gather_at(&sample, 0..rays, Termination::Roulette)?;
         let mut squares = vec![Vec::new(); all.strata.count()];
@@ -159,9 +160,7 @@ mod tests {
     use crate::deadline::GatherPace;
     use crate::gather::{GatherLight, GatherTargets};
     use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-    use azulejo_trace::{
-        DiffuseHit, GatherPoint, Gatherer, NoJournal, OutgoingRadiosity, Progress,
-    };
+    use azulejo_trace::{DiffuseHit, GatherPoint, Gatherer, OutgoingRadiosity, Progress, Run};
     use azulejo_trace::{Surfaces, Tracer};
     use glam::dvec3;
 
@@ -200,15 +199,13 @@ mod tests {
             gatherer: &gatherer,
             light: GatherLight::new(&light, None),
             points: &points,
-            journal: &NoJournal,
             pace: &GatherPace::default(),
             seed: 3,
-            progress: &Progress::new(),
+            run: Run::alone(&Progress::new()),
         };
         let targets = GatherTargets {
             points: &points,
             areas: &[],
-            journal: &NoJournal,
         };
         let all_points: Vec<u32> = (0..3600).collect();
         let truth = pass

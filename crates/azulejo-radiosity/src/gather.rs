@@ -12,13 +12,11 @@ use crate::sparse::{self, GatheredValues, PointKind};
 use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
-use azulejo_trace::journal::{
-    Division, LoopSize, Record, RecordReader, resumed, shared, write_list,
-};
+use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Journal, JournalStage, Measure, Progress, REPLICATES, SplitIrradiance, Termination,
+    Measure, REPLICATES, Run, RunStage, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -115,8 +113,8 @@ pub enum GatherError {
     Cancelled,
     /// Long after the deadline some points still had no light.
     OutOfTime,
-    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
-    /// ([`Journal::assembles`]).
+    /// No failure: the blocks of this process are done, and another makes the result of them
+    /// ([`RunRole::assembles`](azulejo_trace::RunRole::assembles)).
     Elsewhere,
 }
 
@@ -133,8 +131,6 @@ pub struct GatherTargets<'a> {
     pub points: &'a [GatherPoint],
     /// The area for which each stands, square scene units; empty if all count alike.
     pub areas: &'a [f64],
-    /// Where blocks of points are kept, and who gathers which.
-    pub journal: &'a dyn Journal,
 }
 
 /// Irradiance at points, with the rays it took.
@@ -263,23 +259,16 @@ pub struct QuarterError {
 ///
 /// # Errors
 /// [`GatherError`].
-pub fn gather(
+pub fn gather<'r>(
     gatherer: &Gatherer,
     light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
-    progress: &Progress,
+    run: impl Into<Run<'r>>,
 ) -> Result<Gathering, GatherError> {
-    gather_watched(
-        gatherer,
-        light,
-        targets,
-        effort,
-        seed,
-        progress,
-        &mut |_| (),
-    )
+    let run = run.into();
+    gather_watched(gatherer, light, targets, effort, seed, run, &mut |_| ())
 }
 
 /// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
@@ -289,21 +278,20 @@ pub(crate) fn gather_watched(
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
-    progress: &Progress,
+    run: Run,
     watch: &mut dyn FnMut(&Gathering),
 ) -> Result<Gathering, GatherError> {
     let pass = GatherPass {
         gatherer,
         light,
         points: targets.points,
-        journal: targets.journal,
         pace: &GatherPace::default(),
         seed,
-        progress,
+        run,
     };
-    progress.limit_phase(1.0);
+    run.progress.limit_phase(1.0);
     // Before a deadline, all points are planned together.
-    let is_sparse = effort.interpolate && !progress.has_deadline();
+    let is_sparse = effort.interpolate && !run.progress.has_deadline();
     if effort.error.is_some() && is_sparse && targets.points.len() >= sparse::LEAST_POINTS {
         return sparse::gather_sparse(&pass, targets, effort, watch);
     }
@@ -319,18 +307,17 @@ pub(crate) fn gather_split(
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
-    progress: &Progress,
+    run: Run,
 ) -> Result<Gathering, GatherError> {
     let pass = GatherPass {
         gatherer,
         light,
         points: targets.points,
-        journal: targets.journal,
         pace: &GatherPace::default(),
         seed,
-        progress,
+        run,
     };
-    progress.limit_phase(1.0);
+    run.progress.limit_phase(1.0);
     let mut all = Gathering {
         values: GatheredValues::apart(targets.points.len()),
         ..Gathering::new(targets)
@@ -454,10 +441,9 @@ pub(crate) struct GatherPass<'a, L> {
     pub gatherer: &'a Gatherer<'a>,
     pub light: GatherLight<'a, L>,
     pub points: &'a [GatherPoint],
-    pub journal: &'a dyn Journal,
     pub pace: &'a GatherPace,
     pub seed: u32,
-    pub progress: &'a Progress,
+    pub run: Run<'a>,
 }
 
 /// A group of points that are gathered alike: from so many rays, to so many, ending so, and whether
@@ -474,7 +460,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let termination = all.strata.termination(0);
         self.gather_at(&sample, 0..FEWEST_RAYS, termination)?;
         let seconds = self.pace.seconds_per_ray(termination);
-        Ok(hasty_rays(self.points.len(), seconds, self.progress))
+        Ok(hasty_rays(self.points.len(), seconds, self.run.progress))
     }
 
     /// Says early if the goal will not be reached, and what it would take.
@@ -483,10 +469,10 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let [free, capped] =
             [u32::MAX, most].map(|most| sum(&all.allocate(goal, f64::INFINITY, most)));
         let seconds = all.seconds_needed(goal, self.pace);
-        let left = self.progress.time_left();
+        let left = self.run.progress.time_left();
         let is_late = left.is_some_and(|left| seconds > left.as_secs_f64());
         if is_late || free > (1.0 + TOLERATED) * capped {
-            self.progress.measured(Measure::OutOfReach {
+            self.run.progress.measured(Measure::OutOfReach {
                 error: goal,
                 seconds,
                 rays: free / self.points.len().max(1) as f64,
@@ -517,7 +503,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.strata.trace_paths(0);
         }
         let rays = match effort.error {
-            _ if self.progress.has_deadline() => match self.hasty(all)? {
+            _ if self.run.progress.has_deadline() => match self.hasty(all)? {
                 Some(rays) => rays.min(most),
                 None => return self.reach_coarsely(all, effort.error, most),
             },
@@ -547,11 +533,13 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     ) -> Result<(), GatherError> {
         let most = effort.most();
         loop {
-            self.progress.measured(Measure::Error(all.relative_error()));
+            self.run
+                .progress
+                .measured(Measure::Error(all.relative_error()));
             if let Some(goal) = effort.error {
                 all.rays_needed = all.needed(goal);
             }
-            let seconds = planned_seconds(self.progress);
+            let seconds = planned_seconds(self.run.progress);
             let totals = match effort.error {
                 None if self.seconds_to_all(all, most) <= seconds => vec![most; all.spent.len()],
                 Some(goal) if seconds.is_infinite() => all.allocate(goal, GROWTH, most),
@@ -561,7 +549,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                     all.allocate_to(&allowed, GROWTH, most)
                 }
             };
-            if self.progress.phase_is_over() || totals == all.spent {
+            if self.run.progress.phase_is_over() || totals == all.spent {
                 return Ok(());
             }
             watch(all);
@@ -569,11 +557,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
     }
 
-    /// Gathers with so many rays at all points, which have none yet, in blocks that the journal holds or
-    /// others compute. What there is time for before a deadline is not kept.
+    /// Gathers with so many rays at all points, which have none yet, in blocks that are stored and
+    /// divided. What there is time for before a deadline is not kept.
     fn begin(&self, all: &mut Gathering, rays: u32) -> Result<(), GatherError> {
-        let is_divided = self.journal.is_kept() && !self.journal.has_steps();
-        if self.progress.has_deadline() || !is_divided {
+        let is_divided = self.run.role().is_kept && !self.run.is_shared();
+        if self.run.progress.has_deadline() || !is_divided {
             return Ok(self.raise(all, &vec![rays; self.points.len()])?);
         }
         let termination = all.strata.termination(0);
@@ -583,10 +571,9 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             block: block_chunks(rays),
             at_once: block_chunks(rays),
         };
-        let own = Division::new(size.items, size.block, self.journal).own_items(self.journal);
-        self.progress.begin("irradiance", (own * CHUNK) as u64);
-        let stage = JournalStage::Points;
-        let found = resumed(self.journal, stage, size, self.progress, |chunks| {
+        let own = self.run.own_items(size.items);
+        self.run.progress.begin("irradiance", (own * CHUNK) as u64);
+        let found = self.run.resumed(RunStage::Points, size, |chunks| {
             let of = |&chunk: &usize| (chunk * CHUNK) as u32..count.min((chunk + 1) * CHUNK) as u32;
             let chosen: Vec<u32> = chunks.iter().flat_map(of).collect();
             let found = self.gather_at(&chosen, 0..rays, termination)?;
@@ -614,7 +601,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         };
         let groups: Vec<Way> = (0..totals.len()).map(way).collect();
         let mut ways: Vec<Way> = groups.iter().copied().filter(|w| w.1 > w.0).collect();
-        self.progress.begin("irradiance", ways.len() as u64);
+        self.run.progress.begin("irradiance", ways.len() as u64);
         ways.sort_unstable();
         ways.dedup();
         let chosen = |way: &Way| -> Vec<u32> {
@@ -622,7 +609,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             points.filter(|&i| groups[i as usize] == *way).collect()
         };
         let of_ways: Vec<Vec<u32>> = ways.iter().map(chosen).collect();
-        for batch in batches(&ways, self.progress.has_deadline()) {
+        for batch in batches(&ways, self.run.progress.has_deadline()) {
             let (ways, of_ways) = (&ways[batch.clone()], &of_ways[batch]);
             let pairs = ways.iter().zip(of_ways);
             let together: Vec<PointGroup> = pairs
@@ -656,8 +643,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Whether there is no time for rays from this one on: the first of a point have some grace.
     fn is_over(&self, first_ray: u32) -> bool {
         match first_ray {
-            0 => self.progress.is_overdue(),
-            _ => self.progress.phase_is_over(),
+            0 => self.run.progress.is_overdue(),
+            _ => self.run.progress.phase_is_over(),
         }
     }
 
@@ -758,7 +745,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let pieces: Vec<(usize, Range<usize>)> =
             groups.iter().enumerate().flat_map(of_group).collect();
         let of_chunk = |group: &PointGroup, chunk: &[u32]| {
-            self.progress.advance(chunk.len() as u64)?;
+            self.run.progress.advance(chunk.len() as u64)?;
             if group.minds_time && self.is_over(group.rays.start) {
                 return Ok(vec![None; chunk.len()]);
             }
@@ -773,7 +760,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 chunks.map(|chunk| of_chunk(group, chunk)).collect();
             Ok(PointChunk(found?.concat()))
         };
-        let found = shared(self.journal, (pieces.len(), 1), self.progress, |wanted| {
+        let found = self.run.shared((pieces.len(), 1), |wanted| {
             wanted.par_iter().map(of_piece).collect()
         })?;
         let mut of_groups: Vec<Vec<Option<SplitIrradiance>>> = vec![Vec::new(); groups.len()];
@@ -827,11 +814,11 @@ struct PointGroup<'g> {
     gather: Box<BatchGather<'g>>,
 }
 
-/// Rays of a block that a journal stores, about, and fewest and most of its chunks.
+/// Rays of a block that is stored, about, and fewest and most of its chunks.
 const BLOCK_RAYS: usize = 1 << 20;
 const BLOCK: [usize; 2] = [32, 4096];
 
-/// Chunks of a block that a journal stores.
+/// Chunks of a block that is stored.
 fn block_chunks(rays: u32) -> usize {
     (BLOCK_RAYS / (CHUNK * rays.max(1) as usize)).clamp(BLOCK[0], BLOCK[1])
 }

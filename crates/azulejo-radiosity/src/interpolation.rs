@@ -10,9 +10,9 @@
 
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::interaction::shadow_ray;
-use azulejo_trace::journal::{Record, RecordReader, shared};
+use azulejo_trace::run::{Record, RecordReader};
 use azulejo_trace::sampling::{cosine_hemisphere, seeds, sobol};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelHit, KernelRay, Tracer, Work};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, KernelHit, KernelRay, Run, Tracer};
 use glam::{DMat3, DVec3, dvec3};
 use rayon::prelude::*;
 use rstar::RTree;
@@ -123,8 +123,8 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn stencils(&self, points: &[GatherPoint], work: Work) -> Result<Stencils, Cancelled> {
-        self.in_blocks(points.len(), work, |i, scratch| {
+    pub fn stencils(&self, points: &[GatherPoint], run: Run) -> Result<Stencils, Cancelled> {
+        self.stencils_by(points.len(), run, |i, scratch| {
             self.stencil(&points[i], None, scratch)
         })
     }
@@ -134,23 +134,23 @@ impl<'a> Interpolator<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn left_out(&self, work: Work) -> Result<Stencils, Cancelled> {
-        self.in_blocks(self.records.len(), work, |i, scratch| {
+    pub fn left_out(&self, run: Run) -> Result<Stencils, Cancelled> {
+        self.stencils_by(self.records.len(), run, |i, scratch| {
             self.stencil(&self.records[i], Some(i as u32), scratch)
         })
     }
 
-    /// Stencils by number, in blocks that the journal holds or others compute.
-    fn in_blocks(
+    /// Stencils by number, divided among processes that share the run.
+    fn stencils_by(
         &self,
         count: usize,
-        (journal, progress): Work,
+        run: Run,
         of: impl Fn(usize, &mut StencilScratch) -> Option<Stencil> + Sync,
     ) -> Result<Stencils, Cancelled> {
-        let found = shared(journal, (count, BLOCK), progress, |wanted| {
+        let found = run.shared((count, BLOCK), |wanted| {
             let wanted = wanted.par_iter();
             let stencil = |scratch: &mut StencilScratch, &i: &usize| {
-                progress.advance(0)?;
+                run.progress.advance(0)?;
                 Ok(of(i, scratch).unwrap_or_default())
             };
             wanted.map_init(StencilScratch::default, stencil).collect()
@@ -282,7 +282,7 @@ fn plane(
 mod tests {
     use super::*;
     use azulejo_scene::{Rgb, Scene};
-    use azulejo_trace::{NoJournal, Progress};
+    use azulejo_trace::Progress;
 
     fn on_floor(x: f64, z: f64) -> GatherPoint {
         GatherPoint {
@@ -318,8 +318,9 @@ mod tests {
         let points: Vec<GatherPoint> = (0..90)
             .map(|k| on_floor(3.0 + 0.15 * f64::from(k), 4.0 + 0.11 * f64::from(k)))
             .collect();
-        let work: Work = (&NoJournal, &Progress::new());
-        let stencils = interpolator.stencils(&points, work).unwrap();
+        let progress = Progress::new();
+        let run = Run::alone(&progress);
+        let stencils = interpolator.stencils(&points, run).unwrap();
         for (p, stencil) in points.iter().zip(stencils) {
             let stencil = stencil.expect("records all around");
             let sum: f64 = stencil.weights().map(|w| w.1).sum();
@@ -335,8 +336,9 @@ mod tests {
         let tracer = Tracer::new(&Scene::default());
         let records = records();
         let interpolator = Interpolator::new(&tracer, &records);
-        let work: Work = (&NoJournal, &Progress::new());
-        let left_out = interpolator.left_out(work).unwrap();
+        let progress = Progress::new();
+        let run = Run::alone(&progress);
+        let left_out = interpolator.left_out(run).unwrap();
         for (record, stencil) in left_out.iter().enumerate() {
             let weights = stencil.iter().flat_map(Stencil::weights);
             assert!(weights.into_iter().all(|w| w.0 != record));
@@ -353,8 +355,9 @@ mod tests {
             normal: DVec3::X,
             ..on_floor(10.0, 10.0)
         };
-        let work: Work = (&NoJournal, &Progress::new());
-        let stencils = interpolator.stencils(&[far, bent], work);
+        let progress = Progress::new();
+        let run = Run::alone(&progress);
+        let stencils = interpolator.stencils(&[far, bent], run);
         assert_eq!(stencils, Ok(vec![None, None]));
     }
 }

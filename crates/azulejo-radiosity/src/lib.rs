@@ -54,9 +54,8 @@ pub use path_pairs::{PairTargets, PathPair};
 pub use preview::{Preview, PreviewStage};
 pub use sides::StoredSides;
 pub use solve::{
-    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_in_blocks,
-    solve_watched,
+    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
-pub use solved_light::{Probed, SolvedLight, SplitLight, probe, probe_in_blocks};
+pub use solved_light::{Probed, SolvedLight, SplitLight, probe};
 pub use system::EnergyBalance;

@@ -2,7 +2,7 @@
 
 use crate::deadline::GatherPace;
 use crate::gather::{GatherLight, GatherPass, PointList};
-use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Termination, Work};
+use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Run, Termination};
 use std::ops::Range;
 
 /// Indirect irradiance of a point, found in two ways, W/m².
@@ -37,19 +37,18 @@ pub(crate) fn gather_pairs(
     light: GatherLight<impl DiffuseLight>,
     targets: &[PairTargets],
     seed: u32,
-    (journal, progress): Work,
+    run: Run,
 ) -> Result<Vec<Vec<PathPair>>, Cancelled> {
     let points: Vec<GatherPoint> = targets.iter().flat_map(|t| t.points).copied().collect();
     let pass = GatherPass {
         gatherer,
         light,
         points: &points,
-        journal,
         pace: &GatherPace::default(),
         seed,
-        progress,
+        run,
     };
-    progress.begin("irradiance", 3 * points.len() as u64);
+    run.progress.begin("irradiance", 3 * points.len() as u64);
     let mut lists = Vec::new();
     let mut first = 0;
     for target in targets {

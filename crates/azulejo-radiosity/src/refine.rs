@@ -21,11 +21,8 @@ use azulejo_factors::rays::{BATCH, HitPatches, RowSampler};
 use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
-use azulejo_trace::journal::shared;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{
-    Cancelled, Gathered, Gatherer, Journal, Measure, NextEvent, Progress, REPLICATES,
-};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Measure, NextEvent, REPLICATES, Run};
 use rayon::prelude::*;
 
 /// Decline of the variance, about count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
@@ -72,10 +69,6 @@ pub struct RefinementWork {
 ///
 /// # Errors
 /// [`Cancelled`].
-#[allow(
-    clippy::too_many_arguments,
-    reason = "one call; a struct would only rename them"
-)]
 pub fn refine(
     system: &mut System,
     coarse: &RadiositySolution,
@@ -84,8 +77,8 @@ pub fn refine(
     rays: u32,
     goal: RefinementGoal,
     seed: u32,
-    progress: &Progress,
 ) -> Result<RefinementWork, Cancelled> {
+    let run = system.run();
     let most = (goal.rays / REPLICATES as u32).max(1) as usize;
     let tracer = gatherer.surfaces().tracer;
     let refiner = Refiner {
@@ -95,8 +88,7 @@ pub fn refine(
         hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
-        journal: system.journal(),
-        progress,
+        run,
     };
     let reference: Vec<Rgb> = refiner.reference.iter().map(rgb).collect();
     let known = arriving(system, &reference)?;
@@ -107,8 +99,8 @@ pub fn refine(
     for _ in 0..MOST_ROUNDS {
         let strengths = strengths(&rows, system, patches);
         let reached = reached(&rows, &strengths);
-        progress.measured(Measure::PatchError(reached.sqrt()));
-        if progress.phase_is_over() || reached <= goal.error * goal.error {
+        run.progress.measured(Measure::PatchError(reached.sqrt()));
+        if run.progress.phase_is_over() || reached <= goal.error * goal.error {
             break;
         }
         let totals = allocate(&rows, &strengths, costs, goal.error, most);
@@ -187,8 +179,7 @@ struct Refiner<'a> {
     seed: u32,
     /// R₀ per side.
     reference: Vec<[f32; 3]>,
-    journal: &'a dyn Journal,
-    progress: &'a Progress,
+    run: Run<'a>,
 }
 
 impl Refiner<'_> {
@@ -218,12 +209,13 @@ impl Refiner<'_> {
     /// Carries out tasks while there is time; returns the number of rays.
     fn round(&self, rows: &mut [RefinedRow], tasks: &[RefinementTask]) -> Result<u64, Cancelled> {
         let steps = |t: &RefinementTask| u64::from(t.to - t.from);
-        self.progress
+        self.run
+            .progress
             .begin("refining", tasks.iter().map(steps).sum());
         let carry_out = |work: &mut RayScratch, &task: &usize| {
             let task = &tasks[task];
-            self.progress.advance(steps(task))?;
-            if self.progress.phase_is_over() {
+            self.run.progress.advance(steps(task))?;
+            if self.run.progress.phase_is_over() {
                 return Ok(None);
             }
             Ok(Some(match task.part {
@@ -232,11 +224,10 @@ impl Refiner<'_> {
             }))
         };
         let size = (tasks.len(), TASK_BLOCK);
-        let found: Vec<Option<[Rgb; REPLICATES]>> =
-            shared(self.journal, size, self.progress, |wanted| {
-                let wanted = wanted.par_iter();
-                wanted.map_init(RayScratch::default, carry_out).collect()
-            })?;
+        let found: Vec<Option<[Rgb; REPLICATES]>> = self.run.shared(size, |wanted| {
+            let wanted = wanted.par_iter();
+            wanted.map_init(RayScratch::default, carry_out).collect()
+        })?;
         let mut rays = 0;
         for (task, values) in tasks.iter().zip(&found) {
             let Some(values) = values else { continue };

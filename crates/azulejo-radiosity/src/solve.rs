@@ -13,7 +13,7 @@ use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Journal, JournalStage, NoJournal, Progress, Tracer, Work};
+use azulejo_trace::{Cancelled, Progress, Run, RunStage, Tracer};
 use std::fmt;
 
 /// Options of the first pass.
@@ -181,8 +181,8 @@ pub enum SolveError {
     OutOfTime,
     /// The caller cancelled.
     Cancelled,
-    /// No failure: the blocks of this process are in the journal, and the result is made elsewhere
-    /// ([`Journal::assembles`]).
+    /// No failure: the blocks of this process are done, and another makes the result of them
+    /// ([`RunRole::assembles`](azulejo_trace::RunRole::assembles)).
     Elsewhere,
     /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
     /// this; programs that also compute matrices do.
@@ -315,32 +315,20 @@ pub struct LightSolution {
 /// them by at most [`CHORD_ERROR`](azulejo_factors::CHORD_ERROR) patch edges; these become the
 /// objects' proxy meshes, with `keep_mesh` too.
 ///
-/// # Errors
-/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is an error
-/// only if there is no light on some vertices yet: otherwise the result is as good as the time
-/// allowed, and its error says how good.
-pub fn solve(
-    scene: &Scene,
-    tracer: &Tracer,
-    pass: &FirstPass,
-    progress: &Progress,
-) -> Result<LightSolution, SolveError> {
-    solve_for(None, scene, tracer, pass, (&NoJournal, progress))
-}
-
-/// As [`solve`], with blocks that the journal holds or others compute: vertices, and the light between
-/// patches too where processes talk to each other.
+/// A `&Progress` is a run of one process. Where several share it, vertices are divided, and the light between patches
+/// too if they talk to each other.
 ///
 /// # Errors
-/// As [`solve`], and [`SolveError::Elsewhere`].
-pub fn solve_in_blocks(
+/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of the progress is an error
+/// only if there is no light on some vertices yet: otherwise the result is as good as the time
+/// allowed, and its error says how good. [`SolveError::Elsewhere`] where another process makes the result.
+pub fn solve<'r>(
     scene: &Scene,
     tracer: &Tracer,
     pass: &FirstPass,
-    journal: &dyn Journal,
-    progress: &Progress,
+    run: impl Into<Run<'r>>,
 ) -> Result<LightSolution, SolveError> {
-    solve_for(None, scene, tracer, pass, (journal, progress))
+    solve_for(None, scene, tracer, pass, run.into())
 }
 
 /// As [`solve`], with previews: as soon as the patches are solved, and after each pass over the
@@ -378,7 +366,7 @@ pub fn solve_watched(
     progress: &Progress,
     watch: &mut dyn FnMut(Preview),
 ) -> Result<LightSolution, SolveError> {
-    solve_for(Some(watch), scene, tracer, pass, (&NoJournal, progress))
+    solve_for(Some(watch), scene, tracer, pass, Run::alone(progress))
 }
 
 fn solve_for(
@@ -386,19 +374,18 @@ fn solve_for(
     scene: &Scene,
     tracer: &Tracer,
     pass: &FirstPass,
-    (journal, progress): Work,
+    run: Run,
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
     let purpose = PatchPurpose::Vertices;
-    let work = (journal, progress);
-    let solved = SolvedPatches::new(&proxy, pass, purpose, work, &mut |patches, found| {
+    let solved = SolvedPatches::new(&proxy, pass, purpose, run, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
     let (light, black) = (solved.light(pass), solved.black_light(pass));
-    journal.rely_on(JournalStage::Points, solved.digest())?;
+    run.blocks.rely_on(RunStage::Points, solved.digest())?;
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(
         &solved.gatherer,
@@ -406,11 +393,10 @@ fn solve_for(
         GatherTargets {
             points: &targets.points,
             areas: &targets.areas(&solved.patches),
-            journal,
         },
         pass.effort(solved.method),
         seed,
-        progress,
+        run,
         &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
     )?;
     let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &found);

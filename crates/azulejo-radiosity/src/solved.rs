@@ -15,8 +15,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, NoJournal, Progress,
-    SplitIrradiance, Surfaces, Termination, Tracer, Work, journal,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress, Run,
+    SplitIrradiance, Surfaces, Termination, Tracer, run,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -67,12 +67,11 @@ pub fn radiosity(
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let purpose = PatchPurpose::Result;
-    let work: Work = (&NoJournal, progress);
-    let solved = SolvedPatches::new(&proxy, pass, purpose, work, &mut |_, _| ())?;
+    let run = Run::alone(progress);
+    let solved = SolvedPatches::new(&proxy, pass, purpose, run, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
         areas: &[],
-        journal: &NoJournal,
     });
     if solved.method == Method::Paths {
         return Err(SolveError::OutOfTime);
@@ -109,9 +108,10 @@ impl<'a> SolvedPatches<'a> {
         proxy: &'a ProxyScene,
         pass: &FirstPass,
         purpose: PatchPurpose,
-        (journal, progress): Work,
+        run: Run,
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
+        let progress = run.progress;
         let (scene, tracer) = (proxy.scene.as_ref(), proxy.tracer.as_ref());
         if !scene.has_light() {
             return Err(SolveError::NoLight);
@@ -144,7 +144,7 @@ impl<'a> SolvedPatches<'a> {
             let found = if pass.engine == Engine::Particles {
                 Some(parts.particles(pass, progress)?)
             } else if expected <= pass.memory {
-                parts.matrix(pass, (journal, progress), watch)?
+                parts.matrix(pass, run, watch)?
             } else {
                 parts.shoot(pass, expected, progress)?
             };
@@ -204,7 +204,7 @@ impl<'a> SolvedPatches<'a> {
         let all = self.solution.solutions.iter().flatten();
         let light = all.flat_map(|light| light.to_array());
         let places = points.iter().flat_map(|p| [p.position, p.normal]);
-        journal::digest(light.chain(places.flat_map(|v| v.to_array())))
+        run::digest(light.chain(places.flat_map(|v| v.to_array())))
     }
 
     /// B of every side with its standard error.
@@ -477,9 +477,10 @@ impl SolverInputs<'_> {
     fn matrix(
         &self,
         pass: &FirstPass,
-        (journal, progress): Work,
+        run: Run,
         watch: CoarseCallback,
     ) -> Result<Option<PatchSolution>, SolveError> {
+        let progress = run.progress;
         let &SolverInputs {
             gatherer,
             patches,
@@ -508,20 +509,12 @@ impl SolverInputs<'_> {
         };
         let columns = Columns::Diffuse;
         let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);
-        let system = System::trace(
-            gatherer,
-            patches,
-            reflectance,
-            &estimator,
-            seed,
-            journal,
-            progress,
-        )?;
+        let system = System::trace(gatherer, patches, reflectance, &estimator, seed, run)?;
         let Some(mut system) = system else {
             return Ok(None);
         };
         let mut found = PatchSolution {
-            solution: system.solve_all(pass.bounces, progress)?,
+            solution: system.solve_all(pass.bounces)?,
             spent: RefinementWork::default(),
             method: Method::Matrix,
             engine_used: estimator.engine_used().because(why),
@@ -545,9 +538,8 @@ impl SolverInputs<'_> {
             estimator.rays(),
             goal,
             seed,
-            progress,
         )?;
-        found.solution = system.solve_all(None, progress)?;
+        found.solution = system.solve_all(None)?;
         Ok(Some(found))
     }
 }

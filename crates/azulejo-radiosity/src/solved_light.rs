@@ -8,12 +8,8 @@ use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
 use azulejo_factors::{PointNormal, ProxyScene};
 use azulejo_scene::{Rgb, Scene};
-use azulejo_trace::journal::shared;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{
-    Cancelled, GatherPoint, Gathered, Gatherer, Journal, JournalStage, NoJournal, Progress, Tracer,
-    Work,
-};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run, RunStage, Tracer};
 use rayon::prelude::*;
 
 /// Points that are worked on together.
@@ -27,39 +23,25 @@ pub struct SolvedLight<'a> {
     proxy: &'a ProxyScene<'a>,
     solved: SolvedPatches<'a>,
     pass: FirstPass,
-    journal: &'a dyn Journal,
+    run: Run<'a>,
 }
 
 impl<'a> SolvedLight<'a> {
-    /// Solves the light between patches.
+    /// Solves the light between patches. All that is gathered from it is part of the same `run`.
     ///
     /// # Errors
     /// As [`solve`](crate::solve()).
     pub fn new(
         proxy: &'a ProxyScene<'a>,
         pass: &FirstPass,
-        progress: &Progress,
+        run: impl Into<Run<'a>>,
     ) -> Result<SolvedLight<'a>, SolveError> {
-        SolvedLight::in_blocks(proxy, pass, &NoJournal, progress)
-    }
-
-    /// As [`new`](SolvedLight::new), with blocks that `journal` holds or others compute, in all that is
-    /// gathered from it, too.
-    ///
-    /// # Errors
-    /// As [`solve`](crate::solve()).
-    pub fn in_blocks(
-        proxy: &'a ProxyScene<'a>,
-        pass: &FirstPass,
-        journal: &'a dyn Journal,
-        progress: &Progress,
-    ) -> Result<SolvedLight<'a>, SolveError> {
-        let (purpose, work) = (PatchPurpose::Points, (journal, progress));
+        let (purpose, run) = (PatchPurpose::Points, run.into());
         Ok(SolvedLight {
             proxy,
-            solved: SolvedPatches::new(proxy, pass, purpose, work, &mut |_, _| ())?,
+            solved: SolvedPatches::new(proxy, pass, purpose, run, &mut |_, _| ())?,
             pass: pass.clone(),
-            journal,
+            run,
         })
     }
 
@@ -73,7 +55,6 @@ impl<'a> SolvedLight<'a> {
         self.solved.report(&Gathering::new(GatherTargets {
             points: &[],
             areas: &[],
-            journal: &NoJournal,
         }))
     }
 
@@ -90,22 +71,19 @@ impl<'a> SolvedLight<'a> {
     /// # Errors
     /// They have not.
     pub fn agree(&self) -> Result<(), Cancelled> {
-        if self.journal.processes() == 1 {
+        if !self.run.is_shared() {
             return Ok(());
         }
-        let stage = self.journal.step();
-        self.journal.rely_on(stage, self.solved.digest())
+        let blocks = self.run.blocks;
+        blocks.rely_on(blocks.loop_stage(), self.solved.digest())
     }
 
     /// Direct irradiance at points, from one shadow ray per source, W/m².
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn direct_at(
-        &self,
-        points: &[GatherPoint],
-        progress: &Progress,
-    ) -> Result<Vec<Rgb>, Cancelled> {
+    pub fn direct_at(&self, points: &[GatherPoint]) -> Result<Vec<Rgb>, Cancelled> {
+        let progress = self.run.progress;
         let batches: Vec<&[GatherPoint]> = points.chunks(BATCH).collect();
         progress.begin("direct light", points.len() as u64);
         let of_batch = |&batch: &usize| -> Result<Vec<Rgb>, Cancelled> {
@@ -114,9 +92,9 @@ impl<'a> SolvedLight<'a> {
             Ok(direct.iter().map(|light| light.whole().mean()).collect())
         };
         let size = (batches.len(), BLOCK);
-        let found = shared(self.journal, size, progress, |wanted| {
-            wanted.par_iter().map(of_batch).collect()
-        })?;
+        let found = self
+            .run
+            .shared(size, |wanted| wanted.par_iter().map(of_batch).collect())?;
         Ok(found.concat())
     }
 
@@ -126,9 +104,9 @@ impl<'a> SolvedLight<'a> {
     ///
     /// # Errors
     /// As [`solve`](crate::solve()).
-    pub fn probe(&self, points: &[PointNormal], progress: &Progress) -> Result<Probed, SolveError> {
-        let journal = self.journal;
-        journal.rely_on(JournalStage::Points, self.solved.digest())?;
+    pub fn probe(&self, points: &[PointNormal]) -> Result<Probed, SolveError> {
+        let digest = self.solved.digest();
+        self.run.blocks.rely_on(RunStage::Points, digest)?;
         let points = self.proxy.on_polygons(points);
         let place = |(i, p): (usize, &PointNormal)| GatherPoint {
             position: p.position,
@@ -146,11 +124,10 @@ impl<'a> SolvedLight<'a> {
             GatherTargets {
                 points: &places,
                 areas: &[],
-                journal,
             },
             self.pass.effort(self.solved.method),
             hash(&[self.pass.key(), 2]),
-            progress,
+            self.run,
         )?;
         let errors = found.standard_errors();
         let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
@@ -176,7 +153,6 @@ impl<'a> SolvedLight<'a> {
         targets: &[PairTargets],
         fine: Option<&dyn IrradianceField>,
         seed: u32,
-        progress: &Progress,
     ) -> Result<Vec<Vec<PathPair>>, SolveError> {
         let light = self.solved.light(&self.pass);
         let light = match fine {
@@ -189,7 +165,7 @@ impl<'a> SolvedLight<'a> {
             GatherLight::new(&light, black.as_ref()),
             targets,
             hash(&[self.pass.key(), 2, seed]),
-            (self.journal, progress),
+            self.run,
         )?)
     }
 
@@ -206,7 +182,6 @@ impl<'a> SolvedLight<'a> {
         areas: &[f64],
         error: f64,
         seed: u32,
-        progress: &Progress,
     ) -> Result<Vec<Gathered>, SolveError> {
         let light = self.solved.light(&self.pass);
         let black = self.solved.black_light(&self.pass);
@@ -216,22 +191,14 @@ impl<'a> SolvedLight<'a> {
             ..self.pass.effort(self.solved.method)
         };
         // Parts that never meet store one gather of points alone: that of `split` or `probe`.
-        let journal: &dyn Journal = if self.journal.has_steps() {
-            self.journal
-        } else {
-            &NoJournal
-        };
+        let run = self.run.without_storage();
         let found: Gathering = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
-            GatherTargets {
-                points,
-                areas,
-                journal,
-            },
+            GatherTargets { points, areas },
             effort,
             hash(&[self.pass.key(), 2, seed]),
-            progress,
+            run,
         )?;
         Ok(found.indirect())
     }
@@ -239,7 +206,7 @@ impl<'a> SolvedLight<'a> {
     /// Irradiance at points that stand for areas (square scene units), from `rays` rays at each, up to
     /// [`MOST_RAYS`](crate::gather::MOST_RAYS), whatever error that leaves. All of them read patches, as those of
     /// [`probe`](SolvedLight::probe) with rays alone; what patches are too coarse for is part of the stated errors.
-    /// Samples depend on the points' keys and `seed`. In blocks of points that the journal holds or others compute.
+    /// Samples depend on the points' keys and `seed`. In blocks of points, which are stored and divided.
     ///
     /// # Errors
     /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
@@ -249,10 +216,9 @@ impl<'a> SolvedLight<'a> {
         areas: &[f64],
         rays: u32,
         seed: u32,
-        progress: &Progress,
     ) -> Result<SplitLight, SolveError> {
         let digest = self.solved.digest_at(points);
-        self.journal.rely_on(JournalStage::Points, digest)?;
+        self.run.blocks.rely_on(RunStage::Points, digest)?;
         let light = self.solved.light(&self.pass);
         let black = self.solved.black_light(&self.pass);
         let effort = GatherEffort {
@@ -264,14 +230,10 @@ impl<'a> SolvedLight<'a> {
         let mut found = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
-            GatherTargets {
-                points,
-                areas,
-                journal: self.journal,
-            },
+            GatherTargets { points, areas },
             effort,
             hash(&[self.pass.key(), 2, seed]),
-            progress,
+            self.run,
         )?;
         let relative_error = found.relative_error();
         // Standard errors are those of what is in `gathered`: from here on, indirect light alone.
@@ -311,32 +273,19 @@ pub struct Probed {
 
 /// Irradiance at given points and normals. `keep_mesh` has no effect.
 ///
-/// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
-///
-/// # Errors
-/// As [`solve`](crate::solve()).
-pub fn probe(
-    scene: &Scene,
-    tracer: &Tracer,
-    points: &[PointNormal],
-    pass: &FirstPass,
-    progress: &Progress,
-) -> Result<Probed, SolveError> {
-    probe_in_blocks(scene, tracer, points, pass, (&NoJournal, progress))
-}
-
-/// As [`probe`], with blocks that the journal holds or others compute: points, and the light between patches
-/// too where processes talk to each other.
+/// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them. A `&Progress` is a run
+/// of one process; where several share it, points are divided, and the light between patches too if they talk to each
+/// other.
 ///
 /// # Errors
 /// As [`solve`](crate::solve()), and [`SolveError::Elsewhere`].
-pub fn probe_in_blocks(
+pub fn probe<'r>(
     scene: &Scene,
     tracer: &Tracer,
     points: &[PointNormal],
     pass: &FirstPass,
-    (journal, progress): Work,
+    run: impl Into<Run<'r>>,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    SolvedLight::in_blocks(&proxy, pass, journal, progress)?.probe(points, progress)
+    SolvedLight::new(&proxy, pass, run.into())?.probe(points)
 }

@@ -10,7 +10,7 @@ use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gather
 use crate::interpolation::{Interpolator, Stencil};
 use crate::records::RecordCells;
 use azulejo_scene::Rgb;
-use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, NoJournal, SplitIrradiance};
+use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, SplitIrradiance};
 
 /// Points from which on indirect light is interpolated: fewer are soon gathered.
 pub const LEAST_POINTS: usize = 4096;
@@ -275,7 +275,7 @@ pub(crate) fn gather_sparse<L: DiffuseLight>(
     for _ in 0..MOST_ROUNDS {
         let errors = chosen.interpolation_errors();
         let coarse = chosen.coarse_cells(&errors, goal);
-        if pass.progress.phase_is_over() || !coarse.contains(&true) {
+        if pass.run.progress.phase_is_over() || !coarse.contains(&true) {
             break;
         }
         chosen = chosen.divided(pass, targets, &coarse)?;
@@ -302,9 +302,8 @@ impl RecordGather {
         };
         let areas: Vec<f64> = cells.points().map(area).collect();
         let interpolator = Interpolator::new(pass.gatherer.surfaces().tracer, &points);
-        let work = (pass.journal, pass.progress);
-        let left_out = interpolator.left_out(work)?;
-        let around = interpolator.stencils(&points, work)?;
+        let left_out = interpolator.left_out(pass.run)?;
+        let around = interpolator.stencils(&points, pass.run)?;
         let alone = |(r, stencil): (usize, Option<Stencil>)| {
             stencil.unwrap_or_else(|| Stencil::alone(r as u32))
         };
@@ -317,7 +316,6 @@ impl RecordGather {
             ..Gathering::new(GatherTargets {
                 points: &points,
                 areas: &areas,
-                journal: &NoJournal,
             })
         };
         Ok(RecordGather {
@@ -480,8 +478,7 @@ impl RecordGather {
         let errors = self.interpolation_errors();
         let goal = effort.error.unwrap_or(0.0);
         let permitted = strata.permitted(&self.found.errors(), goal);
-        let work = (pass.journal, pass.progress);
-        let found = Interpolator::new(tracer, &self.points).stencils(targets.points, work)?;
+        let found = Interpolator::new(tracer, &self.points).stencils(targets.points, pass.run)?;
         let mut stated = vec![StatedError::default(); strata.count()];
         let checked = found.into_iter().enumerate().map(|(i, stencil)| {
             let (stratum, share) = (strata.of(i), strata.share(i));

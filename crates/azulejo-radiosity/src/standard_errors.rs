@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::gather::GatherTargets;
     use azulejo_trace::sampling::{hash, uniform};
-    use azulejo_trace::{GatherPoint, Gathered, NoJournal};
+    use azulejo_trace::{GatherPoint, Gathered};
     use glam::DVec3;
     use std::f64::consts::TAU;
 
@@ -154,7 +154,6 @@ mod tests {
         let mut all = Gathering::new(GatherTargets {
             points: &points,
             areas: &[],
-            journal: &NoJournal,
         });
         for i in 0..count {
             let of = |r: usize| {

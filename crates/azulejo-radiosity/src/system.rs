@@ -12,18 +12,18 @@ use azulejo_factors::engine::Estimator;
 use azulejo_factors::row::{Entry, Row, Side, side};
 use azulejo_factors::sparse::{SparseMatrix, SparseRow};
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::journal::{LoopSize, Record, RecordReader, distributed, shared};
-use azulejo_trace::{Cancelled, Gathered, Gatherer, Journal, Measure, Progress, REPLICATES};
+use azulejo_trace::run::{LoopSize, Record, RecordReader};
+use azulejo_trace::{Cancelled, Gathered, Gatherer, Measure, REPLICATES, Run};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Rows of a block of the journal, at least.
+/// Rows of a block that processes share, at least.
 const BLOCK: usize = 8;
 
 /// Rows computed at once, between two checks of the progress, by each thread.
 const AT_ONCE: usize = 64;
 
-/// Sides whose direct light is computed in a block of the journal, at least.
+/// Sides whose direct light is computed in a block that processes share, at least.
 const DIRECT_BLOCK: usize = 64;
 
 /// One unknown: a side of a patch that reflects diffusely and that light can reach.
@@ -57,8 +57,8 @@ pub struct System<'j> {
     rows: Vec<u32>,
     /// One matrix per replicate; columns are sides.
     matrices: Vec<SparseMatrix>,
-    /// What other processes have.
-    journal: &'j dyn Journal,
+    /// The work on it, by all processes that share the rows.
+    run: Run<'j>,
     /// Number of sides: twice the patches.
     pub sides: usize,
     /// Rays traced from patches.
@@ -167,9 +167,9 @@ impl<'j> System<'j> {
         reflectance: &[Rgb],
         estimator: &Estimator,
         seed: u32,
-        journal: &'j dyn Journal,
-        progress: &Progress,
+        run: Run<'j>,
     ) -> Result<Option<System<'j>>, Cancelled> {
+        let progress = run.progress;
         let materials = &gatherer.surfaces().scene.materials;
         let reflects = |p: usize| {
             let m = &materials[patches.material(p) as usize];
@@ -180,7 +180,7 @@ impl<'j> System<'j> {
             unknowns: Vec::new(),
             rows: Vec::new(),
             matrices: vec![SparseMatrix::new(channels); REPLICATES],
-            journal,
+            run,
             sides: 2 * patches.len(),
             rays: 0,
         };
@@ -216,9 +216,7 @@ impl<'j> System<'j> {
                 Ok(Some((found.whole().replicates, found.external())))
             };
             let size = (wave.len(), DIRECT_BLOCK);
-            let lights = shared(journal, size, progress, |wanted| {
-                wanted.par_iter().map(light).collect()
-            })?;
+            let lights = run.shared(size, |wanted| wanted.par_iter().map(light).collect())?;
             let lights: Option<Vec<([Rgb; REPLICATES], Rgb)>> = lights.into_iter().collect();
             let Some(lights) = lights else {
                 return Ok(None);
@@ -277,7 +275,7 @@ impl<'j> System<'j> {
                 block: BLOCK,
                 at_once: AT_ONCE * rayon::current_num_threads().max(1),
             };
-            let found = distributed(journal, size, progress, compute, keep);
+            let found = run.distributed(size, compute, keep);
             if is_hopeless {
                 return Ok(None);
             }
@@ -297,9 +295,9 @@ impl<'j> System<'j> {
         Ok(Some(system))
     }
 
-    /// The journal of all work on it.
-    pub(crate) fn journal(&self) -> &'j dyn Journal {
-        self.journal
+    /// The work on it.
+    pub(crate) fn run(&self) -> Run<'j> {
+        self.run
     }
 
     /// Bytes of the rows that this process has, and of all unknowns.
@@ -320,8 +318,8 @@ impl<'j> System<'j> {
         &self,
         bounces: Option<u32>,
         tolerance: f64,
-        progress: &Progress,
     ) -> Result<Vec<(Vec<Rgb>, Convergence)>, Cancelled> {
+        let progress = self.run.progress;
         let most = bounces.unwrap_or(MOST_ITERATIONS);
         let start = Convergence {
             iterations: 0,
@@ -386,10 +384,9 @@ impl<'j> System<'j> {
             let matrix = &self.matrices[replicate];
             matrix.map_rows(|i| matrix.row_times(i, light))
         };
-        self.journal.begins_part();
         let found: Vec<Vec<Rgb>> = reflected.iter().map(of_rows).collect();
         let mut all = vec![vec![Rgb::BLACK; self.unknowns.len()]; reflected.len()];
-        if self.journal.processes() == 1 {
+        if !self.run.is_shared() {
             for (all, found) in all.iter_mut().zip(found) {
                 for (&i, h) in self.rows.iter().zip(found) {
                     all[i as usize] = h;
@@ -397,10 +394,10 @@ impl<'j> System<'j> {
             }
             return Ok(all);
         }
-        let mut bytes = Vec::new();
+        let (stage, mut bytes) = (self.run.blocks.loop_stage(), Vec::new());
         self.rows.write(&mut bytes);
         found.write(&mut bytes);
-        for bytes in self.journal.all_gather(bytes)? {
+        for bytes in self.run.blocks.gather(stage, bytes)? {
             let mut reader = RecordReader::new(&bytes);
             let rows = Vec::<u32>::read(&mut reader).ok_or(Cancelled)?;
             let found = Vec::<Vec<Rgb>>::read(&mut reader).ok_or(Cancelled)?;
@@ -477,14 +474,11 @@ impl System<'_> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn solve_all(
-        &self,
-        bounces: Option<u32>,
-        progress: &Progress,
-    ) -> Result<RadiositySolution, Cancelled> {
+    pub fn solve_all(&self, bounces: Option<u32>) -> Result<RadiositySolution, Cancelled> {
+        let progress = self.run.progress;
         progress.begin("bounces", REPLICATES as u64);
         let mut found = RadiositySolution::new(self.sides);
-        let solved = self.solve(bounces, TOLERANCE, progress)?;
+        let solved = self.solve(bounces, TOLERANCE)?;
         let light = solved.iter().enumerate();
         let light: Vec<(usize, &[Rgb])> = light.map(|(r, (light, _))| (r, &light[..])).collect();
         let arriving = self.arriving(&light)?;

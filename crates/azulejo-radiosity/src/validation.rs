@@ -71,7 +71,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             Some(goal) => all.strata.permitted(&all.errors(), goal),
             None => all.errors().iter().map(|error| error.noise).collect(),
         };
-        if goal.is_some() && self.progress.has_deadline() {
+        if goal.is_some() && self.run.progress.has_deadline() {
             return self.validate_in_time(all, &permitted, most);
         }
         let reads =
@@ -92,7 +92,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         ) in strata.into_iter().zip(compared)
         {
             match verdict {
-                Verdict::Bad(found) if goal.is_some() && !self.progress.out_of_time() => {
+                Verdict::Bad(found) if goal.is_some() && !self.run.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
                 }
                 Verdict::Good(found) | Verdict::Bad(found) => {
@@ -120,7 +120,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let mut found = Vec::new();
         for (stratum, permitted_here) in permitted.iter().enumerate() {
             let rest = (permitted.len() - stratum) as f64;
-            self.progress.limit_phase(COMPARISON_SHARE / rest);
+            self.run.progress.limit_phase(COMPARISON_SHARE / rest);
             let sample = self.sample(all.strata.points(stratum));
             let allowed = SHARE * SHARE * permitted_here;
             let Some(Compared {
@@ -139,8 +139,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.strata.read_patches(stratum, square);
             found.push((spent, sample, is_bad));
         }
-        self.progress.limit_phase(1.0);
-        let seconds = planned_seconds(self.progress);
+        self.run.progress.limit_phase(1.0);
+        let seconds = planned_seconds(self.run.progress);
         let errors = all.errors();
         let ways: Vec<StratumWays> = (0..found.len())
             .map(|k| self.ways(all, k, &errors[k], &found[k]))
@@ -152,7 +152,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             best_ways(&ways, seconds)
         };
         for (stratum, (spent, sample, _)) in found.into_iter().enumerate() {
-            if chosen[stratum] && !self.progress.out_of_time() {
+            if chosen[stratum] && !self.run.progress.out_of_time() {
                 let discretization = errors[stratum].discretization;
                 self.trace_paths(all, stratum, discretization, (spent, sample), most)?;
             }
@@ -203,8 +203,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.spent[known.point as usize] = spent;
         }
         let seconds = self.pace.seconds_per_ray(Termination::Roulette);
-        let first = if self.progress.has_deadline() {
-            hasty_rays(points.len(), seconds, self.progress).unwrap_or(FEWEST_RAYS)
+        let first = if self.run.progress.has_deadline() {
+            hasty_rays(points.len(), seconds, self.run.progress).unwrap_or(FEWEST_RAYS)
         } else {
             FIRST_RAYS
         };
@@ -241,7 +241,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         most: u32,
     ) -> Result<Vec<Compared>, Cancelled> {
         let most = most.min(MOST_SAMPLE_RAYS);
-        let first = if self.progress.has_deadline() {
+        let first = if self.run.progress.has_deadline() {
             FIRST_RAYS / 2
         } else {
             2 * FIRST_RAYS
@@ -272,11 +272,13 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             });
             let lists: Vec<PointList> = lists.collect();
             let points: usize = lists.iter().map(|list| list.points.len()).sum();
-            self.progress.begin("comparing with paths", points as u64);
+            self.run
+                .progress
+                .begin("comparing with paths", points as u64);
             let found = self.gather_lists(&lists, true)?;
             let share = f64::from(next - spent) / f64::from(next);
             spent = next;
-            let is_last = spent >= most || self.progress.phase_is_over();
+            let is_last = spent >= most || self.run.progress.phase_is_over();
             for ((compared, allowed, is_open), found) in open.iter_mut().zip(found.chunks(2)) {
                 compared.spent = spent;
                 let (patches, paths) = (found[0].iter(), found[1].iter());

@@ -1,7 +1,7 @@
-//! Speed of building and tracing, beside Embree's if that is built in and installed.
+//! Speed of building and tracing, beside Embree's if that is installed.
 //!
-//! `cargo bench -p azulejo-trace --bench rays -- [room|model|cornell] [quick]`; with
-//! `--features embree` Embree's rows are printed too. Everything runs on one thread and is
+//! `cargo bench -p azulejo-trace --bench rays -- [room|model|cornell] [quick]`.
+//! Everything runs on one thread and is
 //! measured in CPU time where the system reports it (Linux), so that other work on the machine
 //! matters less; each figure is the median of several repetitions that alternate between the two.
 //! Ratios above 1 are in azulejo's favour.
@@ -266,7 +266,6 @@ fn rays(tracer: &Tracer, soup: &TriangleSoup, start: Start) -> Rays {
 }
 
 /// Embree, loaded at run time.
-#[cfg(feature = "embree")]
 mod rival {
     pub use azulejo_trace::embree::{Embree, EmbreeScene};
 
@@ -280,40 +279,6 @@ mod rival {
             (corners, k as u32)
         };
         EmbreeScene::new(embree, soup.triangles.len(), triangle, robust).ok()
-    }
-}
-
-/// There is no value of these types: Embree is not built in.
-#[cfg(not(feature = "embree"))]
-mod rival {
-    use super::{KernelHit, KernelRay};
-
-    pub enum Embree {}
-
-    pub enum EmbreeScene {}
-
-    pub fn find() -> Result<Embree, String> {
-        Err("Embree's rows need `--features embree`, and Embree installed".to_owned())
-    }
-
-    pub fn build(embree: &Embree, _: &super::TriangleSoup, _: bool) -> Option<EmbreeScene> {
-        match *embree {}
-    }
-
-    impl Embree {
-        pub fn version(&self) -> String {
-            match *self {}
-        }
-    }
-
-    impl EmbreeScene {
-        pub fn closest(&self, _: &[KernelRay], _: &mut [KernelHit]) {
-            match *self {}
-        }
-
-        pub fn any(&self, _: &[KernelRay], _: &mut [bool]) {
-            match *self {}
-        }
     }
 }
 

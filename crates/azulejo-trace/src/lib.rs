@@ -10,9 +10,9 @@
 //! the directions they map to), [`lambert`] (the irradiance at a point due to a polygon, exactly),
 //! [`lights`] (sampling of light sources), [`follow`] (paths through mirrors and glass), and
 //! [`Gatherer`] (irradiance at points, for both passes). Embree can trace the triangles instead
-//! ([`Kernel`]; feature `embree`). [`item_buffer`] solves visibility by rasterization: it finds the
+//! ([`Kernel`]). [`item_buffer`] solves visibility by rasterization: it finds the
 //! patches that are visible through the pixels of a hemicube. [`Progress`] reports the progress of
-//! long work, pauses and stops it; a [`Journal`] keeps its finished blocks, and divides it.
+//! long work, pauses and stops it; a [`Run`] keeps its finished blocks, and divides it.
 //!
 //! ```
 //! use azulejo_scene::{math::Ray, synthetic::cube_room};
@@ -31,11 +31,11 @@ mod gather;
 mod hit;
 pub mod interaction;
 pub mod item_buffer;
-pub mod journal;
 mod kernel;
 pub mod lambert;
 pub mod lights;
 mod progress;
+pub mod run;
 pub mod sampling;
 mod surfaces;
 mod tracer;
@@ -46,10 +46,9 @@ pub use gather::{
     SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
 };
 pub use hit::{Hit, Item};
-pub use journal::{Journal, JournalStage, NoJournal, Work};
-#[cfg(feature = "embree")]
 pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};
 pub use progress::{Cancelled, Measure, Measured, Progress};
+pub use run::{Blocks, Run, RunRole, RunStage};
 pub use surfaces::{MeshTriangles, Surfaces};
 pub use tracer::{PeriodError, Tracer};

@@ -23,7 +23,7 @@
 //! The two passes do not depend on each other: they share data, the irradiance on the vertices.
 //! `examples/journey.rs` follows one vertex through both in seven lines.
 //!
-//! The feature `embree` adds Embree, loaded at run time, as another ray tracing kernel.
+//! Embree, where it is installed, is loaded at run time as another ray tracing kernel.
 //!
 //! The feature `fonts`, on by default, reads TrueType, OpenType and Type 1. The feature `gpu` adds
 //! the module `gpu`: item buffers on graphics cards.

@@ -12,7 +12,7 @@ mod sides;
 mod source;
 
 pub use brightness::{BytePicture, BytePictures};
-pub use occlusion::{bake_occlusion, bake_occlusion_in_blocks};
+pub use occlusion::bake_occlusion;
 pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
@@ -24,9 +24,9 @@ use azulejo_bake::{
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
-use azulejo_trace::journal::digest;
+use azulejo_trace::run::digest;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, NoJournal, Progress, Tracer, Work};
+use azulejo_trace::{Cancelled, GatherPoint, Progress, Run, Tracer};
 use indirect::{IndirectLight, SampleLight};
 use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;
@@ -214,39 +214,28 @@ pub struct Baked {
 /// Bakes the lightmap of a scene of meshes: the objects that are listed receive. Where options have something for
 /// each of them, all of them are meshes.
 ///
-/// # Errors
-/// [`BakeError`].
-pub fn bake(
-    scene: &Scene,
-    tracer: &Tracer,
-    objects: &[u32],
-    options: &BakeOptions,
-    progress: &Progress,
-) -> Result<Baked, BakeError> {
-    bake_in_blocks(scene, tracer, objects, options, (&NoJournal, progress))
-}
-
-/// As [`bake`], with blocks that the journal holds or others compute. Processes that talk to each other all get the
+/// A `&Progress` is a run of one process. Processes that talk to each other all get the
 /// lightmap, with the bits of one process. Parts that never meet need a number of rays without an error, see
 /// [`BakeOptions::pass`]: a process of one that does not make the result ends with [`SolveError::Elsewhere`].
 ///
 /// # Errors
 /// [`BakeError`].
-pub fn bake_in_blocks(
+pub fn bake<'r>(
     scene: &Scene,
     tracer: &Tracer,
     objects: &[u32],
     options: &BakeOptions,
-    work: Work,
+    run: impl Into<Run<'r>>,
 ) -> Result<Baked, BakeError> {
-    let (_, progress) = work;
+    let run = run.into();
+    let progress = run.progress;
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
     let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
     let fronts = receivers.len();
     let mut solved = None;
     if options.sides == BakedSides::Both {
         // Which backs get light is known from the solution alone.
-        let found = solved_light(&proxy, options, work)?;
+        let found = solved_light(&proxy, options, run)?;
         let backs = lit_backs(&receivers, &objects, &proxy.scene, &found);
         for (receiver, object) in backs {
             receivers.push(receiver);
@@ -254,16 +243,16 @@ pub fn bake_in_blocks(
         }
         solved = Some(found);
     }
-    let mut atlas = arranged(receivers, options, &proxy.tracer, work)?;
+    let mut atlas = arranged(receivers, options, &proxy.tracer, run)?;
     let solved = match solved {
         Some(solved) => solved,
-        None => solved_light(&proxy, options, work)?,
+        None => solved_light(&proxy, options, run)?,
     };
     let turn = |atlas: &mut Atlas| -> Result<(), Cancelled> {
         match options.sides {
             BakedSides::Front => {}
             BakedSides::Brighter => {
-                atlas.turned = turned(atlas, &objects, &proxy.scene, &solved, progress)?;
+                atlas.turned = turned(atlas, &objects, &proxy.scene, &solved)?;
             }
             BakedSides::Both => {
                 atlas.turned = vec![false; atlas.layout.charts as usize];
@@ -290,7 +279,7 @@ pub fn bake_in_blocks(
     ]);
     let mut follows_light = false;
     if options.follows_light && options.coordinates == Coordinates::New {
-        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, work)?;
+        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, run)?;
         let (receivers, even) = (&atlas.receivers, &atlas.layout);
         let followed = azulejo_bake::repack_charts(
             receivers,
@@ -308,12 +297,12 @@ pub fn bake_in_blocks(
             follows_light = true;
         }
     }
-    let samples = agreed_samples(&atlas, surfaces.tracer, work)?;
+    let samples = agreed_samples(&atlas, surfaces.tracer, run)?;
     let indirect_to = |error: f64| IndirectLight {
         solved: &solved,
         bounces: options.pass.bounces,
         error,
-        work,
+        run,
     };
     let found = match options.fixed_rays(progress) {
         Some(rays) => indirect_to(error).with_rays(&atlas, &samples, rays, seed)?,
@@ -358,7 +347,7 @@ pub fn bake_in_blocks(
     let rest = between.rest_of(options.charts.padding);
     let mut between_texels = 0.0_f64;
     if options.light != BakedLight::Indirect {
-        between_texels = between.add_direct(&mut lightmap, &rest, work)?;
+        between_texels = between.add_direct(&mut lightmap, &rest, run)?;
     }
     if let Some(field) = &field {
         let mut gather = |points: &[GatherPoint]| indirect.at(points, field);
@@ -386,22 +375,22 @@ pub fn bake_in_blocks(
 fn solved_light<'a>(
     proxy: &'a ProxyScene<'a>,
     options: &BakeOptions,
-    (journal, progress): Work<'a>,
+    run: Run<'a>,
 ) -> Result<SolvedLight<'a>, SolveError> {
-    let solved = SolvedLight::in_blocks(proxy, &options.pass, journal, progress)?;
+    let solved = SolvedLight::new(proxy, &options.pass, run)?;
     solved.agree()?;
     Ok(solved)
 }
 
 /// The points of all texels. Processes that share the work divide it by the numbers of points, so all of them must
 /// have the same.
-fn agreed_samples(atlas: &Atlas, tracer: &Tracer, work: Work) -> Result<Samples, Cancelled> {
-    let samples = Samples::new(atlas, tracer, work)?;
-    let (journal, _) = work;
-    if journal.processes() > 1 {
+fn agreed_samples(atlas: &Atlas, tracer: &Tracer, run: Run) -> Result<Samples, Cancelled> {
+    let samples = Samples::new(atlas, tracer, run)?;
+    if run.is_shared() {
         let places = samples.samples.iter().map(|s| (s.position, s.normal));
         let numbers = places.flat_map(|(p, n)| [p.x, p.y, p.z, n.x, n.y, n.z]);
-        journal.rely_on(journal.step(), digest(numbers))?;
+        run.blocks
+            .rely_on(run.blocks.loop_stage(), digest(numbers))?;
     }
     Ok(samples)
 }
@@ -421,11 +410,11 @@ fn arranged(
     receivers: Vec<Receiver>,
     options: &BakeOptions,
     tracer: &Tracer,
-    (journal, progress): Work,
+    run: Run,
 ) -> Result<Atlas, BakeError> {
-    let layout = laid_out(&receivers, options, tracer, progress)?;
-    let bytes_per_covered = match options.fixed_rays(progress) {
-        Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(journal.assembles())],
+    let layout = laid_out(&receivers, options, tracer, run.progress)?;
+    let bytes_per_covered = match options.fixed_rays(run.progress) {
+        Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(run.role().assembles)],
         None => BYTES_PER_COVERED,
     };
     let needed = memory_of(&layout, bytes_per_covered);

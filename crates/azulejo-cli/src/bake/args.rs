@@ -1,7 +1,7 @@
 //! Options of `bake`.
 
 use crate::args::{FirstPassArgs, InputArgs};
-use crate::shards::{Shard, shard};
+use crate::shard::ShardArgs;
 use crate::values;
 use azulejo::bake::unwrap::MOST_SIZE;
 use azulejo::lightmap::{BakedLight, BakedSides};
@@ -39,17 +39,14 @@ pub struct BakeArgs {
     pub html: bool,
     /// Remove the lightmap that azulejo added to a glTF file, or the light that `solve --keep-mesh`
     /// added to its vertices: restores the original file
-    #[arg(long, requires = "output")]
+    #[arg(long, requires = "output", conflicts_with = "shard")]
     pub strip: bool,
     /// Only check the lightmap of a glTF file, whatever program made it, or a second set of texture
     /// coordinates for one; with --lightmap, also compare the image in the file with that one
-    #[arg(long, conflicts_with_all = ["strip", "output"])]
+    #[arg(long, conflicts_with_all = ["strip", "output", "shard"])]
     pub check: bool,
-    /// Compute only shard K of N of the texels, from 1, and write it to -o as a part; `azulejo merge` makes
-    /// the lightmap of all parts, and takes --lightmap and --error-map. An interrupted shard resumes by the same
-    /// command. With --rays alone: work to an error or a time cannot be divided
-    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["strip", "check"])]
-    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub part: ShardArgs,
     #[command(flatten)]
     pub texels: TexelArgs,
     #[command(flatten)]

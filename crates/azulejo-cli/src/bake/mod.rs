@@ -12,11 +12,9 @@ mod work;
 mod written;
 
 use crate::failure::Failure;
-use crate::ranks::RankJournal;
 use crate::report::Report;
+use crate::runner::Runner;
 use crate::session::Session;
-use crate::shards::{MergedParts, PartPlan, Shard};
-use crate::workers::Workers;
 use crate::{pass, report as words};
 use args::{BakeArgs, ConventionArg, ImageArg, InstancesArg, LightArg};
 use azulejo::lightmap::Baked;
@@ -31,77 +29,31 @@ const TOLERATED: f64 = 1.2;
 /// Runs `bake --check`: the report, and whether all is well.
 pub use check::run as check;
 
-/// Runs `bake`.
-pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
+/// Bakes the lightmap, or a part of it, and writes it.
+pub fn run(args: &BakeArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
     if args.strip {
         return strip(args, session);
     }
     refuse_misplaced(args)?;
-    match (args.shard, session.ranks().cloned()) {
-        (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, session),
-        (None, _) => whole(args, None, session),
-    }
-}
-
-/// Runs `bake` with texels from parts.
-pub fn run_merged(
-    args: &BakeArgs,
-    parts: &MergedParts,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    refuse_misplaced(args)?;
-    whole(args, Some(parts), session)
-}
-
-/// Gathers the light of a part of the texels.
-fn part(args: &BakeArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
-    refuse_indivisible(args)?;
-    let Some(output) = &args.output else {
-        return Err(Failure::misuse("--shard: -o PART is missing"));
-    };
-    let planned = PartPlan::check(shard, output)?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let source = source::read(args, session)?;
-    let (work, _) = BakeWork::new(args, &source, &prepared, session)?;
-    let part = planned.open(&work.key(), session)?;
-    let mut report = Report::default();
-    part.fill(session, &mut report, |part, session| {
-        work.part(part, session)
-    })?;
-    Ok(report)
-}
-
-/// Takes part in the work of rank 0.
-fn help(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
-    pass::refuse_time(&args.first_pass)?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let source = source::read(args, session)?;
-    let (work, _) = BakeWork::new(args, &source, &prepared, session)?;
-    work.whole(Workers::new(None, None, session), session)?;
-    Ok(Report::default())
-}
-
-/// Bakes the lightmap, alone, with other ranks or from parts, and writes it.
-fn whole(
-    args: &BakeArgs,
-    parts: Option<&MergedParts>,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    let outputs = BakeOutputs::check(args)?;
-    session.claim_stdout(outputs.is_stdout())?;
-    if session.ranks().is_some() {
-        pass::refuse_time(&args.first_pass)?;
-    }
+    refuse_indivisible(args, &runner)?;
+    let outputs = runner
+        .writes()
+        .then(|| BakeOutputs::check(args))
+        .transpose()?;
+    session.claim_stdout(outputs.as_ref().is_some_and(BakeOutputs::is_stdout))?;
     let prepared = args.first_pass.engine.prepare()?;
     let mut source = source::read(args, session)?;
-    session.share_files()?;
+    runner.share_files(session)?;
     let (work, uvs) = BakeWork::new(args, &source, &prepared, session)?;
-    let workers = Workers::new(parts, outputs.file(), session);
-    let (mut baked, journal) = work.whole(workers, session)?;
+    let mut summary = Report::default();
+    let file = outputs.as_ref().and_then(BakeOutputs::file);
+    let baked = work.compute(runner, file, session, &mut summary)?;
+    let (Some(baked), Some(outputs)) = (baked, outputs) else {
+        return Ok(summary);
+    };
+    let (mut baked, rest) = (baked.value, baked.rest);
     let options = work.into_options();
     source.turn_to_light(&mut baked).map_err(Failure::failed)?;
-    let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
     say_unreached(&baked, args, session);
     if options.follows_light && !baked.follows_light {
@@ -112,7 +64,7 @@ fn whole(
     }
     let places = (uvs, options.charts.padding);
     outputs.write(args, &source, &baked, places, session, &mut summary)?;
-    journal.iter().for_each(RankJournal::remove);
+    rest.finish(&mut summary);
     Ok(summary)
 }
 
@@ -146,8 +98,11 @@ fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
 
 /// Refuses to divide a lightmap whose texels depend on each other's light, or on the time, and to write pictures of
 /// a part of one.
-fn refuse_indivisible(args: &BakeArgs) -> Result<(), Failure> {
-    pass::refuse_indivisible(&args.first_pass)?;
+fn refuse_indivisible(args: &BakeArgs, runner: &Runner) -> Result<(), Failure> {
+    pass::refuse_indivisible(&args.first_pass, runner)?;
+    if !runner.is_part() {
+        return Ok(());
+    }
     if args.texels.light == LightArg::Direct {
         return Err(Failure::misuse(
             "--shard: --light direct has no number of rays: texels get more of them where their light differs from that \

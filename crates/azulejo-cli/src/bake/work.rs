@@ -6,20 +6,19 @@ use crate::content_key::ContentHasher;
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
 use crate::pass;
-use crate::ranks::RankJournal;
+use crate::report::Report;
+use crate::runner::{Completed, DividedWork, Runner, Sharing, WorkKey};
 use crate::session::Session;
-use crate::shards::WorkKey;
-use crate::workers::Workers;
 use azulejo::bake::{ReceiverLayout, Resolution, UnwrapOptions};
 use azulejo::lightmap::{
-    BakeError, BakeOptions, BakeSource, Baked, BakedSides, Coordinates, bake_in_blocks,
-    bake_occlusion_in_blocks,
+    BakeError, BakeOptions, BakeSource, Baked, BakedSides, Coordinates, bake, bake_occlusion,
 };
 use azulejo::surroundings::STUDIO_FLOOR;
 use azulejo_formats::gltf::patch::LightmapUvs;
-use azulejo_radiosity::{FirstPass, SolveError};
+use azulejo_radiosity::FirstPass;
 use azulejo_scene::Scene;
-use azulejo_trace::{Journal, Tracer};
+use azulejo_trace::{Blocks, Tracer};
+use std::path::Path;
 
 /// Size of pages where none is given, and where the density is.
 const SIZE: u32 = 1024;
@@ -85,32 +84,29 @@ impl<'a> BakeWork<'a> {
         Ok((work, chosen.uvs))
     }
 
-    /// Computes it, by all of these.
+    /// Computes it, or what this process has to of it.
     ///
     /// # Errors
-    /// Those of the bake and of [`Workers::compute`].
-    pub fn whole(
+    /// Those of the bake and of [`Runner::compute`].
+    pub fn compute(
         &self,
-        workers: Workers,
+        runner: Runner,
+        output: Option<&Path>,
         session: &mut Session,
-    ) -> Result<(Baked, Option<RankJournal>), Failure> {
-        session.limit_time(self.args.first_pass.limit());
-        workers.compute(
-            || self.key(),
-            session,
-            |journal, session| self.baked(journal, session).map_err(failure),
-        )
-    }
-
-    /// Computes the blocks of a part.
-    ///
-    /// # Errors
-    /// Those of the bake.
-    pub fn part(&self, part: &dyn Journal, session: &Session) -> Result<(), Failure> {
-        match self.baked(part, session) {
-            Ok(_) | Err(BakeError::Solve(SolveError::Elsewhere)) => Ok(()),
-            Err(error) => Err(failure(error)),
-        }
+        report: &mut Report,
+    ) -> Result<Option<Completed<Baked>>, Failure> {
+        let plan = DividedWork {
+            key: &|| self.key(),
+            sharing: Sharing::All,
+            output,
+        };
+        runner.compute(&plan, session, report, |blocks, session| {
+            match self.baked(blocks, session) {
+                Ok(baked) => Ok(Some(baked)),
+                Err(BakeError::Solve(error)) => pass::unless_elsewhere(Err(error)),
+                Err(other) => Err(Failure::failed(other)),
+            }
+        })
     }
 
     /// How it was computed.
@@ -118,24 +114,21 @@ impl<'a> BakeWork<'a> {
         self.options
     }
 
-    fn baked(&self, journal: &dyn Journal, session: &Session) -> Result<Baked, BakeError> {
+    fn baked(&self, blocks: &dyn Blocks, session: &Session) -> Result<Baked, BakeError> {
         let BakeSource {
             scene, receivers, ..
         } = self.source;
-        pass::with_forecast(&self.args.first_pass, session, |progress| {
-            let (tracer, work) = (&self.tracer, (journal, progress));
+        let (tracer, options) = (&self.tracer, &self.options);
+        pass::with_forecast(&self.args.first_pass, (blocks, session), |run| {
             match self.occlusion {
-                None => bake_in_blocks(scene, tracer, receivers, &self.options, work),
-                Some(distance) => {
-                    let options = &self.options;
-                    bake_occlusion_in_blocks(scene, tracer, receivers, options, distance, work)
-                }
+                None => bake(scene, tracer, receivers, options, run),
+                Some(distance) => bake_occlusion(scene, tracer, receivers, options, distance, run),
             }
         })
     }
 
     /// What its blocks depend on.
-    pub fn key(&self) -> WorkKey {
+    fn key(&self) -> WorkKey {
         let options = &self.options;
         let light = pass::work_key(&self.source.scene, &self.tracer, &options.pass, &[]);
         // Coordinates are many numbers, and those of the first pass are in the other key.
@@ -162,14 +155,6 @@ impl<'a> BakeWork<'a> {
             settings: settings.key(),
             ..light
         }
-    }
-}
-
-/// An error of the bake as a failure of the command.
-fn failure(error: BakeError) -> Failure {
-    match error {
-        BakeError::Solve(error) => pass::failure(error),
-        other => Failure::failed(other),
     }
 }
 

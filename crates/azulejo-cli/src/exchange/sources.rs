@@ -6,8 +6,9 @@ use crate::failure::Failure;
 use crate::form_factors::stored::{
     is_archive, is_store, memory_limit, of_store, open_store, read_archive, refuse_computation,
 };
-use crate::form_factors::{self, FactorJournal, FactorRequest};
+use crate::form_factors::{self, FactorRequest};
 use crate::report::{Report, bytes, percent};
+use crate::runner::Runner;
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::tables::MaterialTable;
@@ -91,7 +92,6 @@ fn computed(
             // Rows have radiosities of their own unless they are lumped.
             groups: args.by.groups().filter(|_| args.lump),
             room: None,
-            journal: FactorJournal::None,
         };
         let mut other = Report::default();
         let report = if found.is_empty() {
@@ -99,8 +99,9 @@ fn computed(
         } else {
             &mut other
         };
-        let (enclosure, _) = form_factors::enclosure(&scene, request, session, report)?;
-        found.push(("the scene".to_owned(), enclosure));
+        let alone = (Runner::alone(), None);
+        let computed = form_factors::enclosure(&scene, request, alone, session, report)?;
+        found.extend(computed.map(|computed| ("the scene".to_owned(), computed.value)));
     }
     Ok(found)
 }

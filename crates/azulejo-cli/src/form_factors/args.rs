@@ -2,7 +2,7 @@
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
-use crate::shards::{Shard, shard};
+use crate::shard::ShardArgs;
 use crate::values;
 use azulejo::periods::Periods;
 use azulejo_exchange::archive::ArchivePrecision;
@@ -36,12 +36,10 @@ pub struct FormFactorArgs {
     #[command(flatten)]
     pub computation: ComputationArgs,
     /// Write no journal next to the output; an interrupted computation then starts over
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     pub no_journal: bool,
-    /// Compute only the rows of shard K of N, from 1, and write them to -o as a part; `azulejo merge` makes
-    /// the result of all parts. An interrupted shard resumes by the same command
-    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "no_journal")]
-    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub part: ShardArgs,
     #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]

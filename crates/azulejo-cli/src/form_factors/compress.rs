@@ -2,7 +2,7 @@
 
 use super::args::{FormFactorArgs, PrecisionName};
 use super::view3d::View3dInput;
-use super::{FactorJournal, FactorRequest, FactorSetup, facing, outside, stored, summary};
+use super::{FactorRequest, FactorSetup, facing, outside, stored, summary};
 use crate::failure::Failure;
 use crate::pass;
 use crate::report::{Report, count, number, percent};
@@ -34,7 +34,6 @@ pub fn run(
         separate: false,
         groups: None,
         room: None,
-        journal: FactorJournal::None,
     };
     let setup = FactorSetup::new(&scene, how, session)?;
     let plan = setup.plan(&scene, how, session)?;
@@ -92,7 +91,7 @@ fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
     let idle = [
         (
             "--shard",
-            args.shard.is_some(),
+            args.part.shard.is_some(),
             "the blocks of a part are not those of the whole",
         ),
         (

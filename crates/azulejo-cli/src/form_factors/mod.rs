@@ -14,116 +14,94 @@ use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
-use super::file_journal::FileJournal;
-use super::ranks::{RankJournal, Ranks, Sharing};
 use super::report::{Report, bytes, count};
+use super::runner::{Completed, DividedWork, Runner, Sharing, WorkKey};
 use super::session::Session;
-use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
 use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_exchange::{Enclosure, GroupBy};
-use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
-use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, PatchSize};
+use azulejo_factors::form_factors::{Forecast, Plan, PreparedPlan};
+use azulejo_factors::{Engine, FormFactorOptions, Hemicube, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
-use azulejo_trace::Tracer;
+use azulejo_trace::{Run, Tracer};
 use destination::Destination;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use view3d::View3dInput;
 
-/// What is to be written, and the journal that is done with then.
-struct Computed {
-    enclosure: Enclosure,
-    /// The View3D file whose rows these are.
-    room: Option<View3dInput>,
-    journal: Option<FactorBlocks>,
-}
-
-/// Runs `form-factors`.
-pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
-    if let Some(tolerance) = args.matrix.compress {
-        return compress::run(args, tolerance, session);
-    }
-    match (args.shard, session.ranks().cloned()) {
-        (Some(shard), _) => part(args, shard, session),
-        (None, Some(ranks)) if !ranks.is_root() => help(args, &ranks, session),
-        (None, _) => whole(args, None, session),
-    }
-}
-
-/// Runs `form-factors` with rows from parts.
-pub fn run_merged(
+/// Computes the matrix, or a part of its rows, and writes it.
+pub fn run(
     args: &FormFactorArgs,
-    parts: &MergedParts,
+    runner: Runner,
     session: &mut Session,
 ) -> Result<Report, Failure> {
-    if args.matrix.compress.is_some() {
-        return Err(Failure::misuse(
-            "--compress: parts make a whole matrix; compress it by form-factors of the model, in one piece",
-        ));
+    if let Some(tolerance) = args.matrix.compress {
+        if runner.is_merged() {
+            return Err(Failure::misuse(
+                "--compress: parts make a whole matrix; compress it by form-factors of the model, in one piece",
+            ));
+        }
+        return compress::run(args, tolerance, session);
     }
-    whole(args, Some(parts), session)
-}
-
-/// Computes a part of the rows.
-fn part(args: &FormFactorArgs, shard: Shard, session: &mut Session) -> Result<Report, Failure> {
-    refuse_computed(args, "--shard")?;
-    let planned = PartPlan::check(shard, &args.output)?;
+    if let Some(by) = runner.shared_by() {
+        refuse_computed(args, by)?;
+    }
+    let destination = runner
+        .writes()
+        .then(|| Destination::new(args))
+        .transpose()?;
+    session.claim_stdout(destination.as_ref().is_some_and(Destination::is_stdout))?;
     let mut report = Report::default();
-    planned_rows(args, session, |prepared, key, session| {
-        let part = planned.open(key, session)?;
-        part.fill(session, &mut report, |part, session| {
-            rows_for_others(prepared, part, session)
-        })
-    })?;
-    Ok(report)
-}
-
-/// Computes rows for rank 0.
-fn help(args: &FormFactorArgs, ranks: &Ranks, session: &mut Session) -> Result<Report, Failure> {
-    refuse_computed(args, "mpiexec")?;
-    planned_rows(args, session, |prepared, key, session| {
-        let journal = ranks.journal(Sharing::Root, key, None)?;
-        journal.run(session, |journal, session| {
-            rows_for_others(prepared, journal, session)
-        })
-    })?;
-    Ok(Report::default())
-}
-
-/// Plans the rows of an own process for others, and computes some of them by `work`.
-fn planned_rows(
-    args: &FormFactorArgs,
-    session: &mut Session,
-    work: impl FnOnce(&PreparedPlan, &WorkKey, &mut Session) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    if let Some(enclosure) = stored::read(args, session)? {
+        let enclosure = stored::rework(enclosure, args, session)?;
+        if let Some(to) = destination {
+            write(args, (enclosure, None), to, session, &mut report)?;
+        }
+        return Ok(report);
+    }
     let (room, scene) = read_scene(args, session)?;
+    runner.share_files(session)?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
-    let how = FactorRequest {
+    let request = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
         groups: args.only_groups(),
         room: room.as_ref(),
-        journal: FactorJournal::None,
     };
-    let setup = FactorSetup::new(scene, how, session)?;
-    let plan = setup.plan(scene, how, session)?;
-    let prepared = plan.prepare();
-    work(&prepared, &setup.work_key(scene, &prepared), session)
+    let beside = destination.as_ref().and_then(Destination::file);
+    let beside = beside.filter(|_| !args.no_journal);
+    let computed = enclosure(scene, request, (runner, beside), session, &mut report)?;
+    let (Some(Completed { value, rest }), Some(to)) = (computed, destination) else {
+        return Ok(report);
+    };
+    let enclosure = match room {
+        None => grouping::grouped(value, args, session)?,
+        Some(_) => value,
+    };
+    write(args, (enclosure, room.as_ref()), to, session, &mut report)?;
+    rest.finish(&mut report);
+    Ok(report)
 }
 
-/// Computes rows of which others make the result.
-fn rows_for_others(
-    prepared: &PreparedPlan,
-    journal: &dyn Journal,
-    session: &Session,
+/// Writes the matrix, and describes it.
+fn write(
+    args: &FormFactorArgs,
+    (mut enclosure, room): (Enclosure, Option<&View3dInput>),
+    to: Destination,
+    session: &mut Session,
+    report: &mut Report,
 ) -> Result<(), Failure> {
-    match session.with_progress(|p| prepared.compute(journal, p)) {
-        Ok(_) | Err(FactorsError::Elsewhere) => Ok(()),
-        Err(e) => Err(pass::failure(e)),
+    if let Some(share) = args.matrix.truncate {
+        session.with_progress(|p| enclosure.factors.truncate(share, p))?;
     }
+    let written = to.write(&enclosure, room, session)?;
+    summary::describe(&enclosure, report);
+    outside::describe(&enclosure, report);
+    let path = args.output.display().to_string();
+    report.fact("output", path, "wrote", written);
+    Ok(())
 }
 
 /// Refuses to share the work of what is computed already.
@@ -137,74 +115,6 @@ fn refuse_computed(args: &FormFactorArgs, by: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Computes the matrix, or makes it from parts, and writes it.
-fn whole(
-    args: &FormFactorArgs,
-    parts: Option<&MergedParts>,
-    session: &mut Session,
-) -> Result<Report, Failure> {
-    if session.ranks().is_some() {
-        refuse_computed(args, "mpiexec")?;
-    }
-    let destination = Destination::new(args)?;
-    session.claim_stdout(destination.is_stdout())?;
-    let mut report = Report::default();
-    let computed = match stored::read(args, session)? {
-        Some(enclosure) => Computed {
-            enclosure: stored::rework(enclosure, args, session)?,
-            room: None,
-            journal: None,
-        },
-        None => computed(args, parts, destination.file(), session, &mut report)?,
-    };
-    let mut enclosure = computed.enclosure;
-    if let Some(share) = args.matrix.truncate {
-        session.with_progress(|p| enclosure.factors.truncate(share, p))?;
-    }
-    let written = destination.write(&enclosure, computed.room.as_ref(), session)?;
-    computed.journal.iter().for_each(FactorBlocks::remove);
-    summary::describe(&enclosure, &mut report);
-    outside::describe(&enclosure, &mut report);
-    let path = args.output.display().to_string();
-    report.fact("output", path, "wrote", written);
-    Ok(report)
-}
-
-/// Computes the matrix of models.
-fn computed(
-    args: &FormFactorArgs,
-    parts: Option<&MergedParts>,
-    output: Option<&Path>,
-    session: &mut Session,
-    report: &mut Report,
-) -> Result<Computed, Failure> {
-    let (room, scene) = read_scene(args, session)?;
-    session.share_files()?;
-    let scene = room.as_ref().map_or(&scene, View3dInput::scene);
-    let beside = output.filter(|_| !args.no_journal);
-    let how = FactorRequest {
-        computation: &args.computation,
-        separate: args.matrix.separate,
-        groups: args.only_groups(),
-        room: room.as_ref(),
-        journal: match (parts, beside) {
-            (Some(parts), _) => FactorJournal::Parts(parts),
-            (None, Some(output)) => FactorJournal::Beside(output),
-            (None, None) => FactorJournal::None,
-        },
-    };
-    let (enclosure, journal) = enclosure(scene, how, session, report)?;
-    let enclosure = match room {
-        None => grouping::grouped(enclosure, args, session)?,
-        Some(_) => enclosure,
-    };
-    Ok(Computed {
-        room,
-        enclosure,
-        journal,
-    })
-}
-
 /// The View3D file, or the scene of other models.
 fn read_scene(
     args: &FormFactorArgs,
@@ -213,35 +123,6 @@ fn read_scene(
     match view3d::read(args, session)? {
         Some(room) => Ok((Some(room), Scene::default())),
         None => Ok((None, painted(args, read_models(&args.input, session)?)?)),
-    }
-}
-
-/// Where finished blocks of rows are.
-#[derive(Clone, Copy)]
-pub enum FactorJournal<'a> {
-    /// Nowhere.
-    None,
-    /// In a journal next to this output.
-    Beside(&'a Path),
-    /// In parts that others computed.
-    Parts(&'a MergedParts),
-}
-
-/// Blocks that are of no more use once the matrix is written.
-pub enum FactorBlocks {
-    /// In a journal next to the output.
-    File(FileJournal),
-    /// Of several processes.
-    Ranks(RankJournal),
-}
-
-impl FactorBlocks {
-    /// The matrix is written.
-    pub fn remove(&self) {
-        match self {
-            FactorBlocks::File(journal) => journal.remove(),
-            FactorBlocks::Ranks(journal) => journal.remove(),
-        }
     }
 }
 
@@ -256,8 +137,6 @@ pub struct FactorRequest<'a> {
     pub groups: Option<GroupBy>,
     /// The View3D file whose rows are wanted.
     pub room: Option<&'a View3dInput>,
-    /// Where finished blocks are.
-    pub journal: FactorJournal<'a>,
 }
 
 /// What a plan refers to.
@@ -307,69 +186,56 @@ impl FactorSetup {
     }
 }
 
-/// The factors between patches of a scene, with what they receive from outside, and the journal that is done
-/// with when they are written.
+/// The factors between patches of a scene, with what they receive from outside; `None` if another process makes the
+/// result. Finished blocks are kept next to a file until the matrix is written to it.
+///
+/// # Errors
+/// The options contradict each other or the scene; those of the work, and of [`Runner::compute`].
 pub fn enclosure(
     scene: &Scene,
     how: FactorRequest,
+    (runner, output): (Runner, Option<&Path>),
     session: &mut Session,
     report: &mut Report,
-) -> Result<(Enclosure, Option<FactorBlocks>), Failure> {
+) -> Result<Option<Completed<Enclosure>>, Failure> {
     let setup = FactorSetup::new(scene, how, session)?;
-    let FactorSetup {
-        engine,
-        tracer,
-        options,
-    } = &setup;
     let plan = setup.plan(scene, how, session)?;
     let prepared = plan.prepare();
-    if let FactorJournal::Parts(parts) = how.journal {
-        parts.check(&setup.work_key(scene, &prepared))?;
+    if runner.writes() {
+        forecast(&prepared, session, report)?;
     }
-    forecast(&prepared, session, report)?;
-    let file = match how.journal {
-        FactorJournal::Beside(output) => Some(open_journal(output, scene, tracer, options)?),
-        FactorJournal::None | FactorJournal::Parts(_) => None,
+    let work = DividedWork {
+        key: &|| setup.work_key(scene, &prepared),
+        sharing: Sharing::Root,
+        output,
     };
-    let (factors, journal) = match (how.journal, session.ranks().cloned()) {
-        (FactorJournal::Parts(parts), _) => {
-            let found = session.with_progress(|p| prepared.compute(parts, p));
-            (parts.used(found.map_err(pass::failure))?, None)
-        }
-        (_, Some(ranks)) => {
-            ranks.agree(&setup.work_key(scene, &prepared))?;
-            let journal = ranks.journal_in(Sharing::Root, file)?;
-            let found = journal.run(session, |journal, session| {
-                let found = session.with_progress(|p| prepared.compute(journal, p));
-                found.map_err(pass::failure)
-            });
-            (found?, Some(FactorBlocks::Ranks(journal)))
-        }
-        (_, None) => {
-            let found = compute(&prepared, file.as_ref(), session);
-            let messages = file.iter().flat_map(FileJournal::take_messages);
-            messages.for_each(|message| session.note(&message));
-            (found?, file.map(FactorBlocks::File))
-        }
+    let computed = runner.compute(&work, session, report, |blocks, session| {
+        let factors = session.with_progress(|p| prepared.compute(Run::new(blocks, p)));
+        pass::unless_elsewhere(factors)
+    })?;
+    let Some(Completed {
+        value: factors,
+        rest,
+    }) = computed
+    else {
+        return Ok(None);
     };
-    let mut enclosure = Enclosure::new(&prepared, scene, factors);
-    if !options.two_sided && how.room.is_none() {
-        facing::advise(scene, tracer, &enclosure, session)?;
+    let mut value = Enclosure::new(&prepared, scene, factors);
+    if !setup.options.two_sided && how.room.is_none() {
+        facing::advise(scene, &setup.tracer, &value, session)?;
     }
-    engine.describe(&enclosure.factors.engine_used, report);
-    let used = &enclosure.factors.engine_used.name;
+    setup.engine.describe(&value.factors.engine_used, report);
+    let used = &value.factors.engine_used.name;
     if how.computation.tolerance.is_some() && used != "analytic" {
         session.note(&format!(
             "--tolerance has no effect: it is for the analytic engine, and the factors are by {used}"
         ));
     }
     match how.room {
-        Some(room) => enclosure = room.finish(&enclosure, session, report)?,
-        None => {
-            enclosure.outside = outside::irradiance(&prepared, scene, &enclosure.factors, session)?
-        }
+        Some(room) => value = room.finish(&value, session, report)?,
+        None => value.outside = outside::irradiance(&prepared, scene, &value.factors, session)?,
     }
-    Ok((enclosure, journal))
+    Ok(Some(Completed { value, rest }))
 }
 
 /// A tracer of the model with the copies of it that were asked for.
@@ -489,18 +355,6 @@ fn forecast(
     Ok(())
 }
 
-/// The journal next to an output file; standard output and devices have none.
-fn open_journal(
-    output: &Path,
-    scene: &Scene,
-    tracer: &Tracer,
-    options: &FormFactorOptions,
-) -> Result<FileJournal, Failure> {
-    let mut name = output.as_os_str().to_owned();
-    name.push(".journal");
-    FileJournal::open(PathBuf::from(name), key(scene, tracer, options))
-}
-
 /// A hash of everything that the rows depend on.
 fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKey {
     let FormFactorOptions {
@@ -544,30 +398,6 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
         .add(accuracy)
         .add(scene)
         .key()
-}
-
-/// Computes under a progress bar, and reports how to resume if interrupted.
-fn compute(
-    plan: &PreparedPlan,
-    journal: Option<&FileJournal>,
-    session: &mut Session,
-) -> Result<FormFactors, Failure> {
-    if let Some(journal) = journal.filter(|j| j.blocks() > 0) {
-        let words = format!("resuming from {}", journal.path().display());
-        session.say(&words);
-    }
-    let kept: &dyn Journal = match journal {
-        Some(journal) => journal,
-        None => &NoJournal,
-    };
-    match session.with_progress(|p| plan.compute(kept, p)) {
-        Ok(factors) => Ok(factors),
-        Err(FactorsError::Cancelled) if journal.is_some_and(|j| j.blocks() > 0) => {
-            session.say("completed work is kept: the same command resumes from there");
-            Err(Failure::Cancelled)
-        }
-        Err(e) => Err(pass::failure(e)),
-    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use azulejo_exchange::{
     Enclosure, ExchangeError, GroupBy, HeatProblem, RowCondition, SpectralRange, SurfaceBand,
     exchange_factors, heat_balance,
 };
-use azulejo_factors::form_factors::{Closure, NoJournal, Plan};
+use azulejo_factors::form_factors::{Closure, Plan};
 use azulejo_factors::truth::{Case, CaseKind, Question, cases};
 use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::cube_room;
@@ -140,9 +140,7 @@ fn solved(
     let tracer = Tracer::new(&scene);
     let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
     let prepared = plan.prepare();
-    let factors = prepared
-        .compute(&NoJournal, progress)
-        .map_err(pass::failure)?;
+    let factors = prepared.compute(progress).map_err(pass::failure)?;
     let enclosure = Enclosure::new(&prepared, &scene, factors);
     let nodes = enclosure.groups(GroupBy::Face);
     let face = |node: &Option<u32>| FACES[node.map_or(0, |n| n as usize)];

@@ -19,15 +19,10 @@ fn the_report_says_what_ran() {
 #[test]
 fn missing_embree_is_said_with_what_to_do() {
     let folder = Folder::with_room();
-    let what_to_do = if cfg!(feature = "embree") {
-        "apt install"
-    } else {
-        "--features"
-    };
     for engine in ["embree", "rays", "hybrid", "hemicube"] {
         let asked = format!("solve room.obj -o lit.grf --engine {engine} --embree=missing.so");
         folder.fails(&asked, 1, "Embree");
-        folder.fails(&asked, 1, what_to_do);
+        folder.fails(&asked, 1, "apt install");
     }
     // `--embree` alone does not require Embree: the built-in kernel takes over, with a note.
     let wished = "solve room.obj -o lit.grf --embree=missing.so --patches 100 --rays 16";
@@ -109,7 +104,6 @@ fn particles_agree_with_rays_in_the_cornell_box() {
 }
 
 /// The pairing of Sena's thesis: item buffers, and Embree's rays from mirrors.
-#[cfg(feature = "embree")]
 #[test]
 fn hybrid_takes_rays_from_embree() {
     use azulejo::trace::embree::Embree;
@@ -137,7 +131,6 @@ fn hybrid_takes_rays_from_embree() {
     assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
 }
 
-#[cfg(feature = "embree")]
 #[test]
 fn embree_gives_the_same_light_and_factors() {
     use azulejo::factors::{FormFactorOptions, PatchSize, form_factors};

@@ -1,8 +1,8 @@
 //! Rows and groups.
 
 use super::*;
+use azulejo_factors::form_factors::Plan;
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
-use azulejo_factors::form_factors::{NoJournal, Plan};
 use azulejo_factors::{FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::cube_room;
 use azulejo_trace::{Progress, Tracer};
@@ -104,7 +104,7 @@ fn rooms(two_sided: bool) -> Enclosure {
     let tracer = Tracer::new(&scene);
     let plan = Plan::new(&scene, &tracer, &options).unwrap();
     let prepared = plan.prepare();
-    let factors = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+    let factors = prepared.compute(&Progress::new()).unwrap();
     Enclosure::new(&prepared, &scene, factors)
 }
 
@@ -151,7 +151,7 @@ fn patches_are_named_by_object_face_and_number() {
     let tracer = Tracer::new(&scene);
     let plan = Plan::new(&scene, &tracer, &whole).unwrap();
     let prepared = plan.prepare();
-    let factors = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+    let factors = prepared.compute(&Progress::new()).unwrap();
     let enclosure = Enclosure::new(&prepared, &scene, factors);
     assert_eq!(enclosure.rows.names[5], "room/5");
 }

@@ -17,8 +17,8 @@ use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
 use crate::shadow_rays::View;
 use azulejo_scene::math::area_vector;
-use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed, write_list};
-use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
+use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
+use azulejo_trace::{Cancelled, Progress, Run, RunStage, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -26,7 +26,7 @@ use std::ops::Range;
 /// Rows computed together.
 const GROUP: usize = 16;
 
-/// Groups of a journal block: one, so that many processes have something to do to the end.
+/// Groups of a block: one, so that many processes have something to do to the end.
 const BLOCK: usize = 1;
 
 /// Fewest and most groups that are computed at once: enough for many threads.
@@ -169,16 +169,12 @@ impl<'a> Exchanger<'a> {
         self.positions[row] != NOWHERE
     }
 
-    /// The upper triangle of each order, by rows, except blocks that the journal holds; `None` if others
+    /// The upper triangle of each order, by rows, except blocks that are stored; `None` if others
     /// make the result. Rows that time ran out for are not marked in `is_done`.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn all(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<Option<AllPairs>, Cancelled> {
+    pub fn all(&self, run: Run) -> Result<Option<AllPairs>, Cancelled> {
         let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
         let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
         let size = LoopSize {
@@ -186,7 +182,8 @@ impl<'a> Exchanger<'a> {
             block: BLOCK,
             at_once: groups_at_once(self.sides.len()),
         };
-        let own = Division::new(size.items, size.block, journal).own_items(journal);
+        let own = run.own_items(size.items);
+        let progress = run.progress;
         progress.begin("exchange areas", own as u64);
         let group = |&group: &usize| {
             progress.advance(1)?;
@@ -195,7 +192,7 @@ impl<'a> Exchanger<'a> {
             }
             Ok(self.group(groups[group], true).0)
         };
-        let done = resumed(journal, JournalStage::Pairs, size, progress, |wanted| {
+        let done = run.resumed(RunStage::Pairs, size, |wanted| {
             wanted.par_iter().map(group).collect()
         })?;
         Ok(done.map(|done| self.assembled(done)))

@@ -5,37 +5,34 @@ use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::RowRemainder;
 use super::rows::RowTracing;
-use super::{FormFactors, Journal, PreparedPlan, merge};
+use super::{FormFactors, PreparedPlan, merge};
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
 use crate::engine::{Engine, EngineUsed, Estimator};
 use crate::error::FactorsError;
 use crate::row::{Columns, ORDERS, Order, Side};
 use azulejo_trace::Progress;
+use azulejo_trace::Run;
 use azulejo_trace::sampling::hash;
 
 impl PreparedPlan<'_> {
     /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
     /// rows that time ran out for; and in open scenes with mirrors the directions, but not the
     /// amount, of light that leaves.
-    pub(super) fn by_formulas(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<FormFactors, FactorsError> {
+    pub(super) fn by_formulas(&self, run: Run) -> Result<FormFactors, FactorsError> {
         let (n, options) = (self.sides.len(), self.plan.options);
-        self.refuse_too_large(journal, progress)?;
+        self.refuse_too_large(run)?;
         let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
         // Only one process knows of all rows which are given up.
-        let is_alone = journal.parts() == 1 && journal.processes() == 1;
+        let is_alone = run.role().parts == 1 && !run.is_shared();
         let row_budget = if is_alone {
             self.row_budget
         } else {
             f64::INFINITY
         };
         let exchanger = self.exchanger(list, row_budget);
-        let all = exchanger.all(journal, progress)?;
+        let all = exchanger.all(run)?;
         let all = match all {
-            Some(all) => Some(self.checked(all, &exchanger, is_alone, progress)?),
+            Some(all) => Some(self.checked(all, &exchanger, is_alone, run.progress)?),
             // Others have the rows that are not here.
             None => None,
         };
@@ -68,7 +65,7 @@ impl PreparedPlan<'_> {
             };
             let mut factors = joined(all, by_rays, options.separate);
             self.describe(&mut factors);
-            factors.rest = self.remainders(&factors, &exchanger, progress)?;
+            factors.rest = self.remainders(&factors, &exchanger, run.progress)?;
             return Ok(factors);
         }
         let rays = self.row_rays();
@@ -82,11 +79,11 @@ impl PreparedPlan<'_> {
             separate: options.separate,
             is_known: &is_known,
         };
-        let traced = tracing.trace(journal, progress)?;
+        let traced = tracing.trace(run)?;
         let (Some(all), Some(traced)) = (all, traced) else {
             return Err(FactorsError::Elsewhere);
         };
-        let by_rays = merge::merge(&self.sides, traced, &no_pairs, progress)?;
+        let by_rays = merge::merge(&self.sides, traced, &no_pairs, run.progress)?;
         let engine_used = EngineUsed {
             name: "analytic".to_owned(),
             device: estimator.engine_used().device,
@@ -324,7 +321,7 @@ fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) ->
 
 #[cfg(test)]
 mod tests {
-    use crate::form_factors::{NoJournal, Plan};
+    use crate::form_factors::Plan;
     use crate::{Closure, Engine, FormFactorOptions, PatchSize};
     use azulejo_scene::synthetic::room_with_table;
     use azulejo_trace::{Progress, Tracer};
@@ -344,7 +341,7 @@ mod tests {
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let mut prepared = plan.prepare();
         prepared.row_budget = 1e-5;
-        let factors = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+        let factors = prepared.compute(&Progress::new()).unwrap();
         let notes = factors.engine_used.notes.join("; ");
         assert!(notes.contains("rows were left to rays"), "{notes}");
         let off = factors.row_sums().into_iter().map(|sum| (sum - 1.0).abs());

@@ -12,7 +12,7 @@ use super::sides::Sides;
 use super::spread::mean_and_variance;
 use crate::patch::FaceId;
 use azulejo_trace::REPLICATES;
-use azulejo_trace::journal::{RecordReader, write_list};
+use azulejo_trace::run::{RecordReader, write_list};
 use std::collections::HashMap;
 use std::hash::Hash;
 
@@ -63,7 +63,7 @@ impl ErrorGroup {
     }
 }
 
-/// Appends the bytes of groups, for the journal.
+/// Appends the bytes of groups, for storage.
 pub(super) fn write(groups: &[ErrorGroup], bytes: &mut Vec<u8>) {
     write_list(groups, bytes, |g, bytes| {
         bytes.extend(g.column.to_le_bytes());

@@ -1,6 +1,6 @@
 //! Exchange areas S_ij = A_i X_ij, stored once per pair.
 
-use azulejo_trace::journal::{RecordReader, write_list};
+use azulejo_trace::run::{RecordReader, write_list};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub struct Exchange {
     pub error: f32,
 }
 
-/// Appends a row's bytes for a journal.
+/// Appends a row's bytes, for storage.
 pub(crate) fn write_row(row: &[Exchange], bytes: &mut Vec<u8>) {
     write_list(row, bytes, |e, bytes| {
         bytes.extend(e.column.to_le_bytes());

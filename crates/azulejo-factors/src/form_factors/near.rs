@@ -8,8 +8,8 @@ use crate::analytic::exchange_area;
 use crate::patch::Polygon;
 use crate::shadow_rays::View;
 use azulejo_scene::math::Aabb;
-use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed};
-use azulejo_trace::{Cancelled, Journal, JournalStage, Progress, Surfaces};
+use azulejo_trace::run::{LoopSize, Record, RecordReader};
+use azulejo_trace::{Cancelled, Progress, Run, RunStage, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ const REACHES: [f64; 5] = [f64::INFINITY, 4.0, 2.0, 1.0, 0.5];
 /// Relative error of an unoccluded form factor: what [`Shaft`] may miss.
 const FREE_ERROR: f64 = 1e-7;
 
-/// Pairs of a journal block, and pairs that are computed at once: a second or so.
+/// Pairs of a block, and pairs that are computed at once: a second or so.
 const BLOCK: usize = 1 << 11;
 const AT_ONCE: usize = 1 << 14;
 
@@ -54,7 +54,7 @@ impl Record for PairValue {
     }
 }
 
-/// Exact estimates of the selected pairs, in both rows of each, except those that the journal holds.
+/// Exact estimates of the selected pairs, in both rows of each, except those that are stored.
 ///
 /// If others make the result, the columns are right and the values are 0: rows by rays need to know only
 /// which pairs have a formula.
@@ -62,8 +62,7 @@ pub(super) fn exact(
     sides: &Sides,
     surfaces: &Surfaces,
     seed: u32,
-    journal: &dyn Journal,
-    progress: &Progress,
+    run: Run,
 ) -> Result<Vec<PairEstimates>, Cancelled> {
     let rows = PairSelector::new(sides, surfaces);
     let pairs = rows.pairs();
@@ -73,15 +72,15 @@ pub(super) fn exact(
         block: BLOCK,
         at_once: AT_ONCE,
     };
-    let own = Division::new(size.items, size.block, journal).own_items(journal);
-    progress.begin("formulas", own as u64);
+    let own = run.own_items(size.items);
+    run.progress.begin("formulas", own as u64);
     let estimate = |&pair: &usize| {
-        progress.advance(1)?;
+        run.progress.advance(1)?;
         let (i, j) = pairs[pair];
         let (value, error) = rows.estimate(i, j, surfaces, &occluders, seed);
         Ok(PairValue(value, error))
     };
-    let estimates = resumed(journal, JournalStage::Formulas, size, progress, |wanted| {
+    let estimates = run.resumed(RunStage::Formulas, size, |wanted| {
         wanted.par_iter().map(estimate).collect()
     })?;
     let estimates = estimates.unwrap_or_else(|| vec![PairValue::default(); pairs.len()]);

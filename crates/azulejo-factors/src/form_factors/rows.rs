@@ -9,8 +9,8 @@ use crate::engine::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::journal::{Division, LoopSize, Record, RecordReader, resumed, write_list};
-use azulejo_trace::{Cancelled, Gatherer, Journal, JournalStage, Progress, REPLICATES};
+use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
+use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES, Run, RunStage};
 use rayon::prelude::*;
 
 /// A form factor as estimated by one row.
@@ -67,7 +67,7 @@ const AT_ONCE: [usize; 2] = [64, 256];
 /// Their rays, within these limits.
 const RAYS_AT_ONCE: usize = 1 << 20;
 
-/// Blocks of the journal that are computed at once: fewer of them by each process where many share the rows.
+/// Blocks that are computed at once: fewer of them by each process where many share the rows.
 const BLOCKS_AT_ONCE: usize = 8;
 
 /// Rows that are computed at once.
@@ -92,12 +92,8 @@ pub(super) struct RowTracing<'a> {
 }
 
 impl RowTracing<'_> {
-    /// All rows, except blocks that the journal holds; `None` if others make the result.
-    pub fn trace(
-        &self,
-        journal: &dyn Journal,
-        progress: &Progress,
-    ) -> Result<Option<TracedRows>, Cancelled> {
+    /// All rows, except blocks that are stored; `None` if others make the result.
+    pub fn trace(&self, run: Run) -> Result<Option<TracedRows>, Cancelled> {
         let rays = self.estimator.rays();
         // Blocks must not depend on the machine, which may be another after an interruption.
         let size = LoopSize {
@@ -105,10 +101,8 @@ impl RowTracing<'_> {
             block: rows_at_once(rays) / BLOCKS_AT_ONCE,
             at_once: rows_at_once(rays),
         };
-        progress.begin("form factors", self.steps(size, journal));
-        let rows = resumed(journal, JournalStage::Rows, size, progress, |rows| {
-            self.block(rows, progress)
-        })?;
+        run.progress.begin("form factors", self.steps(size, run));
+        let rows = run.resumed(RunStage::Rows, size, |rows| self.block(rows, run.progress))?;
         Ok(rows.map(|rows| TracedRows {
             rows,
             orders: self.orders(),
@@ -118,8 +112,8 @@ impl RowTracing<'_> {
     }
 
     /// Steps of progress of the rows of this process, about.
-    fn steps(&self, size: LoopSize, journal: &dyn Journal) -> u64 {
-        let own = Division::new(size.items, size.block, journal).own_items(journal) as u64;
+    fn steps(&self, size: LoopSize, run: Run) -> u64 {
+        let own = run.own_items(size.items) as u64;
         let rows = 0..size.items;
         let all: u64 = rows
             .map(|row| self.estimator.steps(self.sides.side(row)))

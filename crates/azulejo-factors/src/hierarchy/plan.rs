@@ -4,7 +4,7 @@ use super::stated::StatedErrors;
 use super::{CompressedFactors, CompressionError, CompressionOptions, from_rays};
 use crate::engine::Engine;
 use crate::error::FactorsError;
-use crate::form_factors::{ExchangeAreas, FormFactors, NoJournal, PreparedPlan};
+use crate::form_factors::{ExchangeAreas, FormFactors, PreparedPlan};
 use azulejo_trace::Progress;
 
 /// Bytes per pair that compression takes beside the matrix.
@@ -66,7 +66,7 @@ impl StatedFactors {
         options: &CompressionOptions,
         progress: &Progress,
     ) -> Result<StatedFactors, CompressionError> {
-        let computed = plan.compute(&NoJournal, progress);
+        let computed = plan.compute(progress);
         let mut rows = computed.map_err(CompressionError::Factors)?;
         let factors = CompressedFactors::new(&rows, &plan.places(), options, progress)?;
         let stated = StatedErrors::against(&factors, &rows);

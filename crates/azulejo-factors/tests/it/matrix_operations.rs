@@ -1,15 +1,13 @@
 //! Operations on matrices of form factors: closure, truncation, groups, separate orders, and
 //! resumption after an interruption.
 
-use azulejo_factors::form_factors::{
-    Exchange, ExchangeAreas, Journal, JournalStage, NoJournal, Plan, RowRemainder,
-};
+use azulejo_factors::form_factors::{Exchange, ExchangeAreas, Plan, RowRemainder};
 use azulejo_factors::{
     Closure, Engine, FaceId, FactorsError, FormFactorOptions, FormFactors, PatchSize, form_factors,
 };
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room};
 use azulejo_scene::{Material, Rgb, Scene, Shape};
-use azulejo_trace::{Progress, Tracer};
+use azulejo_trace::{Blocks, Progress, Run, RunRole, RunStage, Tracer};
 use proptest::prelude::*;
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -373,17 +371,24 @@ fn the_sky_above_a_wall() {
 
 /// Stores blocks in memory, and cancels the work after so many.
 struct Interrupting<'a> {
-    blocks: Mutex<HashMap<(JournalStage, usize), Vec<u8>>>,
+    blocks: Mutex<HashMap<(RunStage, usize), Vec<u8>>>,
     progress: &'a Progress,
     at: usize,
 }
 
-impl Journal for Interrupting<'_> {
-    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+impl Blocks for Interrupting<'_> {
+    fn role(&self) -> RunRole {
+        RunRole {
+            is_kept: true,
+            ..RunRole::default()
+        }
+    }
+
+    fn load(&self, stage: RunStage, block: usize) -> Option<Vec<u8>> {
         self.blocks.lock().unwrap().get(&(stage, block)).cloned()
     }
 
-    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+    fn save(&self, stage: RunStage, block: usize, bytes: &[u8]) {
         let mut blocks = self.blocks.lock().unwrap();
         blocks.insert((stage, block), bytes.to_vec());
         if blocks.len() >= self.at {
@@ -411,17 +416,17 @@ fn check_interrupted(scene: &Scene, options: &FormFactorOptions, cuts: &[usize])
     let tracer = Tracer::new(scene);
     let plan = Plan::new(scene, &tracer, options).unwrap();
     let prepared = plan.prepare();
-    let whole = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+    let whole = prepared.compute(&Progress::new()).unwrap();
     let mut blocks = HashMap::new();
     for &at in cuts.iter().chain(&[usize::MAX]) {
         let progress = Progress::new();
-        let journal = Interrupting {
+        let kept = Interrupting {
             blocks: Mutex::new(blocks),
             progress: &progress,
             at,
         };
-        let found = prepared.compute(&journal, &progress);
-        blocks = journal.blocks.into_inner().unwrap();
+        let found = prepared.compute(Run::new(&kept, &progress));
+        blocks = kept.blocks.into_inner().unwrap();
         if at < usize::MAX {
             assert_eq!(found, Err(FactorsError::Cancelled));
             assert!(blocks.len() >= at, "what was computed at once is kept");
@@ -473,7 +478,7 @@ fn forecasts_are_near_what_comes() {
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let prepared = plan.prepare();
         let said = prepared.forecast(&Progress::new()).unwrap();
-        let found = prepared.compute(&NoJournal, &Progress::new()).unwrap();
+        let found = prepared.compute(&Progress::new()).unwrap();
         let ratio = said.pairs as f64 / found.exchange.pairs() as f64;
         eprintln!(
             "{} rows, {rays} rays: pairs said/true {ratio:.2}",

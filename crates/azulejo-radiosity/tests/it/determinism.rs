@@ -2,14 +2,11 @@
 
 use crate::rooms::*;
 use azulejo_factors::Engine;
-use azulejo_radiosity::{
-    Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, probe_in_blocks, solve,
-    solve_in_blocks,
-};
+use azulejo_radiosity::{Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-use azulejo_trace::journal::{CountedJournal, together};
-use azulejo_trace::{Journal, Progress, Tracer};
+use azulejo_trace::run::{CountedBlocks, together};
+use azulejo_trace::{Blocks, Progress, Run, Tracer};
 use std::time::{Duration, Instant};
 
 fn pass() -> FirstPass {
@@ -59,13 +56,13 @@ fn threads_do_not_matter() {
 fn check_shared<T: PartialEq + Send + Sync>(
     what: &str,
     whole: &T,
-    work: impl Fn(&dyn Journal) -> T + Sync,
+    work: impl Fn(&dyn Blocks) -> T + Sync,
 ) {
     let (mut alone, mut most_busy) = (None, 0);
-    for processes in [1, 2, 3, 5] {
-        let found = together(processes, |journal| {
-            let journal = CountedJournal::new(journal);
-            (work(&journal), journal.items())
+    for processes in [2, 3, 5] {
+        let found = together(processes, |blocks| {
+            let blocks = CountedBlocks::new(blocks);
+            (work(&blocks), blocks.items())
         });
         assert!(
             found.iter().all(|(found, _)| found == whole),
@@ -106,17 +103,19 @@ fn processes_do_not_matter() {
         };
         let whole = solve(&scene, &tracer, pass, &Progress::new()).unwrap();
         let whole = without_bytes(whole);
-        check_shared(&format!("{pass:?}"), &whole, |journal| {
-            let found = solve_in_blocks(&scene, &tracer, pass, journal, &Progress::new());
+        check_shared(&format!("{pass:?}"), &whole, |blocks| {
+            let progress = Progress::new();
+            let found = solve(&scene, &tracer, pass, Run::new(blocks, &progress));
             without_bytes(found.unwrap())
         });
     }
     let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
     let (tracer, points) = (Tracer::new(&scene), points_on_cube(500));
     let whole = probe(&scene, &tracer, &points, &by_error, &Progress::new()).unwrap();
-    check_shared("points", &whole.estimates, |journal| {
-        let work = (journal, &Progress::new());
-        let found = probe_in_blocks(&scene, &tracer, &points, &by_error, work);
+    check_shared("points", &whole.estimates, |blocks| {
+        let progress = Progress::new();
+        let run = Run::new(blocks, &progress);
+        let found = probe(&scene, &tracer, &points, &by_error, run);
         found.unwrap().estimates
     });
 }

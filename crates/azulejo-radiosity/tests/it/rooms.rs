@@ -8,7 +8,7 @@ use azulejo_radiosity::system::{RadiositySolution, System};
 use azulejo_radiosity::{Estimate, FirstPass, PatchSize, Patches, PointNormal, probe};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::uniform;
-use azulejo_trace::{Gatherer, NoJournal, Progress, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 
 /// `rays` per patch and point, whole faces as patches.
@@ -44,11 +44,10 @@ impl Matrix {
             &reflectance,
             &estimator,
             seed,
-            &NoJournal,
-            &progress,
+            Run::alone(&progress),
         );
         let system = system.unwrap().expect("there is no deadline");
-        let found = system.solve_all(pass.bounces, &progress).unwrap();
+        let found = system.solve_all(pass.bounces).unwrap();
         let exitance = |p: usize| {
             scene.materials[patches.material(p) as usize]
                 .exitance()

@@ -23,7 +23,6 @@
 
 mod build;
 mod bvh;
-#[cfg(feature = "embree")]
 pub mod embree;
 mod external;
 mod portable;

@@ -34,7 +34,6 @@ pub(crate) struct PreparedRay {
 
 /// Whether a ray can hit anything: its numbers are finite, it has a direction, and its range is
 /// not empty.
-#[cfg(feature = "embree")]
 pub(crate) fn can_hit(ray: &KernelRay) -> bool {
     PreparedRay::new(ray).is_some()
 }

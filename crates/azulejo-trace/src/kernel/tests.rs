@@ -271,7 +271,6 @@ fn any_hit_of_other_shapes_respects_the_range() {
 }
 
 /// Embree's triangles compared with ours, mixed with our own shapes.
-#[cfg(feature = "embree")]
 mod embree {
     use super::*;
     use crate::Kernel;

@@ -6,7 +6,7 @@ use azulejo_bake::{
     ShownSamples, TexelField, TexelLight, TexelStatistics,
 };
 use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Work};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Run};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;
@@ -48,7 +48,7 @@ pub struct IndirectLight<'a> {
     pub bounces: Option<u32>,
     pub error: f64,
     /// Shared as that of `solved`.
-    pub work: Work<'a>,
+    pub run: Run<'a>,
 }
 
 impl IndirectLight<'_> {
@@ -62,8 +62,8 @@ impl IndirectLight<'_> {
         seed: u32,
     ) -> Result<SampleLight, SolveError> {
         let gatherer = self.solved.gatherer();
-        let (error, work) = (self.error, self.work);
-        let direct = azulejo_bake::direct(samples, atlas, gatherer, error, seed, work)?;
+        let (error, run) = (self.error, self.run);
+        let direct = azulejo_bake::direct(samples, atlas, gatherer, error, seed, run)?;
         let (all, texels) = match light {
             BakedLight::Direct => (
                 direct.light(),
@@ -98,12 +98,12 @@ impl IndirectLight<'_> {
         };
         let surfaces = self.solved.gatherer().surfaces();
         let mut look = |request: &LookRequest| {
-            let is_late = self.work.1.out_of_time();
+            let is_late = self.run.progress.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
             self.read_at(request.points, None, rays, 0)
         };
         let (mut light, nodes) =
-            azulejo_bake::first_look(samples, direct, goal, self.work, &mut look)?;
+            azulejo_bake::first_look(samples, direct, goal, self.run, &mut look)?;
         if self.bounces.is_some() {
             let mut gather =
                 |requests: &[PairRequest]| requests.iter().map(|r| self.limited(r)).collect();
@@ -113,24 +113,24 @@ impl IndirectLight<'_> {
                 nodes,
                 goal,
                 true,
-                self.work,
+                self.run,
                 &mut gather,
             )?;
             return Ok(found);
         }
         for number in 1..=LOOKS {
-            if self.work.1.out_of_time() {
+            if self.run.progress.out_of_time() {
                 break;
             }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             drop(std::mem::take(&mut light));
             let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, number);
-            light = azulejo_bake::look_again(samples, direct, &nodes, self.work, &mut gather)?;
+            light = azulejo_bake::look_again(samples, direct, &nodes, self.run, &mut gather)?;
         }
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
         let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, LOOKS + 1);
-        azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.work, &mut gather)
+        azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.run, &mut gather)
     }
 
     /// The light of all samples from `rays` rays at each. No sample depends on what others get until all have their
@@ -144,7 +144,7 @@ impl IndirectLight<'_> {
         seed: u32,
     ) -> Result<SampleLight, SolveError> {
         let (points, areas) = azulejo_bake::sample_points(samples);
-        let found = (self.solved).split(&points, &areas, rays, LOOKS + 1, self.work.1)?;
+        let found = (self.solved).split(&points, &areas, rays, LOOKS + 1)?;
         let error = found.relative_error.clamp(DIRECT_ERROR[0], DIRECT_ERROR[1]);
         let direct = azulejo_bake::direct_from(
             samples,
@@ -152,7 +152,7 @@ impl IndirectLight<'_> {
             self.solved.gatherer(),
             (&found.direct, error),
             seed,
-            self.work,
+            self.run,
         )?;
         let indirect = found.indirect.iter().map(|e| (e.value, e.error));
         Ok(SampleLight {
@@ -176,9 +176,7 @@ impl IndirectLight<'_> {
         if self.bounces.is_some() {
             let areas = vec![1.0; points.len()];
             let error = NOISE_SHARE * self.error;
-            return self
-                .solved
-                .indirect(points, &areas, error, LOOKS + 2, self.work.1);
+            return self.solved.indirect(points, &areas, error, LOOKS + 2);
         }
         self.read_at(points, Some(&FieldOfTexels(field)), FIRST_RAYS, LOOKS + 2)
     }
@@ -209,7 +207,7 @@ impl IndirectLight<'_> {
         for page in &mut lightmap.pages {
             azulejo_bake::pad_charts(page, 1);
         }
-        between.estimate(&lightmap, self.work)
+        between.estimate(&lightmap, self.run)
     }
 
     fn paired(
@@ -225,9 +223,7 @@ impl IndirectLight<'_> {
         });
         let targets: Vec<PairTargets> = targets.collect();
         let field = FieldOfTexels(field);
-        let found = self
-            .solved
-            .path_pairs(&targets, Some(&field), look, self.work.1)?;
+        let found = self.solved.path_pairs(&targets, Some(&field), look)?;
         let pair = |pair: PathPair| NodePair {
             read: pair.read,
             few: pair.few,
@@ -250,18 +246,16 @@ impl IndirectLight<'_> {
             read: 0..rays,
             traced: 0..0,
         };
-        let found = self
-            .solved
-            .path_pairs(&[targets], field, look, self.work.1)?;
+        let found = self.solved.path_pairs(&[targets], field, look)?;
         Ok(found.into_iter().flatten().map(|pair| pair.read).collect())
     }
 
     /// Where bounces are limited, all is path traced.
     fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
         let error = NOISE_SHARE * self.error;
-        let found =
-            self.solved
-                .indirect(request.points, request.areas, error, LOOKS + 1, self.work.1)?;
+        let found = self
+            .solved
+            .indirect(request.points, request.areas, error, LOOKS + 1)?;
         let node = |read| NodePair {
             read,
             ..NodePair::default()

@@ -14,7 +14,7 @@ use azulejo_bake::{
 use azulejo_radiosity::SolveError;
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, NoJournal, Progress, REPLICATES, Surfaces, Tracer, Work};
+use azulejo_trace::{Cancelled, REPLICATES, Run, Surfaces, Tracer};
 
 /// Fewest and most strata along each axis of a replicate's rays.
 const STRATA: [u32; 2] = [4, 32];
@@ -34,34 +34,18 @@ const NOISE_SHARE: f64 = 0.5;
 ///
 /// # Errors
 /// [`BakeError`].
-pub fn bake_occlusion(
+pub fn bake_occlusion<'r>(
     scene: &Scene,
     tracer: &Tracer,
     objects: &[u32],
     options: &BakeOptions,
     distance: f64,
-    progress: &Progress,
+    run: impl Into<Run<'r>>,
 ) -> Result<Baked, BakeError> {
-    let work: Work = (&NoJournal, progress);
-    bake_occlusion_in_blocks(scene, tracer, objects, options, distance, work)
-}
-
-/// As [`bake_occlusion`], with blocks that the journal holds or others compute, as
-/// [`bake_in_blocks`](super::bake_in_blocks).
-///
-/// # Errors
-/// [`BakeError`].
-pub fn bake_occlusion_in_blocks(
-    scene: &Scene,
-    tracer: &Tracer,
-    objects: &[u32],
-    options: &BakeOptions,
-    distance: f64,
-    work: Work,
-) -> Result<Baked, BakeError> {
-    let (_, progress) = work;
+    let run = run.into();
+    let progress = run.progress;
     let (receivers, objects) = receivers_of(scene, objects, &options.densities);
-    let mut atlas = arranged(receivers, options, tracer, work)?;
+    let mut atlas = arranged(receivers, options, tracer, run)?;
     let seed = hash(&[
         options.pass.seed as u32,
         (options.pass.seed >> 32) as u32,
@@ -71,12 +55,12 @@ pub fn bake_occlusion_in_blocks(
         tracer,
         distance,
         seed,
-        work,
+        run,
     };
     if options.sides == BakedSides::Brighter {
         atlas.turned = hemispheres.freer_sides(&atlas)?;
     }
-    let samples = agreed_samples(&atlas, tracer, work)?;
+    let samples = agreed_samples(&atlas, tracer, run)?;
     let count = samples.samples.len();
     let none = SampleDirect {
         irradiance: vec![[0.0; 3]; count],
@@ -124,9 +108,9 @@ fn to_error(
         relative: error,
         least: 0.0,
     };
-    let work = hemispheres.work;
+    let run = hemispheres.run;
     let strata = strata(NOISE_SHARE * error);
-    let (light, nodes) = azulejo_bake::first_look(samples, none, goal, work, &mut |request| {
+    let (light, nodes) = azulejo_bake::first_look(samples, none, goal, run, &mut |request| {
         hemispheres.free(request.points, FEW_STRATA)
     })?;
     drop(light);
@@ -138,7 +122,7 @@ fn to_error(
         };
         Ok(found.into_iter().map(node).collect())
     };
-    azulejo_bake::with_indirect(samples, none, nodes, goal, true, work, &mut |requests| {
+    azulejo_bake::with_indirect(samples, none, nodes, goal, true, run, &mut |requests| {
         requests.iter().map(free).collect()
     })
 }
@@ -150,7 +134,7 @@ fn everywhere(
     rays: u32,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
     let (points, _) = azulejo_bake::sample_points(samples);
-    let found = hemispheres.free_in_blocks(&points, strata_of(rays))?;
+    let found = hemispheres.free_of_all(&points, strata_of(rays))?;
     let found = found.ok_or(SolveError::Elsewhere)?;
     let free = found
         .iter()

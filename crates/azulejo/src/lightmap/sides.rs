@@ -5,7 +5,7 @@ use azulejo_bake::{Atlas, Receiver, Samples, TexelLight};
 use azulejo_radiosity::SolvedLight;
 use azulejo_scene::{Rgb, Scene, Sidedness};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Progress};
+use azulejo_trace::{Cancelled, GatherPoint};
 use glam::DVec3;
 
 /// Light of a side relative to that of the other up to which it is what patches leak.
@@ -133,7 +133,6 @@ pub fn turned(
     objects: &[u32],
     scene: &Scene,
     solved: &SolvedLight,
-    progress: &Progress,
 ) -> Result<Vec<bool>, Cancelled> {
     let mut excess = vec![0.0; atlas.layout.charts as usize];
     let (mut unseen, mut of_charts) = (Vec::new(), Vec::new());
@@ -162,7 +161,7 @@ pub fn turned(
             }
         }
     }
-    let direct = solved.direct_at(&unseen, progress)?;
+    let direct = solved.direct_at(&unseen)?;
     for ((chart, weight), light) in of_charts.into_iter().zip(direct) {
         excess[chart as usize] += weight * light.mean();
     }

@@ -4,14 +4,14 @@ use azulejo::bake::UnwrapOptions;
 use azulejo::factors::PointNormal;
 use azulejo::lightmap::{
     BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, BytePictures, Coordinates,
-    bake, bake_in_blocks, bake_occlusion, bake_occlusion_in_blocks, meshes_of,
+    bake, bake_occlusion, meshes_of,
 };
 use azulejo::radiosity::{FirstPass, SolveError, probe};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Attribute, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
-use azulejo::trace::journal::{CountedJournal, together};
+use azulejo::trace::run::{CountedBlocks, together};
 use azulejo::trace::sampling::uniform;
-use azulejo::trace::{Journal, Progress, Tracer};
+use azulejo::trace::{Blocks, Progress, Run, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -635,17 +635,17 @@ fn energy_is_kept() {
 
 /// Checks that processes that share the work of a lightmap all get the bits of one process, and that each loop's
 /// items are computed once, by several of them.
-fn check_shared(whole: &Baked, work: impl Fn(&dyn Journal) -> Baked + Sync) {
+fn check_shared(whole: &Baked, work: impl Fn(&dyn Blocks) -> Baked + Sync) {
     let bits = |baked: &Baked| -> Vec<u32> {
         let pages = baked.lightmap.pages.iter();
         let values = pages.flat_map(|page| page.irradiance.iter().chain(&page.standard_error));
         values.flatten().map(|value| value.to_bits()).collect()
     };
     let (mut alone, mut most_busy) = (None, 0);
-    for processes in [1, 2, 3, 5] {
-        let found = together(processes, |journal| {
-            let journal = CountedJournal::new(journal);
-            (work(&journal), journal.items())
+    for processes in [2, 3, 5] {
+        let found = together(processes, |blocks| {
+            let blocks = CountedBlocks::new(blocks);
+            (work(&blocks), blocks.items())
         });
         for (baked, _) in &found {
             assert!(bits(baked) == bits(whole), "{processes} processes");
@@ -687,9 +687,10 @@ fn processes_do_not_matter() {
         ..with_rays(48, 32)
     };
     for options in [brighter, limited, of_rays] {
-        check_shared(&baked(&scene, &options), |journal| {
+        check_shared(&baked(&scene, &options), |blocks| {
             let progress = Progress::new();
-            bake_in_blocks(&scene, &tracer, &objects, &options, (journal, &progress)).unwrap()
+            let run = Run::new(blocks, &progress);
+            bake(&scene, &tracer, &objects, &options, run).unwrap()
         });
     }
 }
@@ -701,10 +702,10 @@ fn processes_do_not_matter_to_occlusion() {
     let tracer = Tracer::new(&scene);
     for options in [options(64, 0.1), with_rays(48, 64)] {
         let whole = bake_occlusion(&scene, &tracer, &objects, &options, 0.3, &Progress::new());
-        check_shared(&whole.unwrap(), |journal| {
+        check_shared(&whole.unwrap(), |blocks| {
             let progress = Progress::new();
-            let work = (journal, &progress);
-            bake_occlusion_in_blocks(&scene, &tracer, &objects, &options, 0.3, work).unwrap()
+            let run = Run::new(blocks, &progress);
+            bake_occlusion(&scene, &tracer, &objects, &options, 0.3, run).unwrap()
         });
     }
 }

@@ -1,9 +1,9 @@
 //! Processes that MPI started together, which share one work: its ranks.
 //!
 //! All ranks run the same command on the same data, as if each were alone. Where a loop is worth it, its
-//! blocks are handed out by rank 0 and the results of all are exchanged, through the journal
-//! ([`RankJournal`]); so nothing else knows of ranks, and results have the bytes of one process. Rank 0
-//! reads the files for all, keeps the journal, and alone writes and says anything.
+//! blocks are handed out by rank 0 and the results of all are exchanged
+//! ([`RankBlocks`]); so nothing else knows of ranks, and results have the bytes of one process. Rank 0
+//! reads the files for all, keeps finished blocks, and alone writes and says anything.
 //!
 //! | | thread of the work | main thread |
 //! |---|---|---|
@@ -12,8 +12,8 @@
 //!
 //! Only main threads call MPI, through [`Transport`]. A [`Link`] connects the two threads of a rank.
 
+mod blocks;
 mod inputs;
-mod journal;
 mod launcher;
 mod link;
 mod messages;
@@ -27,13 +27,14 @@ mod transport;
 use crate::args::Cli;
 use crate::content_key::shown;
 use crate::failure::Failure;
-use crate::file_journal::FileJournal;
-use crate::shards::WorkKey;
-pub use journal::{RankCosts, RankJournal, Sharing};
-pub use launcher::{files_of, has_own_work, is_helper};
+use crate::runner::journal::FileJournal;
+use crate::runner::{DividedWork, WorkKey};
+use crate::session::SessionSetup;
+use blocks::RankBlocks;
+pub use blocks::RankCosts;
+pub use launcher::{files_of, is_helper};
 use link::Link;
 pub use messenger::Control;
-use std::path::Path;
 use std::sync::Arc;
 
 /// This process among all ranks.
@@ -55,6 +56,17 @@ pub struct Ranks {
 }
 
 impl Ranks {
+    /// How this process works for all of them.
+    pub fn setup(&self) -> SessionSetup {
+        SessionSetup {
+            is_silent: !self.is_root(),
+            progress: Arc::clone(&self.control.progress),
+            block_end: Arc::clone(&self.control.block_end),
+            threads: Some(self.threads),
+            memory: self.memory,
+        }
+    }
+
     /// Whether it has the output.
     pub fn is_root(&self) -> bool {
         self.rank == 0
@@ -88,43 +100,17 @@ impl Ranks {
         Ok(())
     }
 
-    /// The journal of the work, once all ranks agree on what it is. At rank 0, blocks are kept next to `output`, if
-    /// there is one.
+    /// The blocks of the work, once all ranks agree on what it is. At rank 0, finished ones are kept next to the output,
+    /// if there is one.
     ///
     /// # Errors
     /// They do not agree; the file next to the output is no journal; the work was cancelled.
-    pub fn journal(
-        &self,
-        sharing: Sharing,
-        key: &WorkKey,
-        output: Option<&Path>,
-    ) -> Result<RankJournal, Failure> {
-        self.agree(key)?;
-        let file = output.filter(|_| self.is_root()).map(|output| {
-            let mut name = output.as_os_str().to_owned();
-            name.push(".journal");
-            FileJournal::open(name.into(), key.whole())
-        });
-        self.journal_in(sharing, file.transpose()?)
-    }
-
-    /// The same, with blocks in a given file at rank 0.
-    ///
-    /// # Errors
-    /// The work was cancelled.
-    pub fn journal_in(
-        &self,
-        sharing: Sharing,
-        file: Option<FileJournal>,
-    ) -> Result<RankJournal, Failure> {
-        let (place, block_end) = ((self.rank, self.size), &self.control.block_end);
-        RankJournal::new(
-            self.link.clone(),
-            place,
-            sharing,
-            file,
-            Arc::clone(block_end),
-        )
+    pub fn blocks(&self, plan: &DividedWork) -> Result<RankBlocks, Failure> {
+        let key = (plan.key)();
+        self.agree(&key)?;
+        let output = plan.output.filter(|_| self.is_root());
+        let file = output.map(|output| FileJournal::beside(output, key.whole()));
+        RankBlocks::new(self, plan.sharing, file.transpose()?)
     }
 }
 

@@ -4,7 +4,7 @@
 //! However the process ends, earlier records are complete, and an incomplete record at the end is
 //! detected and cut off.
 
-use azulejo_trace::JournalStage;
+use azulejo_trace::RunStage;
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -16,19 +16,19 @@ pub const HEAD: usize = 4 + 8 + 8 + 4 + 4;
 /// The stage of the record behind which nothing follows.
 const END: u32 = u32::MAX;
 
-/// The stages by their numbers in files; [`JournalStage::Step`] is behind [`STEPS`].
-const STAGES: [JournalStage; 4] = [
-    JournalStage::Rows,
-    JournalStage::Pairs,
-    JournalStage::Points,
-    JournalStage::Formulas,
+/// The stages by their numbers in files; [`RunStage::Loop`] is behind [`STEPS`].
+const STAGES: [RunStage; 4] = [
+    RunStage::Rows,
+    RunStage::Pairs,
+    RunStage::Points,
+    RunStage::Formulas,
 ];
 
 /// The number of the first step.
 const STEPS: u32 = 1 << 8;
 
 /// A stage and the number of a block.
-pub type BlockId = (JournalStage, usize);
+pub type BlockId = (RunStage, usize);
 
 /// The blocks of a file.
 #[derive(Debug)]
@@ -261,17 +261,17 @@ fn parse_head(head: &[u8; HEAD], start: u64) -> Option<Recorded> {
 }
 
 /// The number of a stage, as files and messages have it.
-pub fn number_of(stage: JournalStage) -> u32 {
+pub fn number_of(stage: RunStage) -> u32 {
     match stage {
-        JournalStage::Step(step) => STEPS.saturating_add(step).min(END - 1),
+        RunStage::Loop(step) => STEPS.saturating_add(step).min(END - 1),
         stage => STAGES.iter().position(|&s| s == stage).unwrap_or_default() as u32,
     }
 }
 
 /// The stage of a number.
-pub fn stage_of(number: u32) -> Option<JournalStage> {
+pub fn stage_of(number: u32) -> Option<RunStage> {
     match number.checked_sub(STEPS) {
-        Some(step) => Some(JournalStage::Step(step)),
+        Some(step) => Some(RunStage::Loop(step)),
         None => STAGES.get(number as usize).copied(),
     }
 }

@@ -1,9 +1,9 @@
 //! The connection of the thread that works with the thread that talks to other ranks.
 
 use super::messages::ToRoot;
-use crate::file_journal::FileJournal;
-use azulejo_trace::journal::{Blocks, Division};
-use azulejo_trace::{Cancelled, JournalStage};
+use crate::runner::journal::FileJournal;
+use azulejo_trace::run::Division;
+use azulejo_trace::{Cancelled, RunStage};
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,19 +13,19 @@ use std::time::Instant;
 pub enum Request {
     /// Blocks that no rank has yet, so many at most.
     Next {
-        stage: JournalStage,
+        stage: RunStage,
         division: Division,
         left: Range<usize>,
         most: usize,
     },
     /// A finished block for rank 0, from another.
     Deliver {
-        stage: JournalStage,
+        stage: RunStage,
         block: usize,
         bytes: Vec<u8>,
     },
     /// At rank 0, the blocks that others computed, as soon as they have all.
-    Collect(JournalStage),
+    Collect(RunStage),
     /// The bytes of all ranks.
     AllGather(Vec<u8>),
     /// The bytes of rank 0.
@@ -36,6 +36,9 @@ pub enum Request {
     Ended(Option<String>, u8),
 }
 
+/// A block with its bytes.
+pub type FinishedBlock = (usize, Vec<u8>);
+
 /// A block that rank 0 hands out, with its bytes if they are known already.
 pub type HandedBlock = (usize, Option<Vec<u8>>);
 
@@ -44,7 +47,7 @@ pub enum Reply {
     /// Blocks, ascending; none if there are no more.
     Handed(Vec<HandedBlock>),
     /// Blocks of others.
-    Collected(Blocks),
+    Collected(Vec<FinishedBlock>),
     /// One for each rank.
     Gathered(Vec<Vec<u8>>),
     /// What rank 0 sent.
@@ -62,7 +65,7 @@ struct LinkEnds {
     requests: Sender<Request>,
     replies: Receiver<Reply>,
     traffic: Traffic,
-    /// When the work was handed the blocks that it computes now, or began its part.
+    /// When the work was handed the blocks that it computes now.
     handed: Option<Instant>,
 }
 
@@ -79,8 +82,7 @@ pub struct Traffic {
     pub blocks: u64,
     /// Seconds in which its work waited.
     pub waited: f64,
-    /// Seconds in which its work was busy with blocks or its part of rows: what is left of all its time beside these and those in which it
-    /// waited, each rank does by itself.
+    /// Seconds in which its work was busy with blocks.
     pub divided: f64,
 }
 
@@ -110,7 +112,7 @@ impl Link {
     /// The next blocks for this rank, at most so many, with their bytes if they are known already.
     pub fn next(
         &self,
-        stage: JournalStage,
+        stage: RunStage,
         division: Division,
         left: Range<usize>,
         most: usize,
@@ -127,7 +129,7 @@ impl Link {
     }
 
     /// Gives a block to rank 0, which is another.
-    pub fn deliver(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+    pub fn deliver(&self, stage: RunStage, block: usize, bytes: &[u8]) {
         let bytes = bytes.to_vec();
         self.say(Request::Deliver {
             stage,
@@ -137,7 +139,7 @@ impl Link {
     }
 
     /// The blocks of a stage that other ranks computed, at rank 0.
-    pub fn collect(&self, stage: JournalStage) -> Result<Blocks, Cancelled> {
+    pub fn collect(&self, stage: RunStage) -> Result<Vec<FinishedBlock>, Cancelled> {
         match self.ask(Request::Collect(stage))? {
             Reply::Collected(blocks) => Ok(blocks),
             _ => Err(Cancelled),
@@ -168,12 +170,6 @@ impl Link {
     /// Says that the work has ended.
     pub fn end(&self, failure: Option<String>, status: u8) {
         self.say(Request::Ended(failure, status));
-    }
-
-    /// From now on, until it asks for something, the work is busy with its part.
-    pub fn begins_part(&self) {
-        let mut ends = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        ends.handed = Some(Instant::now());
     }
 
     /// What it has exchanged so far.

@@ -1,13 +1,15 @@
 //! The messages between ranks, with threads in place of processes.
 
-use super::journal::{RankJournal, Sharing};
+use super::Ranks;
+use super::blocks::RankBlocks;
 use super::link::connected;
 use super::messages::{FromRoot, ToRoot};
 use super::messenger::{self, Control};
 use super::transport::Transport;
-use crate::file_journal::FileJournal;
-use azulejo_trace::journal::{LoopSize, distributed, resumed, shared};
-use azulejo_trace::{Cancelled, Journal, JournalStage, Progress};
+use crate::runner::Sharing;
+use crate::runner::journal::FileJournal;
+use azulejo_trace::run::LoopSize;
+use azulejo_trace::{Blocks, Cancelled, Progress, Run, RunStage};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -66,7 +68,7 @@ fn run<T: Send + 'static>(
     size: usize,
     sharing: Sharing,
     file: Option<PathBuf>,
-    work: impl Fn(usize, &RankJournal) -> Result<T, Cancelled> + Send + Sync + 'static,
+    work: impl Fn(usize, &RankBlocks) -> Result<T, Cancelled> + Send + Sync + 'static,
 ) -> (Vec<Result<T, Cancelled>>, Option<String>) {
     let post = Arc::new(Post {
         boxes: (0..size).map(|_| Mutex::default()).collect(),
@@ -79,13 +81,19 @@ fn run<T: Send + 'static>(
         let file = file.clone().filter(|_| rank == 0);
         thread::spawn(move || {
             let (control, (link, end)) = (Control::default(), connected());
-            let block_end = Arc::clone(&control.block_end);
+            let ranks = Ranks {
+                link: link.clone(),
+                rank,
+                size,
+                nodes: 1,
+                threads: 1,
+                memory: None,
+                control: control.clone(),
+            };
             let worker = thread::spawn(move || {
                 let file = file.map(|path| FileJournal::open(path, [7; 32]).unwrap());
-                let journal =
-                    RankJournal::new(link.clone(), (rank, size), sharing, file, block_end);
-                let found = match &journal {
-                    Ok(journal) => work(rank, journal),
+                let found = match &RankBlocks::new(&ranks, sharing, file) {
+                    Ok(blocks) => work(rank, blocks),
                     Err(_) => Err(Cancelled),
                 };
                 link.end(found.is_err().then(String::new), u8::from(found.is_err()));
@@ -126,14 +134,14 @@ fn loop_of(items: usize, block: usize) -> LoopSize {
 fn messages_are_read_as_they_were_written() {
     let to_root = [
         ToRoot::Next {
-            stage: JournalStage::Step(3),
+            stage: RunStage::Loop(3),
             items: 7,
             size: 2,
             from: 1,
             most: 4,
         },
         ToRoot::Block {
-            stage: JournalStage::Rows,
+            stage: RunStage::Rows,
             block: 9,
             bytes: vec![1, 2, 3],
         },
@@ -166,19 +174,20 @@ fn every_block_is_computed_once_and_known_to_all() {
     for size in [2, 3, 5] {
         let computed = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&computed);
-        let (found, heard) = run(size, Sharing::All, None, move |_, journal| {
+        let (found, heard) = run(size, Sharing::All, None, move |_, blocks| {
             let compute = |wanted: &[usize]| {
                 counter.fetch_add(wanted.len(), Ordering::Relaxed);
                 Ok(wanted.iter().map(|&i| square(i)).collect())
             };
             let progress = Progress::new();
-            let first: Vec<f64> = shared(journal, (100, 3), &progress, compute)?;
+            let run = Run::new(blocks, &progress);
+            let first: Vec<f64> = run.shared((100, 3), compute)?;
             let mut kept = 0;
             let keep = |_: usize, row: f64| {
                 kept += 1;
                 row
             };
-            let second: Vec<f64> = distributed(journal, loop_of(50, 4), &progress, compute, keep)?;
+            let second: Vec<f64> = run.distributed(loop_of(50, 4), compute, keep)?;
             Ok((first, second, kept))
         });
         assert_eq!(heard, None);
@@ -194,10 +203,10 @@ fn every_block_is_computed_once_and_known_to_all() {
 
 #[test]
 fn rank_0_alone_gets_what_it_alone_needs() {
-    let (found, _) = run(3, Sharing::Root, None, |_, journal| {
+    let (found, _) = run(3, Sharing::Root, None, |_, blocks| {
         let compute = |wanted: &[usize]| Ok(wanted.iter().map(|&i| square(i)).collect());
-        let (stage, progress) = (JournalStage::Rows, Progress::new());
-        resumed(journal, stage, loop_of(64, 2), &progress, compute)
+        let progress = Progress::new();
+        Run::new(blocks, &progress).resumed(RunStage::Rows, loop_of(64, 2), compute)
     });
     assert_eq!(found, [Ok(Some(squares(64))), Ok(None), Ok(None)]);
 }
@@ -211,17 +220,16 @@ fn what_a_file_has_is_not_computed_again() {
         for (round, size) in [2, 3, 2].into_iter().enumerate() {
             let computed = Arc::new(AtomicUsize::new(0));
             let counter = Arc::clone(&computed);
-            let (found, _) = run(size, sharing, Some(path.clone()), move |_, journal| {
+            let (found, _) = run(size, sharing, Some(path.clone()), move |_, blocks| {
                 let compute = |wanted: &[usize]| {
                     counter.fetch_add(wanted.len(), Ordering::Relaxed);
                     Ok(wanted.iter().map(|&i| square(i)).collect())
                 };
+                let progress = Progress::new();
+                let run = Run::new(blocks, &progress);
                 match sharing {
-                    Sharing::Root => {
-                        let stage = JournalStage::Rows;
-                        resumed(journal, stage, loop_of(40, 4), &Progress::new(), compute)
-                    }
-                    Sharing::All => shared(journal, (40, 4), &Progress::new(), compute).map(Some),
+                    Sharing::Root => run.resumed(RunStage::Rows, loop_of(40, 4), compute),
+                    Sharing::All => run.shared((40, 4), compute).map(Some),
                 }
             });
             assert_eq!(found[0], Ok(Some(squares(40))));
@@ -239,7 +247,7 @@ fn what_a_file_has_is_not_computed_again() {
 #[test]
 fn the_end_of_one_is_the_end_of_all() {
     for failing in [0, 1, 2] {
-        let (found, _) = run(3, Sharing::All, None, move |rank, journal| {
+        let (found, _) = run(3, Sharing::All, None, move |rank, blocks| {
             let compute = |wanted: &[usize]| {
                 // Some rank meets it, and all of them end.
                 if rank == failing || wanted[0] > 30 {
@@ -247,7 +255,7 @@ fn the_end_of_one_is_the_end_of_all() {
                 }
                 Ok(wanted.iter().map(|&i| square(i)).collect::<Vec<f64>>())
             };
-            shared(journal, (100, 1), &Progress::new(), compute)
+            Run::new(blocks, &Progress::new()).shared((100, 1), compute)
         });
         assert_eq!(found, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
     }
@@ -255,12 +263,12 @@ fn the_end_of_one_is_the_end_of_all() {
 
 #[test]
 fn a_rank_that_panics_is_named() {
-    let (found, heard) = run(3, Sharing::All, None, |rank, journal| {
+    let (found, heard) = run(3, Sharing::All, None, |rank, blocks| {
         if rank == 2 {
             // As a defect would.
             std::panic::resume_unwind(Box::new("a defect"));
         }
-        journal.all_gather(vec![1])
+        blocks.gather(RunStage::Points, vec![1])
     });
     assert_eq!(found[..2], [Err(Cancelled), Err(Cancelled)]);
     assert_eq!(
@@ -271,8 +279,8 @@ fn a_rank_that_panics_is_named() {
 
 #[test]
 fn ranks_with_other_light_are_found_out() {
-    let (found, _) = run(3, Sharing::All, None, |rank, journal| {
-        journal.rely_on(JournalStage::Points, (rank / 2) as u64)
+    let (found, _) = run(3, Sharing::All, None, |rank, blocks| {
+        blocks.rely_on(RunStage::Points, (rank / 2) as u64)
     });
     assert_eq!(found, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
 }

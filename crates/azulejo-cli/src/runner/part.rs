@@ -1,16 +1,16 @@
-//! A part while it is computed: the journal of a shard, which is the part as soon as it is complete.
+//! A part while it is computed: a file of the finished blocks of a shard.
 
 use super::command;
 use super::header::{FileStart, PartHeader, WorkKey};
-use super::{Shard, refuse_stream};
+use super::record_file::{self, RecordFile};
 use crate::content_key::shown;
 use crate::failure::Failure;
 use crate::interrupt::BlockEnd;
-use crate::record_file::{self, RecordFile};
 use crate::report::{Report, count};
 use crate::session::Session;
-use azulejo_trace::journal::Division;
-use azulejo_trace::{Cancelled, Journal, JournalStage};
+use crate::shard::Shard;
+use azulejo_trace::run::{Division, RunRole};
+use azulejo_trace::{Blocks, Cancelled, RunStage};
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
 use std::ops::Range;
@@ -35,7 +35,10 @@ impl PartPlan {
     ///
     /// # Errors
     /// What is there is no part; the model is a stream; the output is.
-    pub fn check(shard: Shard, output: &Path) -> Result<PartPlan, Failure> {
+    pub fn check(shard: Shard, output: Option<&Path>) -> Result<PartPlan, Failure> {
+        let Some(output) = output else {
+            return Err(Failure::misuse("--shard: -o PART is missing"));
+        };
         if output == Path::new("-") {
             return Err(Failure::misuse(
                 "--shard: a part is a file that the shard continues after an interruption, and not standard \
@@ -139,6 +142,16 @@ impl PartPlan {
     }
 }
 
+/// Refuses what cannot be read a second time.
+fn refuse_stream(path: &Path) -> Result<(), Failure> {
+    if path == Path::new("-") {
+        return Err(Failure::misuse(
+            "--shard: merge has to read the model again, which it cannot do from standard input; give a file",
+        ));
+    }
+    Ok(())
+}
+
 /// Number of blocks with results.
 fn blocks_of(records: &RecordFile) -> usize {
     records.blocks().filter(|id| id.1 != BASIS).count()
@@ -169,7 +182,7 @@ impl ShardPart {
         self,
         session: &mut Session,
         report: &mut Report,
-        work: impl FnOnce(&ShardPart, &Session) -> Result<(), Failure>,
+        work: impl FnOnce(&ShardPart, &mut Session) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let path = self.path.display().to_string();
         let (before, was_complete) = {
@@ -199,8 +212,8 @@ impl ShardPart {
 
     fn complete(
         &self,
-        session: &Session,
-        work: impl FnOnce(&ShardPart, &Session) -> Result<(), Failure>,
+        session: &mut Session,
+        work: impl FnOnce(&ShardPart, &mut Session) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let done = work(self, session);
         self.block_end.set_in_block(false);
@@ -235,26 +248,31 @@ impl ShardPart {
     }
 }
 
-impl Journal for ShardPart {
-    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+impl Blocks for ShardPart {
+    fn role(&self) -> RunRole {
+        RunRole {
+            parts: self.shard.of as usize,
+            assembles: false,
+            is_kept: true,
+            ..RunRole::default()
+        }
+    }
+
+    fn load(&self, stage: RunStage, block: usize) -> Option<Vec<u8>> {
         self.state().records.read((stage, block))
     }
 
-    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+    fn save(&self, stage: RunStage, block: usize, bytes: &[u8]) {
         let mut state = self.state();
         if let Err(e) = state.records.append((stage, block), bytes) {
             state.failure = Some(Failure::file("write", &self.path, &e));
         }
     }
 
-    fn parts(&self) -> usize {
-        self.shard.of as usize
-    }
-
     /// The next of its own, unless the work is to end or has nowhere to go.
     fn next(
         &self,
-        _stage: JournalStage,
+        _stage: RunStage,
         _division: Division,
         left: Range<usize>,
         most: usize,
@@ -263,13 +281,13 @@ impl Journal for ShardPart {
             return Err(Cancelled);
         }
         let own = (self.shard.number - 1) as usize;
-        let is_own = |block: &usize| block % self.parts() == own;
+        let is_own = |block: &usize| block % self.shard.of as usize == own;
         let next: Vec<usize> = left.filter(is_own).take(most).collect();
         self.block_end.set_in_block(!next.is_empty());
         Ok(next)
     }
 
-    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
+    fn rely_on(&self, stage: RunStage, digest: u64) -> Result<(), Cancelled> {
         let (id, bytes) = ((stage, BASIS), digest.to_le_bytes());
         let mut state = self.state();
         let failure = match state.records.read(id) {
@@ -286,9 +304,5 @@ impl Journal for ShardPart {
         };
         state.failure = Some(failure);
         Err(Cancelled)
-    }
-
-    fn assembles(&self) -> bool {
-        false
     }
 }

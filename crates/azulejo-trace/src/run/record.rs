@@ -3,7 +3,7 @@
 use crate::gather::{Gathered, REPLICATES};
 use azulejo_scene::Rgb;
 
-/// An item that a journal can store.
+/// An item of a block that can be stored.
 pub trait Record: Sized {
     /// Appends the item's bytes.
     fn write(&self, bytes: &mut Vec<u8>);

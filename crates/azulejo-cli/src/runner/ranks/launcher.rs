@@ -2,7 +2,7 @@
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::shards::ShardedArgs;
+use crate::runner::command::{ShardedArgs, sharded};
 use std::env;
 
 /// Variables with the number of this rank: Open MPI's, MPICH's and Intel's, MVAPICH's, that of PMIx.
@@ -26,17 +26,6 @@ pub fn is_helper() -> bool {
     number(&RANK).is_some_and(|rank| rank > 0)
 }
 
-/// Whether this process has work of its own, a shard, whoever started it.
-pub fn has_own_work(cli: &Cli) -> bool {
-    match &cli.command {
-        Command::FormFactors(args) => args.shard.is_some(),
-        Command::Solve(args) => args.shard.is_some(),
-        Command::Probe(args) => args.shard.is_some(),
-        Command::Bake(args) => args.shard.is_some(),
-        _ => false,
-    }
-}
-
 /// Whether a launcher started several processes for this command, to share it.
 ///
 /// # Errors
@@ -45,7 +34,7 @@ pub fn is_shared(cli: &Cli) -> Result<bool, Failure> {
     if number(&RANK).is_none() || number(&SIZE).unwrap_or(1) < 2 {
         return Ok(false);
     }
-    if has_own_work(cli) {
+    if crate::runner::has_own_work(&cli.command) {
         return Ok(false);
     }
     match &cli.command {
@@ -72,7 +61,7 @@ pub fn without_mpi() -> Failure {
 
 /// The files that a command reads, which ranks share; none for those that do not.
 pub fn files_of(command: &mut Command) -> Vec<&mut std::path::PathBuf> {
-    let sharded: Option<ShardedArgs<'_>> = crate::shards::sharded(command);
+    let sharded: Option<ShardedArgs<'_>> = sharded(command);
     sharded.map_or_else(Vec::new, |args| args.files)
 }
 

@@ -1,9 +1,9 @@
 //! Messages between rank 0 and the others, as bytes.
 
 use super::link::HandedBlock;
-use crate::record_file::{number_of, stage_of};
-use azulejo_trace::JournalStage;
-use azulejo_trace::journal::{Record, RecordReader, write_list};
+use crate::runner::record_file::{number_of, stage_of};
+use azulejo_trace::RunStage;
+use azulejo_trace::run::{Record, RecordReader, write_list};
 
 /// From another rank to rank 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub enum ToRoot {
     /// Is done with its blocks, and asks for at most so many of a stage, of `items` in blocks of `size`, not
     /// before block `from`.
     Next {
-        stage: JournalStage,
+        stage: RunStage,
         items: usize,
         size: usize,
         from: usize,
@@ -19,7 +19,7 @@ pub enum ToRoot {
     },
     /// A finished block.
     Block {
-        stage: JournalStage,
+        stage: RunStage,
         block: usize,
         bytes: Vec<u8>,
     },

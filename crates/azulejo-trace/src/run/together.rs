@@ -1,6 +1,6 @@
 //! Processes that talk to each other, as threads of one.
 
-use super::{Blocks, Division, Journal, JournalStage};
+use super::{Blocks, Division, RunRole, RunStage};
 use crate::progress::Cancelled;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Runs the same work so many times at once, as processes that share it through their journals would; the
-/// results in their order. For tests: threads of one process need no journals.
+/// Runs the same work so many times at once, as processes that share it would; the results in their order. For tests:
+/// threads of one process need none of it.
 ///
 /// Once one of them is cancelled, all are.
-pub fn together<T: Send>(processes: usize, work: impl Fn(&dyn Journal) -> T + Sync) -> Vec<T> {
+pub fn together<T: Send>(processes: usize, work: impl Fn(&dyn Blocks) -> T + Sync) -> Vec<T> {
     let table = Table::default();
     thread::scope(|scope| {
         let start = |rank: usize| {
@@ -22,7 +22,7 @@ pub fn together<T: Send>(processes: usize, work: impl Fn(&dyn Journal) -> T + Sy
                     table,
                     rank,
                     processes,
-                    steps: AtomicU32::new(0),
+                    loops: AtomicU32::new(0),
                 };
                 let found = work(&seat);
                 seat.leave();
@@ -48,7 +48,7 @@ struct Table {
 #[derive(Default)]
 struct TableState {
     /// The first block of each stage that nobody has.
-    next: HashMap<JournalStage, usize>,
+    next: HashMap<RunStage, usize>,
     /// What was given, by the number of the exchange and the rank.
     given: HashMap<(usize, usize), Vec<u8>>,
     /// Exchanges that each rank has begun.
@@ -68,7 +68,7 @@ struct Seat<'a> {
     table: &'a Table,
     rank: usize,
     processes: usize,
-    steps: AtomicU32,
+    loops: AtomicU32,
 }
 
 impl Seat<'_> {
@@ -78,28 +78,27 @@ impl Seat<'_> {
     }
 }
 
-impl Journal for Seat<'_> {
-    fn load(&self, _: JournalStage, _: usize) -> Option<Vec<u8>> {
+impl Blocks for Seat<'_> {
+    fn load(&self, _: RunStage, _: usize) -> Option<Vec<u8>> {
         None
     }
 
-    fn save(&self, _: JournalStage, _: usize, _: &[u8]) {}
+    fn save(&self, _: RunStage, _: usize, _: &[u8]) {}
 
-    fn processes(&self) -> usize {
-        self.processes
+    fn role(&self) -> RunRole {
+        RunRole {
+            processes: self.processes,
+            ..RunRole::default()
+        }
     }
 
-    fn has_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&self) -> JournalStage {
-        JournalStage::Step(self.steps.fetch_add(1, Ordering::Relaxed))
+    fn loop_stage(&self) -> RunStage {
+        RunStage::Loop(self.loops.fetch_add(1, Ordering::Relaxed))
     }
 
     fn next(
         &self,
-        stage: JournalStage,
+        stage: RunStage,
         division: Division,
         left: Range<usize>,
         most: usize,
@@ -113,11 +112,7 @@ impl Journal for Seat<'_> {
         Ok((first..end).collect())
     }
 
-    fn of_others(&self, _: JournalStage, own: Blocks) -> Result<Blocks, Cancelled> {
-        super::exchanged(self, own)
-    }
-
-    fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
+    fn gather(&self, _: RunStage, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
         let mut state = self.table.state();
         let exchange = *state.exchanges.entry(self.rank).or_default();
         *state.exchanges.entry(self.rank).or_default() += 1;
@@ -137,17 +132,17 @@ impl Journal for Seat<'_> {
     }
 }
 
-/// A journal that counts the items that its process computes. For tests.
-pub struct CountedJournal<'a> {
-    journal: &'a dyn Journal,
+/// Blocks that count the items that their process computes. For tests.
+pub struct CountedBlocks<'a> {
+    blocks: &'a dyn Blocks,
     items: AtomicUsize,
 }
 
-impl<'a> CountedJournal<'a> {
-    /// Of a journal that stores nothing.
-    pub fn new(journal: &'a dyn Journal) -> CountedJournal<'a> {
-        CountedJournal {
-            journal,
+impl<'a> CountedBlocks<'a> {
+    /// Of blocks that are not stored.
+    pub fn new(blocks: &'a dyn Blocks) -> CountedBlocks<'a> {
+        CountedBlocks {
+            blocks,
             items: AtomicUsize::new(0),
         }
     }
@@ -158,65 +153,41 @@ impl<'a> CountedJournal<'a> {
     }
 }
 
-impl Journal for CountedJournal<'_> {
-    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
-        self.journal.load(stage, block)
+impl Blocks for CountedBlocks<'_> {
+    fn role(&self) -> RunRole {
+        self.blocks.role()
     }
 
-    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
-        self.journal.save(stage, block, bytes);
+    fn load(&self, stage: RunStage, block: usize) -> Option<Vec<u8>> {
+        self.blocks.load(stage, block)
     }
 
-    fn is_kept(&self) -> bool {
-        self.journal.is_kept()
-    }
-
-    fn parts(&self) -> usize {
-        self.journal.parts()
-    }
-
-    fn processes(&self) -> usize {
-        self.journal.processes()
-    }
-
-    fn has_steps(&self) -> bool {
-        self.journal.has_steps()
-    }
-
-    fn step(&self) -> JournalStage {
-        self.journal.step()
+    fn save(&self, stage: RunStage, block: usize, bytes: &[u8]) {
+        self.blocks.save(stage, block, bytes);
     }
 
     fn next(
         &self,
-        stage: JournalStage,
+        stage: RunStage,
         division: Division,
         left: Range<usize>,
         most: usize,
     ) -> Result<Vec<usize>, Cancelled> {
-        let next = self.journal.next(stage, division, left, most)?;
+        let next = self.blocks.next(stage, division, left, most)?;
         let items = next.iter().map(|&block| division.of(block).count());
         self.items.fetch_add(items.sum(), Ordering::Relaxed);
         Ok(next)
     }
 
-    fn assembles(&self) -> bool {
-        self.journal.assembles()
+    fn gather(&self, stage: RunStage, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
+        self.blocks.gather(stage, own)
     }
 
-    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
-        self.journal.rely_on(stage, digest)
+    fn loop_stage(&self) -> RunStage {
+        self.blocks.loop_stage()
     }
 
-    fn of_others(&self, stage: JournalStage, own: Blocks) -> Result<Blocks, Cancelled> {
-        self.journal.of_others(stage, own)
-    }
-
-    fn begins_part(&self) {
-        self.journal.begins_part();
-    }
-
-    fn all_gather(&self, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
-        self.journal.all_gather(own)
+    fn rely_on(&self, stage: RunStage, digest: u64) -> Result<(), Cancelled> {
+        self.blocks.rely_on(stage, digest)
     }
 }

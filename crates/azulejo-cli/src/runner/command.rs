@@ -1,10 +1,10 @@
 //! The command of a part: recorded as it was typed, and run again by `merge`.
 
-use super::Shard;
 use super::header::NamedFile;
 use crate::args::{Cli, Command};
 use crate::content_key::shown;
 use crate::failure::Failure;
+use crate::shard::Shard;
 use clap::Parser;
 use std::collections::HashMap;
 use std::fs;
@@ -55,7 +55,7 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
             files.extend(&mut args.materials);
             Some(ShardedArgs {
                 name: "form-factors",
-                shard: &mut args.shard,
+                shard: &mut args.part.shard,
                 output: OutputArg::Needed(&mut args.output),
                 maps: None,
                 files,
@@ -67,7 +67,7 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
             files.extend(&mut args.normals);
             Some(ShardedArgs {
                 name: "probe",
-                shard: &mut args.shard,
+                shard: &mut args.part.shard,
                 output: OutputArg::Optional(&mut args.output),
                 maps: None,
                 files,
@@ -75,20 +75,32 @@ pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
         }
         Command::Solve(args) => Some(ShardedArgs {
             name: "solve",
-            shard: &mut args.shard,
+            shard: &mut args.part.shard,
             output: OutputArg::Optional(&mut args.output),
             maps: None,
             files: args.input.files_mut(),
         }),
         Command::Bake(args) => Some(ShardedArgs {
             name: "bake",
-            shard: &mut args.shard,
+            shard: &mut args.part.shard,
             output: OutputArg::Optional(&mut args.output),
             maps: Some([&mut args.files.lightmap, &mut args.files.error_map]),
             files: args.input.files_mut(),
         }),
         _ => None,
     }
+}
+
+/// The shard that a command computes, and its output.
+pub fn shard_of(command: &Command) -> Option<(Shard, Option<&Path>)> {
+    let (shard, output) = match command {
+        Command::FormFactors(args) => (args.part.shard, Some(&args.output)),
+        Command::Probe(args) => (args.part.shard, args.output.as_ref()),
+        Command::Solve(args) => (args.part.shard, args.output.as_ref()),
+        Command::Bake(args) => (args.part.shard, args.output.as_ref()),
+        _ => return None,
+    };
+    Some((shard?, output.map(PathBuf::as_path)))
 }
 
 /// The arguments of this process.
@@ -143,7 +155,7 @@ pub fn described() -> Result<(Vec<PathBuf>, String), Failure> {
 /// The command cannot be recorded.
 pub fn files_of_command() -> Result<Vec<PathBuf>, Failure> {
     let mut command = parsed(&typed()?)?.command;
-    let files = crate::ranks::files_of(&mut command);
+    let files = super::ranks::files_of(&mut command);
     Ok(files.into_iter().map(|file| file.clone()).collect())
 }
 

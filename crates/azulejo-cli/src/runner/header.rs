@@ -1,9 +1,9 @@
 //! What a part says of the work that it is a part of.
 
-use super::Shard;
+use super::record_file::read_up_to;
 use crate::content_key::{ContentHasher, ContentKey, shown};
 use crate::failure::Failure;
-use crate::record_file::read_up_to;
+use crate::shard::Shard;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, Read, Seek};

@@ -1,12 +1,12 @@
 //! The main thread of a rank: the messages of its work to other ranks, and at rank 0 the answers.
 
-use super::link::{Reply, Request, WorkEnd};
+use super::link::{FinishedBlock, Reply, Request, WorkEnd};
 use super::messages::{FromRoot, ToRoot};
 use super::transport::Transport;
-use crate::file_journal::FileJournal;
 use crate::interrupt::BlockEnd;
-use azulejo_trace::journal::{Blocks, Division, guided_share};
-use azulejo_trace::{Journal, JournalStage, Progress};
+use crate::runner::journal::FileJournal;
+use azulejo_trace::run::{Division, guided_share};
+use azulejo_trace::{Blocks, Progress, RunStage};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
@@ -99,7 +99,7 @@ impl Helper<'_> {
                     FromRoot::Go => Reply::Broadcast(self.transport.broadcast(Vec::new())),
                     _ => Reply::Stop,
                 },
-                Request::Collect(_) => Reply::Collected(Blocks::new()),
+                Request::Collect(_) => Reply::Collected(Vec::new()),
                 Request::Keep(_) | Request::Ended(..) => continue,
             };
             // Nobody waits for it if the work has panicked, which the next round finds out.
@@ -156,12 +156,12 @@ struct StageBlocks {
     /// Blocks that each of the others has and has not delivered.
     out: HashMap<usize, Vec<usize>>,
     /// Blocks that others delivered and no file keeps.
-    delivered: Blocks,
+    delivered: Vec<FinishedBlock>,
 }
 
 /// What the work of rank 0 waits for.
 enum Pending {
-    Collect(JournalStage),
+    Collect(RunStage),
     AllGather(Vec<u8>),
     Broadcast(Vec<u8>),
 }
@@ -173,7 +173,7 @@ struct Root<'a> {
     control: &'a Control,
     /// One for each rank, its own among them.
     states: Vec<State>,
-    stages: HashMap<JournalStage, StageBlocks>,
+    stages: HashMap<RunStage, StageBlocks>,
     journal: Option<Arc<FileJournal>>,
     pending: Option<Pending>,
     is_stopping: bool,
@@ -330,7 +330,7 @@ impl<'a> Root<'a> {
     /// The next blocks of a stage that nobody has, at most so many, and fewer toward the end.
     fn next(
         &mut self,
-        stage: JournalStage,
+        stage: RunStage,
         division: Division,
         from: usize,
         most: usize,
@@ -344,7 +344,7 @@ impl<'a> Root<'a> {
     }
 
     /// Who asks for more has done with the last blocks.
-    fn finished(&mut self, stage: JournalStage, rank: usize, division: Division) {
+    fn finished(&mut self, stage: RunStage, rank: usize, division: Division) {
         let stage = self.stages.entry(stage).or_default();
         for block in stage.out.remove(&rank).unwrap_or_default() {
             let items = division.of(block).count() as u64;
@@ -353,7 +353,7 @@ impl<'a> Root<'a> {
         }
     }
 
-    fn delivered(&mut self, stage: JournalStage, block: usize, bytes: Vec<u8>) {
+    fn delivered(&mut self, stage: RunStage, block: usize, bytes: Vec<u8>) {
         if let Some(journal) = &self.journal {
             if !journal.has(stage, block) {
                 journal.save(stage, block, &bytes);

@@ -1,11 +1,11 @@
-//! Parts that are put together: the journal of the process that makes the result of them.
+//! Parts that are put together, by the process that makes the result of them.
 
 use super::header::{FileStart, PartHeader, WorkKey};
 use super::part::BASIS;
-use super::runs;
+use super::record_file::RecordFile;
 use crate::failure::Failure;
-use crate::record_file::RecordFile;
-use azulejo_trace::{Cancelled, Journal, JournalStage};
+use azulejo_trace::run::RunRole;
+use azulejo_trace::{Blocks, Cancelled, RunStage};
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -254,22 +254,26 @@ impl CompletePart {
     }
 }
 
-impl Journal for MergedParts {
-    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+impl Blocks for MergedParts {
+    fn role(&self) -> RunRole {
+        RunRole {
+            parts: self.parts.len(),
+            is_kept: true,
+            ..RunRole::default()
+        }
+    }
+
+    fn load(&self, stage: RunStage, block: usize) -> Option<Vec<u8>> {
         let part = &self.parts[block % self.parts.len()];
         let mut records = part.lock().unwrap_or_else(PoisonError::into_inner);
         records.read((stage, block))
     }
 
-    fn save(&self, _: JournalStage, _: usize, _: &[u8]) {
+    fn save(&self, _: RunStage, _: usize, _: &[u8]) {
         self.added.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn parts(&self) -> usize {
-        self.parts.len()
-    }
-
-    fn rely_on(&self, stage: JournalStage, digest: u64) -> Result<(), Cancelled> {
+    fn rely_on(&self, stage: RunStage, digest: u64) -> Result<(), Cancelled> {
         let bytes = digest.to_le_bytes();
         for (part, path) in self.parts.iter().zip(&self.paths) {
             let mut records = part.lock().unwrap_or_else(PoisonError::into_inner);
@@ -289,5 +293,35 @@ impl Journal for MergedParts {
             return Err(Cancelled);
         }
         Ok(())
+    }
+}
+
+/// Numbers with runs joined: `3, 7–12`.
+fn runs(numbers: &[u32]) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for run in numbers.chunk_by(|a, b| a + 1 == *b) {
+        words.push(match run {
+            [first, .., last] if run.len() > 2 => format!("{first}–{last}"),
+            run => run
+                .iter()
+                .map(u32::to_string)
+                .collect::<Vec<_>>()
+                .join(", "),
+        });
+    }
+    words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_numbers_are_joined() {
+        let check = |numbers: &[u32], want: &str| assert_eq!(runs(numbers), want);
+        check(&[3, 7, 8, 9, 10, 11, 12], "3, 7–12");
+        check(&[1, 2], "1, 2");
+        check(&[64], "64");
+        check(&[], "");
     }
 }

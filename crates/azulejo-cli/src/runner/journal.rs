@@ -4,10 +4,12 @@
 //! A header identifies the work by a hash of scene, options and version; records follow
 //! ([`RecordFile`]).
 
+use super::record_file::{self, BlockId, RecordFile, read_up_to};
 use crate::content_key::ContentKey;
 use crate::failure::Failure;
-use crate::record_file::{self, BlockId, RecordFile, read_up_to};
-use azulejo_trace::{Journal, JournalStage};
+use crate::session::Session;
+use azulejo_trace::run::RunRole;
+use azulejo_trace::{Blocks, RunStage};
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -38,6 +40,44 @@ struct JournalState {
 }
 
 impl FileJournal {
+    /// The journal next to an output.
+    ///
+    /// # Errors
+    /// As [`open`](FileJournal::open).
+    pub fn beside(output: &Path, key: ContentKey) -> Result<FileJournal, Failure> {
+        let mut name = output.as_os_str().to_owned();
+        name.push(".journal");
+        FileJournal::open(name.into(), key)
+    }
+
+    /// Does work whose blocks it keeps, and says what is to be known of them.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn keeping<T>(
+        &self,
+        session: &mut Session,
+        work: impl FnOnce(&mut Session) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let note = |session: &mut Session| {
+            let messages = self.take_messages();
+            messages.iter().for_each(|message| session.note(message));
+        };
+        note(session);
+        if self.blocks() > 0 {
+            session.say(&format!("resuming from {}", self.path.display()));
+        }
+        let outcome = work(session);
+        note(session);
+        if outcome.is_err() && self.blocks() > 0 {
+            session.say(&format!(
+                "completed work is kept in {}: the same command resumes from there",
+                self.path.display()
+            ));
+        }
+        outcome
+    }
+
     /// Opens the journal at `path`, or prepares to create it. A journal of other work, or a damaged
     /// one, is restarted, with a message in [`take_messages`](FileJournal::take_messages).
     pub fn open(path: PathBuf, key: ContentKey) -> Result<FileJournal, Failure> {
@@ -62,24 +102,19 @@ impl FileJournal {
     }
 
     /// Number of stored blocks.
-    pub fn blocks(&self) -> usize {
+    fn blocks(&self) -> usize {
         self.state().records.as_ref().map_or(0, RecordFile::len)
     }
 
     /// Whether it holds a block.
-    pub fn has(&self, stage: JournalStage, block: usize) -> bool {
+    pub fn has(&self, stage: RunStage, block: usize) -> bool {
         let state = self.state();
         let records = state.records.as_ref();
         records.is_some_and(|records| records.has((stage, block)))
     }
 
-    /// Its path.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Messages about it since the last call.
-    pub fn take_messages(&self) -> Vec<String> {
+    fn take_messages(&self) -> Vec<String> {
         std::mem::take(&mut self.state().messages)
     }
 
@@ -96,8 +131,15 @@ impl FileJournal {
     }
 }
 
-impl Journal for FileJournal {
-    fn load(&self, stage: JournalStage, block: usize) -> Option<Vec<u8>> {
+impl Blocks for FileJournal {
+    fn role(&self) -> RunRole {
+        RunRole {
+            is_kept: true,
+            ..RunRole::default()
+        }
+    }
+
+    fn load(&self, stage: RunStage, block: usize) -> Option<Vec<u8>> {
         let mut state = self.state();
         let records = state.records.as_mut()?;
         if !records.has((stage, block)) {
@@ -112,7 +154,7 @@ impl Journal for FileJournal {
         read
     }
 
-    fn save(&self, stage: JournalStage, block: usize, bytes: &[u8]) {
+    fn save(&self, stage: RunStage, block: usize, bytes: &[u8]) {
         let mut state = self.state();
         if state.is_broken {
             return;
@@ -194,7 +236,7 @@ fn header(key: ContentKey) -> [u8; HEADER as usize] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record_file::HEAD;
+    use crate::runner::record_file::HEAD;
     use std::fs;
 
     struct Folder(PathBuf);
@@ -219,7 +261,7 @@ mod tests {
         /// A journal of three blocks, and its bytes.
         fn filled(&self) -> Vec<u8> {
             let journal = self.open(7);
-            (0..3).for_each(|k| journal.save(JournalStage::Rows, k, &[k as u8; 100]));
+            (0..3).for_each(|k| journal.save(RunStage::Rows, k, &[k as u8; 100]));
             drop(journal);
             fs::read(self.journal()).unwrap()
         }
@@ -228,7 +270,7 @@ mod tests {
         fn after(&self, bytes: &[u8], key: u8) -> (Vec<usize>, String) {
             fs::write(self.journal(), bytes).unwrap();
             let journal = self.open(key);
-            let has = |k: &usize| journal.load(JournalStage::Rows, *k).is_some();
+            let has = |k: &usize| journal.load(RunStage::Rows, *k).is_some();
             let there = (0..3).filter(has).collect();
             (there, journal.take_messages().join("\n"))
         }
@@ -246,10 +288,10 @@ mod tests {
         let whole = folder.filled();
         let journal = folder.open(7);
         assert_eq!((journal.blocks(), journal.take_messages()), (3, vec![]));
-        assert_eq!(journal.load(JournalStage::Rows, 1), Some(vec![1; 100]));
-        assert_eq!(journal.load(JournalStage::Pairs, 1), None);
-        journal.save(JournalStage::Pairs, 9, b"more");
-        assert_eq!(journal.load(JournalStage::Pairs, 9).unwrap(), b"more");
+        assert_eq!(journal.load(RunStage::Rows, 1), Some(vec![1; 100]));
+        assert_eq!(journal.load(RunStage::Pairs, 1), None);
+        journal.save(RunStage::Pairs, 9, b"more");
+        assert_eq!(journal.load(RunStage::Pairs, 9).unwrap(), b"more");
         assert!(fs::read(folder.journal()).unwrap().starts_with(&whole));
         journal.remove();
         assert!(!folder.journal().exists());
@@ -296,7 +338,7 @@ mod tests {
                     "{at}: {e}"
                 ),
                 Ok(journal) => {
-                    let loaded = (0..3).map(|k| journal.load(JournalStage::Rows, k));
+                    let loaded = (0..3).map(|k| journal.load(RunStage::Rows, k));
                     let right =
                         |(k, b): (usize, Option<Vec<u8>>)| b.is_none_or(|b| b == [k as u8; 100]);
                     assert!(loaded.enumerate().all(right), "{at}");
@@ -367,13 +409,13 @@ mod tests {
             .open("/dev/full")
             .unwrap();
         journal.state().records = Some(RecordFile::scan(full, HEADER).unwrap());
-        journal.save(JournalStage::Rows, 0, b"block");
-        journal.save(JournalStage::Rows, 1, b"block");
+        journal.save(RunStage::Rows, 0, b"block");
+        journal.save(RunStage::Rows, 1, b"block");
         let said = journal.take_messages();
         assert!(
             said.len() == 1 && said[0].contains("No space left"),
             "{said:?}"
         );
-        assert_eq!(journal.load(JournalStage::Rows, 0), None);
+        assert_eq!(journal.load(RunStage::Rows, 0), None);
     }
 }
