@@ -7,8 +7,8 @@ use super::grf::{GRF_EXAMPLES, GrfCommand};
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
+use super::parts::{self, MergeArgs, PartArgs};
 use super::placement::{self, PlaceArg, Placement};
-use super::shard::{self, MergeArgs, ShardArgs};
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
 use super::{exchange, form_factors, validate};
@@ -76,8 +76,8 @@ pub enum Command {
     /// Compute the matrix of form factors between patches
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
-    /// Put together what a command computed in parts with --shard
-    #[command(after_help = shard::EXAMPLES)]
+    /// Put together the parts of a work that several runs of a command divided
+    #[command(after_help = parts::EXAMPLES)]
     Merge(MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
     #[command(after_help = exchange::args::EXAMPLES)]
@@ -420,7 +420,7 @@ pub struct SolveArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
     #[command(flatten)]
-    pub part: ShardArgs,
+    pub part: PartArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -667,7 +667,7 @@ pub struct ProbeArgs {
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
     #[command(flatten)]
-    pub part: ShardArgs,
+    pub part: PartArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -726,8 +726,7 @@ Examples:
   azulejo solve hut.obj -o hut.glb --sides split
   azulejo solve scene.grf --in-place
   azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
-  azulejo solve room.obj -o room.grf --engine embree
-  azulejo solve city.obj -o part-3 --rays 2048 --shard 3/64";
+  azulejo solve room.obj -o room.grf --engine embree";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -741,7 +740,6 @@ Examples:
   azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
   azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
   azulejo probe room.obj --hits rays.f32 -o hits.npy --json
-  azulejo probe city.obj --points p.npy -o part-3 --rays 2048 --shard 3/64
 
 Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
 Irradiance is in W/m² if emission is in W/(sr·m²).";

@@ -33,6 +33,7 @@ mod machine_info;
 mod matrix_info;
 mod matrix_metrics;
 mod model_table;
+mod parts;
 mod pass;
 mod placement;
 mod points;
@@ -43,7 +44,7 @@ mod report;
 mod rtrace;
 mod runner;
 mod session;
-mod shard;
+
 mod solve;
 mod surroundings;
 mod validate;
@@ -55,8 +56,7 @@ use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
 use report::Report;
-use runner::ranks::{self, Ranks};
-use runner::{Runner, merge};
+use runner::{Runner, Started, merge};
 use session::Session;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -74,8 +74,8 @@ pub mod parsers {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        // All ranks would say the same.
-        Err(e) if ranks::is_helper() => {
+        // All processes would say the same.
+        Err(e) if runner::is_silent() => {
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
         Err(e) => {
@@ -89,8 +89,8 @@ pub fn main() -> ExitCode {
         }
     };
     let common = cli.common;
-    let is_one_of_many = ranks::is_helper() && !runner::has_own_work(&cli.command);
-    match ranks::launch(cli, run) {
+    let is_one_of_many = runner::is_silent() && !runner::has_own_work(&cli.command);
+    match runner::launch(cli, run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !is_one_of_many {
@@ -101,9 +101,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
-    let setup = ranks.as_ref().map(Ranks::setup).unwrap_or_default();
-    let mut session = Session::start(cli.common, setup)?;
+fn run(cli: Cli, started: Started) -> Result<(), Failure> {
+    let mut session = Session::start(cli.common, started.setup())?;
     let report = match &cli.command {
         Command::Brdf { command } => return brdf::run(command, session),
         Command::Grf { command } => return grf::run(command, session),
@@ -150,7 +149,7 @@ fn run(cli: Cli, ranks: Option<Ranks>) -> Result<(), Failure> {
         Command::Font { command } => lettering::run_font(command, &mut session)?,
         Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,
         Command::Solve(_) | Command::Bake(_) | Command::Probe(_) | Command::FormFactors(_) => {
-            let runner = Runner::new(&cli.command, ranks)?;
+            let runner = Runner::new(&cli.command, started)?;
             divided(&cli.command, runner, &mut session)?
         }
     };

@@ -5,7 +5,7 @@ use super::content_key::ContentHasher;
 use super::engine::{self, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
-use super::runner::{Runner, WorkKey};
+use super::runner::WorkKey;
 use super::session::Session;
 use azulejo::machine;
 use azulejo_radiosity::{
@@ -62,36 +62,6 @@ pub fn solve(
         azulejo_radiosity::solve(scene, tracer, &options, run)
     })
     .map_err(failure)
-}
-
-/// Refuses to share work between processes that depends on the time, or, if they never meet, on the results of all
-/// points.
-pub fn refuse_indivisible(args: &FirstPassArgs, runner: &Runner) -> Result<(), Failure> {
-    match runner.shared_by() {
-        Some(_) if runner.is_part() => refuse_parts(args),
-        Some(_) if args.limit().is_some() => Err(Failure::misuse(
-            "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
-             or --rays, and the time to the queue; what is done by then is kept",
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// Refuses to divide work between parts that depends on the time, or on the results of all points.
-fn refuse_parts(args: &FirstPassArgs) -> Result<(), Failure> {
-    if args.limit().is_some() {
-        return Err(Failure::misuse(
-            "--shard: how far work comes in a --time depends on the machine, so that parts would not fit together; \
-             give --rays N alone",
-        ));
-    }
-    if args.error.is_some() || args.rays.is_none() {
-        return Err(Failure::misuse(
-            "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
-             traces more rays, which a shard does not have; give --rays N alone",
-        ));
-    }
-    Ok(())
 }
 
 /// What blocks of points depend on, besides the light between patches.

@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::report::{Report, count, number, seconds, short};
 use super::runner::{Completion, DividedWork, Runner, Sharing};
 use super::session::Session;
-use super::{input, pass, points};
+use super::{input, pass, points, runner};
 use azulejo::output::Output;
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
@@ -94,7 +94,7 @@ fn refuse_indivisible(args: &ProbeArgs, runner: &Runner) -> Result<(), Failure> 
             "{by} divides --points; --radiance and --hits take a file of rays, which can be divided itself"
         )));
     }
-    pass::refuse_indivisible(&args.first_pass, runner)
+    runner::refuse_indivisible(&args.first_pass, runner)
 }
 
 /// Prepares the scene for tracing and reports how long that took.

@@ -7,7 +7,7 @@ use super::kept_gltf::KeptGltf;
 use super::report::Report;
 use super::runner::{DividedWork, Runner, Sharing};
 use super::session::Session;
-use super::{convert, input, pass};
+use super::{convert, input, pass, runner};
 use azulejo::models::ModelOutput;
 use azulejo_radiosity::LightSolution;
 use azulejo_scene::Scene;
@@ -62,7 +62,7 @@ pub fn run(args: &SolveArgs, runner: Runner, session: &mut Session) -> Result<Re
     } else {
         args.first_pass.clone()
     };
-    pass::refuse_indivisible(&first_pass, &runner)?;
+    runner::refuse_indivisible(&first_pass, &runner)?;
     let output = runner
         .writes()
         .then(|| SolvedOutput::check(args))

@@ -1,7 +1,7 @@
 //! Options of `bake`.
 
 use crate::args::{FirstPassArgs, InputArgs};
-use crate::shard::ShardArgs;
+use crate::parts::PartArgs;
 use crate::values;
 use azulejo::bake::unwrap::MOST_SIZE;
 use azulejo::lightmap::{BakedLight, BakedSides};
@@ -19,7 +19,6 @@ Examples:
   azulejo bake level.glb -o shop.glb --as emissive
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
-  azulejo bake city.glb -o part-3 --rays 1024 --shard 3/64
 
 A glTF file keeps every byte that does not have to change; `--strip` restores it. Other models \
 are written as glTF.";
@@ -39,14 +38,14 @@ pub struct BakeArgs {
     pub html: bool,
     /// Remove the lightmap that azulejo added to a glTF file, or the light that `solve --keep-mesh`
     /// added to its vertices: restores the original file
-    #[arg(long, requires = "output", conflicts_with = "shard")]
+    #[arg(long, requires = "output", conflicts_with = "part")]
     pub strip: bool,
     /// Only check the lightmap of a glTF file, whatever program made it, or a second set of texture
     /// coordinates for one; with --lightmap, also compare the image in the file with that one
-    #[arg(long, conflicts_with_all = ["strip", "output", "shard"])]
+    #[arg(long, conflicts_with_all = ["strip", "output", "part"])]
     pub check: bool,
     #[command(flatten)]
-    pub part: ShardArgs,
+    pub part: PartArgs,
     #[command(flatten)]
     pub texels: TexelArgs,
     #[command(flatten)]

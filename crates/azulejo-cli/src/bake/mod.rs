@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::report::Report;
 use crate::runner::Runner;
 use crate::session::Session;
-use crate::{pass, report as words};
+use crate::{report as words, runner};
 use args::{BakeArgs, ConventionArg, ImageArg, InstancesArg, LightArg};
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
@@ -99,15 +99,15 @@ fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
 /// Refuses to divide a lightmap whose texels depend on each other's light, or on the time, and to write pictures of
 /// a part of one.
 fn refuse_indivisible(args: &BakeArgs, runner: &Runner) -> Result<(), Failure> {
-    pass::refuse_indivisible(&args.first_pass, runner)?;
-    if !runner.is_part() {
+    runner::refuse_indivisible(&args.first_pass, runner)?;
+    let Some(by) = runner.shared_by().filter(|_| runner.is_part()) else {
         return Ok(());
-    }
+    };
     if args.texels.light == LightArg::Direct {
-        return Err(Failure::misuse(
-            "--shard: --light direct has no number of rays: texels get more of them where their light differs from that \
-             of their neighbours, which a shard does not have; run one process",
-        ));
+        return Err(Failure::misuse(format_args!(
+            "{by}: --light direct has no number of rays: texels get more of them where their light differs from that \
+             of their neighbours, which a part does not have; run one process"
+        )));
     }
     let maps = [
         (&args.files.lightmap, "--lightmap"),
@@ -115,7 +115,7 @@ fn refuse_indivisible(args: &BakeArgs, runner: &Runner) -> Result<(), Failure> {
     ];
     if let Some((_, option)) = maps.into_iter().find(|(path, _)| path.is_some()) {
         return Err(Failure::misuse(format_args!(
-            "--shard: a part has no picture of the whole: give {option} to azulejo merge"
+            "{by}: a part has no picture of the whole: give {option} to azulejo merge"
         )));
     }
     Ok(())

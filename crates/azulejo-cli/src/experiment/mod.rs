@@ -2,8 +2,8 @@
 //! a report.
 //!
 //! Separate processes keep the times and the memory of runs apart: nothing that an earlier run left
-//! in memory, in the allocator or in a driver is counted. The results of a run are appended to the
-//! journal at once, so that an interrupted suite resumes where it was.
+//! in memory, in the allocator or in a driver is counted. The results of a run are stored
+//! at once, so that an interrupted suite resumes where it was.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -11,14 +11,14 @@
 //! | `plan` | tasks, with keys of all that their results depend on |
 //! | `work` | one task, in the child process |
 //! | `reference` | the reference data |
-//! | `record`, `journal` | results on disk |
+//! | `record`, `results` | results on disk |
 //! | `report` | tables and plots |
 
-mod journal;
 mod plan;
 mod record;
 mod reference;
 mod report;
+mod results;
 
 mod suite;
 mod work;
@@ -29,9 +29,9 @@ use super::machine_info::MachineInfo;
 use super::report::{Report, number, seconds};
 use super::session::Session;
 use azulejo_trace::Progress;
-use journal::Journal;
 use plan::{ExperimentPlan, Task};
 use record::{TaskOutcome, TaskRecord};
+use results::StoredResults;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -70,7 +70,7 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
         return Err(Failure::misuse(message));
     }
     std::fs::create_dir_all(folder).map_err(|e| Failure::file("create", folder, &e))?;
-    let mut journal = Journal::open(folder)?;
+    let mut results = StoredResults::open(folder)?;
     let runner = SuiteRunner {
         suite: &suite,
         plan: &plan,
@@ -79,9 +79,9 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
         name: &args.suite,
     };
     let did = session.with_progress(|progress| {
-        runner.run_all(&mut journal, progress, &|words| session.tell(words))
+        runner.run_all(&mut results, progress, &|words| session.tell(words))
     })?;
-    Ok(Some(runner.summary(&journal, did)))
+    Ok(Some(runner.summary(&results, did)))
 }
 
 /// The tasks, for `--list`.
@@ -131,10 +131,10 @@ struct TaskCounts {
 }
 
 impl SuiteRunner<'_> {
-    /// Runs the tasks that are not in the journal; the report is updated meanwhile.
+    /// Runs the tasks that are not in the results; the report is updated meanwhile.
     fn run_all(
         &self,
-        journal: &mut Journal,
+        results: &mut StoredResults,
         progress: &Progress,
         tell: &dyn Fn(&str),
     ) -> Result<TaskCounts, Failure> {
@@ -144,7 +144,7 @@ impl SuiteRunner<'_> {
         progress.begin("tasks", all);
         for (task, number) in self.plan.tasks().zip(1..) {
             progress.advance(0)?;
-            if !journal.holds(&task.key()) {
+            if !results.holds(&task.key()) {
                 let start = Instant::now();
                 let records = self.run_one(&task, progress)?;
                 let took = seconds(start.elapsed().as_secs_f64());
@@ -159,15 +159,15 @@ impl SuiteRunner<'_> {
                 };
                 *counter += 1;
                 tell(&format!("[{number}/{all}] {task}: {words}"));
-                journal.add(records)?;
+                results.add(records)?;
                 if written.is_none_or(|at| at.elapsed() > UPDATE) {
-                    self.write(journal, progress)?;
+                    self.write(results, progress)?;
                     written = Some(Instant::now());
                 }
             }
             progress.advance(1)?;
         }
-        self.write(journal, progress)?;
+        self.write(results, progress)?;
         Ok(count)
     }
 
@@ -211,13 +211,13 @@ impl SuiteRunner<'_> {
         }
     }
 
-    fn write(&self, journal: &Journal, progress: &Progress) -> Result<(), Failure> {
+    fn write(&self, results: &StoredResults, progress: &Progress) -> Result<(), Failure> {
         let is_ours = |r: &&TaskRecord| self.plan.find(&r.key).is_some();
-        let records: Vec<&TaskRecord> = journal.records.iter().filter(is_ours).collect();
+        let records: Vec<&TaskRecord> = results.records.iter().filter(is_ours).collect();
         report::write(self.suite, &self.machine, &records, self.folder, progress)
     }
 
-    fn summary(&self, journal: &Journal, did: TaskCounts) -> Report {
+    fn summary(&self, results: &StoredResults, did: TaskCounts) -> Report {
         let mut report = Report::default();
         let all = self.plan.len();
         let before = all - did.done - did.failed - did.skipped;
@@ -236,7 +236,7 @@ impl SuiteRunner<'_> {
             report.line("failed", format!("{}, see the report", did.failed));
         }
         report.value("tasks_failed", did.failed);
-        let truths = journal.records.iter().filter_map(|r| match &r.outcome {
+        let truths = results.records.iter().filter_map(|r| match &r.outcome {
             TaskOutcome::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
             _ => None,
         });

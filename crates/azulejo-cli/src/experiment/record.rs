@@ -1,8 +1,8 @@
-//! The results of tasks as they are stored in the journal.
+//! The results of tasks as they are stored in the results.
 
 use serde::{Deserialize, Serialize};
 
-/// One line of the journal.
+/// One line of the results.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct TaskRecord {
     /// Key of the task that this belongs to; a task may have several records.

@@ -2,7 +2,7 @@
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
-use crate::shard::ShardArgs;
+use crate::parts::PartArgs;
 use crate::values;
 use azulejo::periods::Periods;
 use azulejo_exchange::archive::ArchivePrecision;
@@ -36,10 +36,10 @@ pub struct FormFactorArgs {
     #[command(flatten)]
     pub computation: ComputationArgs,
     /// Write no journal next to the output; an interrupted computation then starts over
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(long, conflicts_with = "part")]
     pub no_journal: bool,
     #[command(flatten)]
-    pub part: ShardArgs,
+    pub part: PartArgs,
     #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]

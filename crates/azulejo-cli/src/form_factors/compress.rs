@@ -90,11 +90,6 @@ fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
     let entries = "blocks have no single entries";
     let idle = [
         (
-            "--shard",
-            args.part.shard.is_some(),
-            "the blocks of a part are not those of the whole",
-        ),
-        (
             "--separate",
             matrix.separate,
             "blocks hold the sum of all orders of reflection",

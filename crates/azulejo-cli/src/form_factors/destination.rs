@@ -86,7 +86,7 @@ impl Destination {
         matches!(&self.place, MatrixPlace::File(output) if output.is_stdout())
     }
 
-    /// The file or folder, existing or not, beside which a journal lies.
+    /// The file or folder, existing or not, beside which finished blocks are kept.
     pub fn file(&self) -> Option<&Path> {
         match &self.place {
             MatrixPlace::File(output) => output.file(),

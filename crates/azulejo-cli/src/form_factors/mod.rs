@@ -38,9 +38,9 @@ pub fn run(
     session: &mut Session,
 ) -> Result<Report, Failure> {
     if let Some(tolerance) = args.matrix.compress {
-        if runner.is_merged() {
+        if runner.is_merged() || runner.is_part() {
             return Err(Failure::misuse(
-                "--compress: parts make a whole matrix; compress it by form-factors of the model, in one piece",
+                "--compress: the blocks of a part are not those of the whole; compress the model in one piece",
             ));
         }
         return compress::run(args, tolerance, session);

@@ -4,7 +4,7 @@ use super::header::NamedFile;
 use crate::args::{Cli, Command};
 use crate::content_key::shown;
 use crate::failure::Failure;
-use crate::shard::Shard;
+use crate::parts::Shard;
 use clap::Parser;
 use std::collections::HashMap;
 use std::fs;

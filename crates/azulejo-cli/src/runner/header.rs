@@ -3,7 +3,7 @@
 use super::record_file::read_up_to;
 use crate::content_key::{ContentHasher, ContentKey, shown};
 use crate::failure::Failure;
-use crate::shard::Shard;
+use crate::parts::Shard;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, Read, Seek};

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | one process | all; kept in a [`journal`] next to the output, if the work is to be resumed |
 //! | `--shard K/N` | those of a [`part`], which is a file of finished blocks behind a [`header`] that says of what work they are |
-//! | `merge` | none: the recorded command runs with its [parts](merged), so that its result is that of one process by construction |
+//! | `merge` | none: the recorded command runs with its [parts](merge), so that its result is that of one process by construction |
 //! | `mpiexec` | those that rank 0 hands out: see [`ranks`] |
 //!
 //! A command reads its input, and gives its work to [`Runner::compute`]; a process that does not make the result gets
@@ -14,7 +14,6 @@ mod command;
 mod header;
 mod journal;
 pub mod merge;
-mod merged;
 mod part;
 #[cfg_attr(
     not(feature = "mpi"),
@@ -23,18 +22,18 @@ mod part;
         reason = "without MPI nobody starts ranks; tests and lints see their messages all the same"
     )
 )]
-pub mod ranks;
+mod ranks;
 mod record_file;
 
-use crate::args::Command;
+use crate::args::{Cli, Command, FirstPassArgs};
 use crate::failure::Failure;
 use crate::report::Report;
-use crate::session::Session;
+use crate::session::{Session, SessionSetup};
 use azulejo_trace::Blocks;
 use azulejo_trace::run::Alone;
 pub use header::WorkKey;
 use journal::FileJournal;
-use merged::MergedParts;
+use merge::MergedParts;
 use part::PartPlan;
 use ranks::{RankCosts, Ranks};
 use std::path::Path;
@@ -106,12 +105,12 @@ impl<'a> Runner<'a> {
         Runner(Workers::One)
     }
 
-    /// Those of a command: its shard, or all ranks if there are several.
+    /// Those of a command: its shard, or all processes that were started together.
     ///
     /// # Errors
     /// The part cannot be written.
-    pub fn new(command: &Command, ranks: Option<Ranks>) -> Result<Runner<'a>, Failure> {
-        let workers = match (command::shard_of(command), ranks) {
+    pub fn new(command: &Command, started: Started) -> Result<Runner<'a>, Failure> {
+        let workers = match (command::shard_of(command), started.0) {
             (Some((shard, output)), _) => Workers::Part(PartPlan::check(shard, output)?),
             (None, Some(ranks)) => Workers::Ranks(ranks),
             (None, None) => Workers::One,
@@ -219,7 +218,54 @@ impl<'a> Runner<'a> {
     }
 }
 
+/// Processes that a launcher started together, if there are several.
+pub struct Started(Option<Ranks>);
+
+impl Started {
+    /// How this process works for all of them.
+    pub fn setup(&self) -> SessionSetup {
+        self.0.as_ref().map(Ranks::setup).unwrap_or_default()
+    }
+}
+
+/// Runs a command, by all processes that were started together.
+///
+/// # Errors
+/// Those of the command; it is one that processes cannot share.
+pub fn launch(cli: Cli, work: fn(Cli, Started) -> Result<(), Failure>) -> Result<(), Failure> {
+    ranks::launch(cli, move |cli, ranks| work(cli, Started(ranks)))
+}
+
+/// Whether another process of those that were started together says what all of them would say.
+pub fn is_silent() -> bool {
+    ranks::is_helper()
+}
+
 /// Whether this process has work of its own, a shard, whoever started it.
 pub fn has_own_work(command: &Command) -> bool {
     command::shard_of(command).is_some()
+}
+
+/// Refuses to share work between processes that depends on the time, or, if they never meet, on the results of all
+/// points.
+///
+/// # Errors
+/// The options ask for such work.
+pub fn refuse_indivisible(args: &FirstPassArgs, runner: &Runner) -> Result<(), Failure> {
+    let is_timed = args.limit().is_some();
+    match &runner.0 {
+        Workers::Part(_) if is_timed => Err(Failure::misuse(
+            "--shard: how far work comes in a --time depends on the machine, so that parts would not fit together; \
+             give --rays N alone",
+        )),
+        Workers::Part(_) if args.error.is_some() || args.rays.is_none() => Err(Failure::misuse(
+            "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
+             traces more rays, which a shard does not have; give --rays N alone",
+        )),
+        Workers::Ranks(_) if is_timed => Err(Failure::misuse(
+            "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
+             or --rays, and the time to the queue; what is done by then is kept",
+        )),
+        _ => Ok(()),
+    }
 }

@@ -15,12 +15,12 @@ use std::thread;
 pub fn together<T: Send>(processes: usize, work: impl Fn(&dyn Blocks) -> T + Sync) -> Vec<T> {
     let table = Table::default();
     thread::scope(|scope| {
-        let start = |rank: usize| {
+        let start = |place: usize| {
             let (table, work) = (&table, &work);
             scope.spawn(move || {
                 let seat = Seat {
                     table,
-                    rank,
+                    place,
                     processes,
                     loops: AtomicU32::new(0),
                 };
@@ -49,9 +49,9 @@ struct Table {
 struct TableState {
     /// The first block of each stage that nobody has.
     next: HashMap<RunStage, usize>,
-    /// What was given, by the number of the exchange and the rank.
+    /// What was given, by the number of the exchange and the place.
     given: HashMap<(usize, usize), Vec<u8>>,
-    /// Exchanges that each rank has begun.
+    /// Exchanges that each place has begun.
     exchanges: HashMap<usize, usize>,
     /// Whether one of them has ended: no exchange after it can be complete.
     has_left: bool,
@@ -66,7 +66,7 @@ impl Table {
 /// One of the processes.
 struct Seat<'a> {
     table: &'a Table,
-    rank: usize,
+    place: usize,
     processes: usize,
     loops: AtomicU32,
 }
@@ -114,12 +114,12 @@ impl Blocks for Seat<'_> {
 
     fn gather(&self, _: RunStage, own: Vec<u8>) -> Result<Vec<Vec<u8>>, Cancelled> {
         let mut state = self.table.state();
-        let exchange = *state.exchanges.entry(self.rank).or_default();
-        *state.exchanges.entry(self.rank).or_default() += 1;
-        state.given.insert((exchange, self.rank), own);
+        let exchange = *state.exchanges.entry(self.place).or_default();
+        *state.exchanges.entry(self.place).or_default() += 1;
+        state.given.insert((exchange, self.place), own);
         self.table.changed.notify_all();
         loop {
-            let of = |rank: usize| state.given.get(&(exchange, rank)).cloned();
+            let of = |place: usize| state.given.get(&(exchange, place)).cloned();
             if let Some(all) = (0..self.processes).map(of).collect::<Option<Vec<_>>>() {
                 return Ok(all);
             }

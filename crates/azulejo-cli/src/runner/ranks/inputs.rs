@@ -1,9 +1,8 @@
 //! The files of a work, which rank 0 reads for all: ranks on other machines, and those that find other
 //! files under the same paths, get copies.
 
-use super::Ranks;
-use super::launcher::files_of;
 use super::link::Link;
+use super::{Ranks, files_of};
 use crate::args::Command;
 use crate::failure::Failure;
 use crate::runner::command::named_files;

@@ -1,8 +1,6 @@
 //! The main thread of a rank: the messages of its work to other ranks, and at rank 0 the answers.
 
-use super::link::{FinishedBlock, Reply, Request, WorkEnd};
-use super::messages::{FromRoot, ToRoot};
-use super::transport::Transport;
+use super::link::{FinishedBlock, FromRoot, Reply, Request, ToRoot, WorkEnd};
 use crate::interrupt::BlockEnd;
 use crate::runner::journal::FileJournal;
 use azulejo_trace::run::{Division, guided_share};
@@ -19,6 +17,27 @@ const PAUSE: [Duration; 2] = [Duration::from_micros(20), Duration::from_micros(2
 
 /// The same of a rank whose work is done.
 const IDLE: Duration = Duration::from_millis(20);
+
+/// Messages between ranks. Used by one thread of each.
+pub trait Transport {
+    /// Number of this rank.
+    fn rank(&self) -> usize;
+
+    /// Number of all.
+    fn size(&self) -> usize;
+
+    /// Sends bytes to a rank. Those to one rank arrive in their order.
+    fn send(&self, to: usize, bytes: &[u8]);
+
+    /// The next message that has arrived, with the rank that sent it; `None` if there is none yet.
+    fn receive(&self) -> Option<(usize, Vec<u8>)>;
+
+    /// The bytes of all ranks, in their order. All ranks call it.
+    fn all_gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
+
+    /// The bytes of rank 0. All ranks call it; `own` counts at rank 0.
+    fn broadcast(&self, own: Vec<u8>) -> Vec<u8>;
+}
 
 /// What is common to the work and its messages.
 #[derive(Clone, Debug, Default)]

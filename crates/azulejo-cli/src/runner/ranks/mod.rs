@@ -10,31 +10,30 @@
 //! | rank 0 | the command | [`messenger`]: hands out blocks, keeps those of others |
 //! | others | the command without its output | [`messenger`]: asks rank 0 |
 //!
-//! Only main threads call MPI, through [`Transport`]. A [`Link`] connects the two threads of a rank.
+//! Only main threads call MPI, through [`Transport`](messenger::Transport). A [`Link`] connects the two threads of a rank.
 
 mod blocks;
 mod inputs;
-mod launcher;
 mod link;
-mod messages;
 mod messenger;
 #[cfg(feature = "mpi")]
 mod mpi;
 #[cfg(test)]
 mod tests;
-mod transport;
 
-use crate::args::Cli;
+use crate::args::{Cli, Command};
 use crate::content_key::shown;
 use crate::failure::Failure;
+use crate::runner::command::sharded;
 use crate::runner::journal::FileJournal;
 use crate::runner::{DividedWork, WorkKey};
 use crate::session::SessionSetup;
 use blocks::RankBlocks;
 pub use blocks::RankCosts;
-pub use launcher::{files_of, is_helper};
 use link::Link;
 pub use messenger::Control;
+use std::env;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// This process among all ranks.
@@ -122,11 +121,89 @@ pub fn launch(
     cli: Cli,
     work: impl FnOnce(Cli, Option<Ranks>) -> Result<(), Failure> + Send + 'static,
 ) -> Result<(), Failure> {
-    if !launcher::is_shared(&cli)? {
+    if !is_shared(&cli)? {
         return work(cli, None);
     }
     #[cfg(feature = "mpi")]
     return mpi::launch(cli, work);
     #[cfg(not(feature = "mpi"))]
-    Err(launcher::without_mpi())
+    Err(without_mpi())
+}
+
+/// Variables of launchers of MPI programs with the number of this rank: Open MPI's, MPICH's and Intel's, MVAPICH's, that of PMIx.
+const RANK: [&str; 4] = [
+    "OMPI_COMM_WORLD_RANK",
+    "PMI_RANK",
+    "MV2_COMM_WORLD_RANK",
+    "PMIX_RANK",
+];
+
+/// Variables with the number of ranks; that of SLURM counts beside one of those above.
+const SIZE: [&str; 4] = [
+    "OMPI_COMM_WORLD_SIZE",
+    "PMI_SIZE",
+    "MV2_COMM_WORLD_SIZE",
+    "SLURM_STEP_NUM_TASKS",
+];
+
+/// Whether the launcher says that this is not rank 0, which alone says anything.
+pub fn is_helper() -> bool {
+    number(&RANK).is_some_and(|rank| rank > 0)
+}
+
+/// Whether a launcher started several processes for this command, to share it.
+///
+/// # Errors
+/// They cannot.
+fn is_shared(cli: &Cli) -> Result<bool, Failure> {
+    if number(&RANK).is_none() || number(&SIZE).unwrap_or(1) < 2 {
+        return Ok(false);
+    }
+    if crate::runner::has_own_work(&cli.command) {
+        return Ok(false);
+    }
+    match &cli.command {
+        Command::FormFactors(args) if args.matrix.compress.is_some() => Err(Failure::misuse(
+            "--compress: factors in blocks are not shared among MPI processes: run it without mpiexec",
+        )),
+        Command::FormFactors(_) | Command::Solve(_) | Command::Probe(_) => Ok(true),
+        Command::Bake(args) if !args.check && !args.strip => Ok(true),
+        _ => Err(Failure::misuse(
+            "this command does not share its work among MPI processes: run it without mpiexec; form-factors, solve, bake \
+             and probe do",
+        )),
+    }
+}
+
+/// Several processes, of a program that cannot share.
+#[cfg(not(feature = "mpi"))]
+fn without_mpi() -> Failure {
+    Failure::misuse(
+        "MPI started several processes, but this azulejo was built without it, and each would do all of the work: build \
+         with --features mpi (docs/mpi.md), divide the work by --shard, or run one process",
+    )
+}
+
+/// The files that a command reads, which ranks share; none for those that do not.
+pub fn files_of(command: &mut Command) -> Vec<&mut PathBuf> {
+    sharded(command).map_or_else(Vec::new, |args| args.files)
+}
+
+/// Threads of a rank beside which there are so many on its machine, itself counted: its part of the processors, or those
+/// that it is bound to.
+#[cfg(feature = "mpi")]
+fn threads(ranks: usize) -> usize {
+    let bound = std::thread::available_parallelism().map_or(1, usize::from);
+    // A rank that is bound to some processors does not see the others there.
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let all = text
+        .lines()
+        .filter(|line| line.starts_with("processor"))
+        .count();
+    (all.max(bound) / ranks.max(1)).clamp(1, bound)
+}
+
+fn number(names: &[&str]) -> Option<usize> {
+    let of = |name: &&str| env::var(name).ok()?.trim().parse().ok();
+    names.iter().find_map(of)
 }

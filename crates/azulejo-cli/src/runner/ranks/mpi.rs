@@ -1,9 +1,8 @@
 //! Ranks by MPI, through rsmpi.
 
 use super::link::{Link, connected};
-use super::messenger::{self, Control};
-use super::transport::Transport;
-use super::{Ranks, inputs, launcher};
+use super::messenger::{self, Control, Transport};
+use super::{Ranks, inputs};
 use crate::args::Cli;
 use crate::failure::Failure;
 use mpi::collective::Root;
@@ -87,7 +86,7 @@ fn place(world: &MpiTransport, link: Link) -> (Ranks, bool) {
         rank: world.rank(),
         size: world.size(),
         nodes: names.len(),
-        threads: launcher::threads(beside),
+        threads: super::threads(beside),
         memory: azulejo::machine::memory(),
         control: Control::default(),
     };

@@ -2,10 +2,8 @@
 
 use super::Ranks;
 use super::blocks::RankBlocks;
-use super::link::connected;
-use super::messages::{FromRoot, ToRoot};
-use super::messenger::{self, Control};
-use super::transport::Transport;
+use super::link::{FromRoot, ToRoot, connected};
+use super::messenger::{self, Control, Transport};
 use crate::runner::Sharing;
 use crate::runner::journal::FileJournal;
 use azulejo_trace::run::LoopSize;

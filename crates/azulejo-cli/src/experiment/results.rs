@@ -13,7 +13,7 @@ const NAME: &str = "results.jsonl";
 
 /// The results so far.
 #[derive(Debug)]
-pub struct Journal {
+pub struct StoredResults {
     path: PathBuf,
     file: File,
     /// The records, in order.
@@ -22,10 +22,10 @@ pub struct Journal {
     keys: HashSet<String>,
 }
 
-impl Journal {
-    /// Opens or creates the journal of a folder. Records of other versions, truncated lines,
+impl StoredResults {
+    /// Opens or creates the results of a folder. Records of other versions, truncated lines,
     /// failures and what was skipped are ignored: their tasks are repeated.
-    pub fn open(folder: &Path) -> Result<Journal, Failure> {
+    pub fn open(folder: &Path) -> Result<StoredResults, Failure> {
         let path = folder.join(NAME);
         let failed = |e| Failure::file("write", &path, &e);
         let text = match std::fs::read_to_string(&path) {
@@ -42,7 +42,7 @@ impl Journal {
         if !text.is_empty() && !text.ends_with('\n') {
             writeln!(file).map_err(failed)?;
         }
-        Ok(Journal {
+        Ok(StoredResults {
             keys: records.iter().map(|r| r.key.clone()).collect(),
             path,
             file,
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn what_is_done_stays_done() {
-        let folder = std::env::temp_dir().join(format!("azulejo-journal-{}", std::process::id()));
+        let folder = std::env::temp_dir().join(format!("azulejo-results-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
         let run = RunRecord {
@@ -108,27 +108,27 @@ mod tests {
             task: "b".into(),
             reason: "no".into(),
         };
-        let mut journal = Journal::open(&folder).unwrap();
-        journal
+        let mut results = StoredResults::open(&folder).unwrap();
+        results
             .add(vec![found("a", TaskOutcome::Run(run))])
             .unwrap();
-        journal.add(vec![found("b", failure)]).unwrap();
-        let kept = journal.records[..1].to_vec();
-        drop(journal);
+        results.add(vec![found("b", failure)]).unwrap();
+        let kept = results.records[..1].to_vec();
+        drop(results);
         // A line truncated by a crash affects neither the lines before nor those after.
         let path = folder.join(NAME);
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text + "{\"key\":\"c\",\"vers").unwrap();
-        let mut journal = Journal::open(&folder).unwrap();
-        assert_eq!(journal.records, kept);
-        assert!(journal.holds("a") && !journal.holds("b") && !journal.holds("c"));
-        journal
+        let mut results = StoredResults::open(&folder).unwrap();
+        assert_eq!(results.records, kept);
+        assert!(results.holds("a") && !results.holds("b") && !results.holds("c"));
+        results
             .add(vec![TaskRecord {
                 key: "d".into(),
                 ..kept[0].clone()
             }])
             .unwrap();
-        assert!(Journal::open(&folder).unwrap().holds("d"));
+        assert!(StoredResults::open(&folder).unwrap().holds("d"));
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

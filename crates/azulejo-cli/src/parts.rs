@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 /// Which part of the work is computed.
 #[derive(Clone, Copy, Debug, Default, Args)]
-pub struct ShardArgs {
+pub struct PartArgs {
     /// Compute only shard K of N of the rows, points, vertices or texels, from 1, and write it to -o as a part; `azulejo
     /// merge` makes the result of all parts. An interrupted shard resumes by the same command. Light with --rays alone:
     /// work to an error or a time cannot be divided
-    #[arg(long, value_name = "K/N", value_parser = shard)]
+    #[arg(id = "part", long = "shard", value_name = "K/N", value_parser = shard)]
     pub shard: Option<Shard>,
 }
 
@@ -85,6 +85,9 @@ Examples:
   azulejo form-factors room.obj --patches 20000 --shard 2/2 -o part-2
   azulejo merge part-1 part-2 -o f.npz
   azulejo merge parts/* -o f.npz --files models
+  azulejo solve city.obj --rays 2048 --shard 3/64 -o parts/3
+  azulejo probe city.obj --points p.npy --rays 2048 --shard 3/64 -o parts/3
+  azulejo bake city.glb --rays 1024 --shard 3/64 -o parts/3
   azulejo merge parts/* -o lit.glb --lightmap E.exr
 
 Parts can be computed in any order, on any machines, by any number of threads: the result has the same
