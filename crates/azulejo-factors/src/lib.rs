@@ -3,7 +3,7 @@
 //! [`form_factors()`] divides a scene into [`Patches`] and computes the matrix between all of them,
 //! each entry with its standard error; [`form_factors_from`] computes one row. An extended form
 //! factor counts light that arrives directly, by mirrors or through glass. Nothing here solves for
-//! light: `azulejo-radiosity` does, from the rows that an [`Estimator`](engine::Estimator) returns.
+//! light: `azulejo-radiosity` does, from the rows that an [`Estimator`](estimator::Estimator) returns.
 //!
 //! ```
 //! use azulejo_factors::{FormFactorOptions, PatchSize, form_factors};
@@ -42,6 +42,8 @@ pub mod cholesky;
 mod cluster_tree;
 pub mod engine;
 mod error;
+pub mod estimator;
+mod exchange_areas;
 pub mod facing;
 pub mod form_factors;
 pub mod hemicube;

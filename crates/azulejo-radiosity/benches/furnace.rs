@@ -6,7 +6,7 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;

@@ -6,7 +6,7 @@
 #[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;

@@ -195,13 +195,14 @@ mod tests {
         };
         let points: Vec<GatherPoint> = (0..3600).map(point).collect();
         let light = Unknown(gatherer.surfaces());
+        let progress = Progress::new();
         let pass = GatherPass {
             gatherer: &gatherer,
             light: GatherLight::new(&light, None),
             points: &points,
             pace: &GatherPace::default(),
             seed: 3,
-            run: Run::alone(&Progress::new()),
+            run: Run::alone(&progress),
         };
         let targets = GatherTargets {
             points: &points,

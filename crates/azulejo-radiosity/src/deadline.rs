@@ -8,7 +8,7 @@
 use crate::direct::direct;
 use crate::gather::{Gathering, HASTY_RAYS, mean_strength, noise_beside, noise_rate};
 use crate::strata::StratumError;
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, Side, side};
 use azulejo_factors::{Engine, Patches};
 use azulejo_trace::sampling::hash;

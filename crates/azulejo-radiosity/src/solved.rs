@@ -9,7 +9,7 @@ use crate::refine::{RefinementGoal, RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
 use crate::stochastic;
 use crate::system::{RadiositySolution, System};
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, reflectances};
 use azulejo_scene::{Rgb, Scene};

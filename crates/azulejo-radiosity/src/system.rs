@@ -8,7 +8,7 @@
 use crate::deadline::PhaseWatch;
 use crate::direct::direct;
 use azulejo_factors::Patches;
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Entry, Row, Side, side};
 use azulejo_factors::sparse::{SparseMatrix, SparseRow};
 use azulejo_scene::{Material, Rgb};

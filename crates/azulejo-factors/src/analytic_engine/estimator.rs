@@ -119,7 +119,7 @@ impl<'a> AnalyticEstimator<'a> {
     /// A row by rays, with formulas instead of what they know.
     fn joined(&self, mut row: Row, side: Side, known: &Orders) -> Row {
         let area = self.patches.area((side / 2) as usize);
-        let entry = |(order, e): (usize, &crate::form_factors::Exchange)| Entry {
+        let entry = |(order, e): (usize, &crate::exchange_areas::Exchange)| Entry {
             side: e.column,
             order: order as Order,
             weight: Rgb::grey(e.value / area),

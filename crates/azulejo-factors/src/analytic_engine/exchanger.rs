@@ -11,8 +11,8 @@ use super::traversal::{
 use super::work::PairWork;
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
-use crate::form_factors::exchange::{read_row, write_row};
-use crate::form_factors::{Exchange, ExchangeAreas};
+use crate::exchange_areas::{Exchange, ExchangeAreas};
+use crate::exchange_areas::{read_row, write_row};
 use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
 use crate::shadow_rays::View;

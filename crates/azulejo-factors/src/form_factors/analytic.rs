@@ -1,14 +1,15 @@
 //! The matrix by the analytic engine, with rays for what has no formula.
 
 use super::doubt::RowCheck;
-use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::RowRemainder;
 use super::rows::RowTracing;
 use super::{FormFactors, PreparedPlan, merge};
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
-use crate::engine::{Engine, EngineUsed, Estimator};
+use crate::engine::{Engine, EngineUsed};
 use crate::error::FactorsError;
+use crate::estimator::Estimator;
+use crate::exchange_areas::{Exchange, ExchangeAreas};
 use crate::row::{Columns, ORDERS, Order, Side};
 use azulejo_trace::Progress;
 use azulejo_trace::Run;

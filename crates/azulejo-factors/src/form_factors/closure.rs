@@ -1,8 +1,8 @@
 //! Enforcing closure: rows changed within their errors so that no light is missing.
 
-use super::exchange::Exchange;
 use super::matrix::{Adjustment, FormFactors, RowRemainder};
 use super::smoothing::{LEAST, Smoothing, SmoothingChange};
+use crate::exchange_areas::Exchange;
 use azulejo_trace::{Cancelled, Progress};
 
 /// Tolerated deficit of a row's sum.

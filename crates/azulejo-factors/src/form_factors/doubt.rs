@@ -1,9 +1,9 @@
 //! Rows by formulas that a few rays contradict.
 
-use super::exchange::ExchangeAreas;
 use super::sides::Sides;
 use crate::analytic_engine::check::Strata;
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger};
+use crate::exchange_areas::ExchangeAreas;
 use crate::rays::{HitPatches, RowSampler};
 use azulejo_trace::{Cancelled, Gatherer, KernelRay, Progress, REPLICATES};
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! Operations of thermal engineering: masks, rows scaled to given sums, grey interchange.
 
-use super::exchange::{Exchange, ExchangeAreas};
 use super::matrix::{Adjustment, FormFactors, RowRemainder};
 use crate::cholesky::{Cholesky, dot};
+use crate::exchange_areas::{Exchange, ExchangeAreas};
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::fmt;

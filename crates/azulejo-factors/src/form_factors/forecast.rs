@@ -4,7 +4,7 @@ use super::matrix::block_bytes;
 use super::rows;
 use super::sides::Sides;
 use crate::analytic_engine::exchanger;
-use crate::engine::Estimator;
+use crate::estimator::Estimator;
 use crate::row::{Entry, ORDERS, Row, Side};
 use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};

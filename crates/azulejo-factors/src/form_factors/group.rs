@@ -1,8 +1,8 @@
 //! The matrix between groups of rows.
 
 use super::design_effect::DesignEffect;
-use super::exchange::{Exchange, ExchangeAreas, union};
 use super::matrix::{FormFactors, RowRemainder};
+use crate::exchange_areas::{Exchange, ExchangeAreas, union};
 use crate::patch::FaceId;
 use rayon::prelude::*;
 

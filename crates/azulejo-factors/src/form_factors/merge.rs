@@ -1,11 +1,11 @@
 //! One exchange area per pair, from the rays of both sides and the formula.
 
-use super::exchange::{Exchange, ExchangeAreas, union};
 use super::matrix::FormFactors;
 use super::near::{PairEstimate, PairEstimates};
 use super::rows::{RayEntries, RayEntry, RayRow, TracedRows};
 use super::sides::Sides;
 use super::spread::NoiseModel;
+use crate::exchange_areas::{Exchange, ExchangeAreas, union};
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -5,7 +5,7 @@ use super::matrix::RowRemainder;
 use super::near::PairEstimates;
 use super::sides::Sides;
 use super::spread::{NoiseModel, mean_and_variance};
-use crate::engine::Estimator;
+use crate::estimator::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};

@@ -1,6 +1,6 @@
 //! Least-squares smoothing: the smallest change of a symmetric matrix that corrects its row sums.
 
-use super::exchange::{Exchange, ExchangeAreas};
+use crate::exchange_areas::{Exchange, ExchangeAreas};
 use azulejo_trace::{Cancelled, Progress};
 
 /// Most iterations; rooms take 10 to 40.

@@ -1,8 +1,8 @@
 //! Truncation: a sparser matrix with the same row sums.
 
-use super::exchange::Exchange;
 use super::matrix::{FormFactors, Truncation};
 use super::smoothing::{LEAST, Smoothing};
+use crate::exchange_areas::Exchange;
 use azulejo_trace::{Cancelled, Progress};
 
 /// Tolerated deficit of a row sum, relative to 1: rounding.

@@ -1,7 +1,7 @@
 //! Sums over groups of rows by planned division and samples, against closed forms and explicit divisions.
 
 use crate::scenes::{add_sheet, surface};
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, side};
 use azulejo_factors::samples::{RowSamples, SampleCounts};
 use azulejo_factors::truth::formulas::{on_common_edge, opposed, unit_spheres};

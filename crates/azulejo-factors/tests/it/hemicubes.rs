@@ -2,7 +2,7 @@
 //! energy balance; and devices that fail.
 
 use crate::scenes::*;
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, Row, Side, side};
 use azulejo_factors::{
     Engine, EngineUsed, FormFactorOptions, Hemicube, HemicubeBackend, PatchSize, Patches,

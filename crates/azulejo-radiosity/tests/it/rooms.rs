@@ -1,7 +1,7 @@
 //! The first pass run in parts on scenes with known answers.
 
 pub use crate::scenes::*;
-use azulejo_factors::engine::Estimator;
+use azulejo_factors::estimator::Estimator;
 use azulejo_factors::reflectances;
 use azulejo_factors::row::Columns;
 use azulejo_radiosity::system::{RadiositySolution, System};

@@ -151,7 +151,7 @@ impl ExchangeAreas {
     }
 
     /// Adds to S_ij, i ≤ j, creating the pair if it is absent; its error stays.
-    pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
+    pub(crate) fn add(&mut self, i: usize, j: usize, value: f64) {
         let mut row = std::mem::take(&mut self.rows[i]).into_vec();
         let column = j as u32;
         match row.binary_search_by_key(&column, |e| e.column) {
@@ -296,7 +296,7 @@ fn added(a: &[Exchange], b: &[Exchange]) -> Vec<Exchange> {
 
 /// Visits the union of two lists sorted by key, in order, with the items of either list for the
 /// key.
-pub(super) fn union<A, B>(
+pub(crate) fn union<A, B>(
     a: &[A],
     b: &[B],
     key_a: impl Fn(&A) -> u32,
