@@ -5,12 +5,63 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// Crates for which this holds, and for each the uses that are known to close a circle and not
-/// yet undone. No crate may be taken out of here, and no use be added.
-const CRATES: [(&str, &[(&str, &str)]); 3] = [
-    ("azulejo-formats", &[]),
-    ("azulejo-gpu", &[]),
-    ("azulejo-trace", &[]),
+/// For each crate the uses that are known to close a circle and not yet undone. None may be added.
+const KNOWN: [(&str, &[(&str, &str)]); 7] = [
+    (
+        "azulejo-bake",
+        &[("nodes", "correction"), ("nodes", "direct")],
+    ),
+    // The definitions of all options stand beside those of each command; what divides work reads them.
+    ("azulejo-cli", &[("args", "*"), ("values", "surroundings")]),
+    ("azulejo-exchange", &[("bands", "network")]),
+    (
+        "azulejo-radiosity",
+        &[
+            ("deadline", "gather"),
+            ("deadline", "strata"),
+            ("gather", "sparse"),
+            ("gather", "standard_errors"),
+            ("strata", "gather"),
+            ("preview", "solve"),
+            ("solved", "solve"),
+            ("vertices", "solve"),
+        ],
+    ),
+    ("azulejo-render", &[("integrator", "pass")]),
+    // A scene's kinds of things know each other.
+    (
+        "azulejo-scene",
+        &[
+            ("brdf", "content"),
+            ("brdf", "material"),
+            ("environment", "scene"),
+            ("instance", "scene"),
+            ("instance", "shape"),
+            ("irradiance", "shape"),
+            ("coordinates", "shape"),
+            ("coordinates", "mesh"),
+            ("irradiance", "mesh"),
+            ("lightmap", "material"),
+            ("lightmap", "mesh"),
+            ("lightmap", "scene"),
+            ("lightmap", "shape"),
+            ("solid", "shape"),
+            ("surface_maps", "material"),
+        ],
+    ),
+    (
+        "azulejo-workbench",
+        &[
+            ("view", "gpu"),
+            ("document", "bake"),
+            ("bake", "app"),
+            ("first_pass", "app"),
+            ("first_pass", "command"),
+            ("command", "app"),
+            ("app", "ui"),
+            ("ui", "script"),
+        ],
+    ),
 ];
 
 /// For each module the modules that it uses.
@@ -19,11 +70,29 @@ type Uses = BTreeMap<String, BTreeSet<String>>;
 #[test]
 fn modules_of_a_crate_form_no_circle() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for (name, known) in CRATES {
-        let mut uses = uses(&crates.join(name).join("src"));
-        assert!(uses.len() > 3, "{name}: its modules are not found");
-        for (from, to) in known {
-            uses.get_mut(*from).expect("is a module").remove(*to);
+    let mut seen = 0;
+    for folder in fs::read_dir(&crates).expect("readable") {
+        let folder = folder.expect("readable");
+        let source = folder.path().join("src");
+        if !source.join("lib.rs").exists() {
+            continue;
+        }
+        let name = folder.file_name().to_string_lossy().into_owned();
+        let mut uses = uses(&source);
+        seen += uses.len();
+        let known = KNOWN.iter().find(|(of, _)| *of == name);
+        for (from, to) in known.map_or(&[][..], |(_, known)| known) {
+            let used = uses.get_mut(*from);
+            let used =
+                used.unwrap_or_else(|| panic!("{name} has no module {from}: take it out of KNOWN"));
+            if *to == "*" {
+                used.clear();
+            } else {
+                assert!(
+                    used.remove(*to),
+                    "{name}: {from} does not use {to}: take it out of KNOWN"
+                );
+            }
         }
         let circle = circle(&uses);
         assert_eq!(
@@ -31,6 +100,7 @@ fn modules_of_a_crate_form_no_circle() {
             "{name}: its modules use each other in a circle"
         );
     }
+    assert!(seen > 200, "modules are not found: {seen}");
 }
 
 fn uses(source: &Path) -> Uses {
@@ -57,8 +127,12 @@ fn uses(source: &Path) -> Uses {
     let modules: Vec<String> = uses.keys().cloned().collect();
     for module in &modules {
         let mut names = BTreeSet::new();
-        let file = source.join(format!("{module}.rs"));
-        add_names(&file, &mut names);
+        let files = [format!("{module}.rs"), format!("{module}/mod.rs")].map(|f| source.join(f));
+        for file in &files {
+            let text = shipped(&fs::read_to_string(file).unwrap_or_default());
+            names.extend(text.split("super::").skip(1).flat_map(first_names));
+        }
+        add_names(&files[0], &mut names);
         add_names(&source.join(module), &mut names);
         let used = names.into_iter().map(|name| match exports.get(&name) {
             Some(of) => of.clone(),
