@@ -22,7 +22,8 @@ use super::shards::{MergedParts, PartPlan, Shard, WorkKey};
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo_exchange::tables::{MaterialTable, TableError};
+use azulejo::output::Output;
+use azulejo_exchange::thermal::tables::{MaterialTable, TableError};
 use azulejo_exchange::{Enclosure, GroupBy};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, PatchSize};
@@ -131,7 +132,7 @@ fn refuse_computed(args: &FormFactorArgs, by: &str) -> Result<(), Failure> {
     let mut scenes = args.input.scenes.iter();
     if scenes.any(|path| stored::is_archive(path)) {
         return Err(Failure::misuse(format_args!(
-            "{by}: the factors of an .npz or .zarr are computed, there is nothing to divide"
+            "{by}: the factors of an .npz are computed, there is nothing to divide"
         )));
     }
     Ok(())
@@ -147,7 +148,7 @@ fn whole(
         refuse_computed(args, "mpiexec")?;
     }
     let destination = Destination::new(args)?;
-    session.claim_stdout(destination.is_stdout())?;
+    session.claim_stdout(destination.output.is_stdout())?;
     let mut report = Report::default();
     let computed = match stored::read(args, session)? {
         Some(enclosure) => Computed {
@@ -155,7 +156,7 @@ fn whole(
             room: None,
             journal: None,
         },
-        None => computed(args, parts, destination.file(), session, &mut report)?,
+        None => computed(args, parts, &destination.output, session, &mut report)?,
     };
     let mut enclosure = computed.enclosure;
     if let Some(share) = args.matrix.truncate {
@@ -174,14 +175,14 @@ fn whole(
 fn computed(
     args: &FormFactorArgs,
     parts: Option<&MergedParts>,
-    output: Option<&Path>,
+    output: &Output,
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Computed, Failure> {
     let (room, scene) = read_scene(args, session)?;
     session.share_files()?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
-    let beside = output.filter(|_| !args.no_journal);
+    let beside = output.file().filter(|_| !args.no_journal);
     let how = FactorRequest {
         computation: &args.computation,
         separate: args.matrix.separate,
