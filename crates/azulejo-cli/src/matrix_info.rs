@@ -1,4 +1,4 @@
-//! `info` of form factors in an `.npz` or a `.zarr`.
+//! `info` of form factors in an `.npz`.
 
 use super::args::InfoArgs;
 use super::failure::Failure;
@@ -26,11 +26,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Option<Report>, Fai
     match &read {
         StoredFactors::Whole(read) => {
             let bits = if read.is_single { 32 } else { 64 };
-            let what = if stored::is_store(path) {
-                "form factors as a store of chunks (.zarr)"
-            } else {
-                "form factors as NumPy archive (.npz)"
-            };
+            let what = "form factors as NumPy archive (.npz)";
             archive(path, what, bits, &read.arrays, &mut report);
             report.value("asymmetry", number(read.asymmetry));
             engine(&read.enclosure, &mut report);
@@ -55,12 +51,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Option<Report>, Fai
 fn archive(path: &Path, what: &str, bits: u32, arrays: &[String], report: &mut Report) {
     let name = path.display().to_string();
     report.fact("file", name.clone(), "file", name);
-    let format = if stored::is_store(path) {
-        "zarr"
-    } else {
-        "npz"
-    };
-    report.fact("format", format, "format", what);
+    report.fact("format", "npz", "format", what);
     let words = format!("{bits} bits for factors: {}", arrays.join(", "));
     report.line("arrays", words);
     report.value("arrays", arrays.to_vec());

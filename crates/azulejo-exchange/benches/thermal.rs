@@ -1,13 +1,11 @@
 //! What thermal and urban work takes: `cargo bench -p azulejo-exchange --bench thermal -- WORK [FACETS]`,
-//! with the work `urban`, `archive`, `exchange`, `network`, `store`, `inside` or `outside`. Each in a process of its own, because its peak of
+//! with the work `urban`, `archive`, `exchange` or `network`. Each in a process of its own, because its peak of
 //! memory is printed.
 //!
 //! | work | what it does | facets |
 //! |---|---|---|
 //! | `urban` | form factors of an array of cubes below the sky, by rays, and the error of their rows | 23,328 |
-//! | `archive` | size of the `.npz` and of the store of a closed room, by rays, compressed and not | 17,600 |
-//! | `store` | writes a store of such a room beside temporary files, for the two below | 10,000 |
-//! | `inside`, `outside` | reads it, and finds temperatures, given on half of the rows, in memory or out of core | |
+//! | `archive` | size of the `.npz` of a closed room, by rays | 17,600 |
 //! | `exchange` | temperatures of a closed room, given on half of the rows and adiabatic on the others, in two bands and in one | 10,000 |
 //! | `network` | conductances between 20 nodes of such a room | 10,000 |
 
@@ -16,16 +14,13 @@
 #[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
-use azulejo_exchange::archive::{self, ArchiveOptions, ArchivePrecision};
-use azulejo_exchange::store::{self, MatrixStore, StoreFolder, StoreFolderSink};
+use azulejo_exchange::archive::{self, ArchivePrecision};
 use azulejo_exchange::{
     Enclosure, GroupBy, Groups, HeatProblem, RowCondition, SpectralRange, SurfaceBand,
     exchange_factors, heat_balance,
 };
 use azulejo_factors::form_factors::{Closure, Plan};
 use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
-use azulejo_formats::numpy::ArrayCompression;
-use azulejo_formats::zarr::ZarrSink;
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{cube_array, room_with_table};
 use azulejo_trace::{Progress, Tracer};
@@ -45,11 +40,8 @@ fn main() {
         Some("archive") => stored(size(17_600)),
         Some("exchange") => temperatures(size(10_000)),
         Some("network") => conductances(size(10_000)),
-        Some("store") => write_store(size(10_000)),
-        Some("inside") => from_store(true),
-        Some("outside") => from_store(false),
         _ => println!(
-            "expected urban, archive, exchange, network, store, inside or outside, the number of facets, and of rays from each if urban"
+            "expected urban, archive, exchange or network, the number of facets, and of rays from each if urban"
         ),
     }
 }
@@ -136,96 +128,17 @@ fn stored(facets: usize) {
     let found = measured("form factors of a room", || {
         enclosure(&room_with_table(facets), &faces(Engine::Rays))
     });
+    let mut count = ByteCount(0);
+    measured("npz", || {
+        archive::write(&found, ArchivePrecision::Auto, &mut count).expect("memory");
+    });
     let entries = found.factors.exchange.entries();
-    println!("{} facets, {entries} entries", found.len());
-    for compression in [ArrayCompression::Fast, ArrayCompression::None] {
-        let options = ArchiveOptions {
-            precision: ArchivePrecision::Auto,
-            compression,
-        };
-        let (mut npz, mut zarr) = (ByteCount(0), ByteCount(0));
-        measured(&format!("npz, {compression:?}"), || {
-            archive::write(&found, options, &mut npz).expect("memory");
-        });
-        measured(&format!("zarr, {compression:?}"), || {
-            store::write(&found, options, &mut zarr).expect("memory");
-        });
-        for (name, count) in [("npz", npz.0), ("zarr", zarr.0)] {
-            let per_entry = count as f64 / entries as f64;
-            println!(
-                "{name}: {:.3} GB, {per_entry:.2} bytes per entry",
-                count as f64 * 1e-9
-            );
-        }
-    }
-}
-
-impl ZarrSink for ByteCount {
-    fn put(&mut self, _key: &str, content: &[u8]) -> io::Result<()> {
-        self.0 += content.len() as u64;
-        Ok(())
-    }
-}
-
-fn store_folder() -> std::path::PathBuf {
-    std::env::temp_dir().join("azulejo-bench.zarr")
-}
-
-fn write_store(facets: usize) {
-    let found = enclosure(&room_with_table(facets), &faces(Engine::Rays));
-    let folder = store_folder();
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a temporary folder");
-    let mut sink = StoreFolderSink(folder);
-    store::write(&found, ArchiveOptions::default(), &mut sink).expect("room for the store");
     println!(
-        "{} facets, {} entries",
+        "{} facets, {entries} entries, {:.3} GB, {:.2} bytes per entry",
         found.len(),
-        found.factors.exchange.entries()
+        count.0 as f64 * 1e-9,
+        count.0 as f64 / entries as f64
     );
-}
-
-fn from_store(is_inside: bool) {
-    let progress = Progress::new();
-    let folder = StoreFolder(store_folder());
-    let stored = MatrixStore::open(folder, u64::MAX).expect("the store that `store` wrote");
-    let found = measured("reading", || {
-        if is_inside {
-            stored.read(&progress).expect("a store").enclosure
-        } else {
-            stored.out_of_core(&progress).expect("a store")
-        }
-    });
-    solve_one_band(&found);
-}
-
-/// Temperatures in one band, without their errors.
-fn solve_one_band(found: &Enclosure) {
-    let n = found.len();
-    let condition = |i: usize| match i % 2 {
-        0 => RowCondition::Temperature(300.0 + (i % 700) as f64),
-        _ => RowCondition::Flux(0.0),
-    };
-    let conditions: Vec<RowCondition> = (0..n).map(condition).collect();
-    let bands = [SurfaceBand {
-        enclosure: found,
-        range: SpectralRange::Thermal,
-        emissivity: emissivities(n, 0),
-    }];
-    let problem = HeatProblem {
-        bands: &bands,
-        conditions: &conditions,
-        surroundings: [0.0; 2],
-        solar: &[],
-    };
-    let nodes = Groups {
-        of_rows: vec![Some(0); n],
-        names: vec!["all".to_owned()],
-    };
-    let heat = measured("temperatures", || {
-        heat_balance(&problem, &nodes, &Progress::new()).expect("temperatures")
-    });
-    println!("{n} facets, the last at {} K", heat.temperatures[n - 1]);
 }
 
 /// Emissivities that differ from row to row.

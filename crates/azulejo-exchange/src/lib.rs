@@ -7,30 +7,21 @@
 //! |---|---|
 //! | [`enclosure`] | form factors with a description of their rows, grouped by face, object, material or place |
 //! | [`archive`] | the same as an `.npz` |
-//! | [`store`] | the same as a store of chunks (Zarr), for matrices larger than memory |
-//! | [`bands`] | bands of wavelengths, and black emission in them |
-//! | [`tables`] | tables of materials and boundary conditions |
-//! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
-//! | [`model`] | all of this together: properties and conditions in, networks and temperatures out |
 //! | [`files`] | files of other programs |
+//! | [`thermal`] | networks, temperatures and fluxes, which nothing above needs |
 //! | [`truth`] | enclosures with known answers, to judge solvers by |
 
 pub mod archive;
-pub mod bands;
 pub mod enclosure;
 pub mod files;
-pub mod model;
-pub mod network;
-pub mod store;
-pub mod tables;
+pub mod thermal;
 pub mod truth;
 
-pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{
     CellMesh, ClusterError, ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight, RowTable,
 };
-pub use model::{ModelError, ThermalModel, ThermalSolution};
-pub use network::{
-    ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,
-    exchange_factors, heat_balance,
+pub use thermal::{
+    ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, ModelError, RowCondition,
+    SpectralRange, SurfaceBand, ThermalModel, ThermalSolution, band_fraction, exchange_factors,
+    heat_balance,
 };

@@ -9,7 +9,6 @@
 //! | [`outline`] | fonts, encodings, typefaces, drawings | `reading` |
 //! | [`brdf`], [`camera_json`] | reflection models; cameras and lights | `reading` |
 //! | [`numpy`] | arrays and archives of them | – |
-//! | [`zarr`] | arrays in chunks | `numpy` |
 //! | [`grf`], [`obj`], [`gltf`], ... | one folder per model format | all above |
 //! | `read` | recognizes a format and calls its reader | all above |
 //!
@@ -52,7 +51,6 @@ pub mod three_mf;
 pub mod view3d;
 pub mod vrml;
 pub mod vtk;
-pub mod zarr;
 
 pub use picture::{PictureError, decode as read_picture};
 pub use read::{RecognizedModel, read, read_drawing, read_with};

@@ -10,8 +10,8 @@ use crate::form_factors::NativeFormFactors;
 use crate::materials::NativeMaterials;
 use crate::work::{self, WorkOptions};
 use azulejo::output::Output;
-use azulejo_exchange::model::{SolutionFormat, SolutionOptions, SolutionPart};
-use azulejo_exchange::tables::MaterialTable;
+use azulejo_exchange::thermal::model::{SolutionFormat, SolutionOptions, SolutionPart};
+use azulejo_exchange::thermal::tables::MaterialTable;
 use azulejo_exchange::{
     Enclosure, ExchangeFactors, HeatBalance, SpectralRange, ThermalModel, ThermalSolution,
     band_fraction,

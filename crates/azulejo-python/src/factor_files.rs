@@ -1,22 +1,20 @@
 //! Matrices to files and back, and those of other programs.
 
-use crate::error::{cancelled, of_file_error, of_output, refused};
+use crate::error::{of_file_error, of_output, refused};
 use crate::form_factors::NativeFormFactors;
 use crate::work::{self, WorkOptions};
-use azulejo::output::{FolderOutput, Output, commit};
+use azulejo::output::{Output, commit};
 use azulejo_exchange::archive::{self, ArchivePrecision, StoredFactors};
 use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
 use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
-use azulejo_exchange::store::{self, MatrixStore, StoreError, StoreFolder, StoreFolderSink};
 use azulejo_exchange::{Enclosure, RowTable};
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
 use azulejo_scene::{Rgb, Up};
-use azulejo_trace::{Cancelled, Progress};
+use azulejo_trace::Progress;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyIsADirectoryError;
 use pyo3::prelude::*;
-use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -33,17 +31,11 @@ pub struct FileArgs {
 }
 
 /// Where files go, checked before anything is prepared.
-enum Target {
-    /// Files of their own.
-    Files {
-        format: FactorFormat,
-        options: FileOptions,
-        output: Output,
-        /// The folder of those whose names the format gives.
-        folder: PathBuf,
-    },
-    /// A folder with chunks.
-    Store(FolderOutput, FileOptions),
+struct Target {
+    format: FactorFormat,
+    options: FileOptions,
+    output: Output,
+    folder: PathBuf,
 }
 
 impl FileArgs {
@@ -55,10 +47,12 @@ impl FileArgs {
                 refused(azulejo::spelling::unknown("format", name, &names))
             }),
             None => FactorFormat::from_path(path).ok_or_else(|| {
-                let what = if path.is_dir() {
+                let what = if is_zarr(path) {
+                    NO_ZARR
+                } else if path.is_dir() {
                     "a folder: format=\"openfoam\" writes to the folder of a case"
                 } else {
-                    "unknown matrix format, expected .npz, .zarr, .csv, .txt or .vf (View3D), .vtu, .idf, \
+                    "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, \
                      .epjson, .vwf, .dat, .i, .bdf, .mtx or format="
                 };
                 refused(format_args!("{}: {what}", path.display()))
@@ -123,13 +117,9 @@ impl FileArgs {
                 folder = path.with_file_name("");
                 path.to_owned()
             }
-            FactorFormat::Zarr => {
-                let output = FolderOutput::check(path, store::MARK).map_err(of_output)?;
-                return Ok(Target::Store(output, options));
-            }
             _ => path.to_owned(),
         };
-        Ok(Target::Files {
+        Ok(Target {
             output: Output::check(&file).map_err(of_output)?,
             format,
             options,
@@ -145,30 +135,15 @@ impl Target {
         enclosure: &Enclosure,
         progress: &Progress,
     ) -> PyResult<(Vec<String>, Vec<String>)> {
-        let (format, options, output, folder) = match self {
-            Target::Files {
-                format,
-                options,
-                output,
-                folder,
-            } => (format, options, output, folder),
-            Target::Store(folder, options) => {
-                let draft = folder.draft().map_err(of_output)?;
-                let mut sink = StoreFolderSink(draft.path().to_owned());
-                let written = store::write(enclosure, options.archive(), &mut sink);
-                written.map_err(|e| of_output(folder.error(e)))?;
-                draft.commit(progress).map_err(of_output)?;
-                return Ok((vec![folder.path().display().to_string()], Vec::new()));
-            }
-        };
-        let FactorFiles { files, notes } = format.prepare(enclosure, options).map_err(refused)?;
+        let prepared = self.format.prepare(enclosure, &self.options);
+        let FactorFiles { files, notes } = prepared.map_err(refused)?;
         let (mut drafts, mut names) = (Vec::new(), Vec::new());
         for file in &files {
             let own = match file.name.as_str() {
                 "" => None,
-                name => Some(Output::check(&folder.join(name)).map_err(of_output)?),
+                name => Some(Output::check(&self.folder.join(name)).map_err(of_output)?),
             };
-            let output = own.as_ref().unwrap_or(output);
+            let output = own.as_ref().unwrap_or(&self.output);
             let mut draft = output.draft().map_err(of_output)?;
             let written = file.write(&mut draft);
             written.map_err(|e| of_output(output.error(e)))?;
@@ -194,34 +169,24 @@ pub fn save_form_factors(
     })
 }
 
-/// Reads an archive or a store, and the largest difference of both directions of a pair.
+/// Reads an archive, and the largest difference of both directions of a pair.
 #[pyfunction]
 pub fn load_form_factors(
     py: Python<'_>,
     path: PathBuf,
     memory: Option<u64>,
 ) -> PyResult<(NativeFormFactors, f64)> {
-    let read = work::run(py, &WorkOptions::new(None, None), move |p| {
-        let budget = memory.or_else(azulejo::machine::memory);
-        let budget = budget.unwrap_or(u64::MAX);
-        if FactorFormat::from_path(&path) == Some(FactorFormat::Zarr) && path.is_dir() {
-            let of_file = |e: &dyn fmt::Display| refused(format_args!("{}: {e}", path.display()));
-            let store = MatrixStore::open(StoreFolder(path.clone()), budget);
-            let store = store.map_err(|e| of_file(&e))?;
-            return store.read(p).map_err(|e| match e {
-                StoreError::Cancelled => cancelled(Cancelled),
-                StoreError::Store(e) => of_file(&e),
-            });
+    let read = work::run(py, &WorkOptions::new(None, None), move |_| {
+        if is_zarr(&path) {
+            return Err(refused(format_args!("{}: {NO_ZARR}", path.display())));
         }
         if path.is_dir() {
-            let message = format!(
-                "{} is a folder, expected an .npz or a .zarr",
-                path.display()
-            );
+            let message = format!("{} is a folder, expected an .npz", path.display());
             return Err(PyIsADirectoryError::new_err(message));
         }
         let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
-        let read = archive::open(BufReader::new(file), budget);
+        let budget = memory.or_else(azulejo::machine::memory);
+        let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
         match read.map_err(|e| refused(format_args!("{}: {e}", path.display())))? {
             StoredFactors::Whole(read) => Ok(*read),
             StoredFactors::Blocks(_) => Err(refused(format_args!(
@@ -320,6 +285,16 @@ pub fn foreign_form_factors(
     });
     let (enclosure, asymmetry) = made?;
     Ok((NativeFormFactors::new(enclosure), asymmetry))
+}
+
+/// What those are told who ask for a Zarr store, which early versions had for matrices larger than memory.
+const NO_ZARR: &str = "stores in chunks (.zarr) are neither read nor written any more, expected .npz; where a \
+                       matrix is larger than memory, form_factors(compress=1e-3) makes blocks";
+
+/// Whether this was a store of chunks in early versions, by its name.
+fn is_zarr(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("zarr"))
 }
 
 /// The engine of matrices that were not computed here.

@@ -3,7 +3,7 @@
 use crate::error::{of_file_error, refused};
 use crate::scene::NativeScene;
 use azulejo_exchange::SpectralRange;
-use azulejo_exchange::tables::{MaterialTable, NumberRecord, TableError};
+use azulejo_exchange::thermal::tables::{MaterialTable, NumberRecord, TableError};
 use azulejo_scene::Scene;
 use pyo3::prelude::*;
 use std::fs;
@@ -54,7 +54,7 @@ impl NativeMaterials {
     /// The bands as columns name them; of grey surfaces an empty text.
     #[getter]
     fn bands(&self) -> Vec<String> {
-        let name = |band: &azulejo_exchange::tables::TableBand| match band.range {
+        let name = |band: &azulejo_exchange::thermal::tables::TableBand| match band.range {
             SpectralRange::Thermal => String::new(),
             range => range.to_string(),
         };

@@ -268,37 +268,6 @@ def test_damaged_files(tmp_path: Path, refuses) -> None:
     refuses("memory is 5, expected", lambda: az.FormFactors.load(whole, memory=5))
 
 
-def test_a_store_of_chunks(command: str, cube_file: Path, tmp_path: Path, refuses) -> None:
-    f = az.form_factors(az.load(cube_file), patches=54, rays=256)
-    assert f.save(tmp_path / "f.zarr") == (str(tmp_path / "f.zarr"),)
-    again = az.FormFactors.load(tmp_path / "f.zarr")
-    assert (again.names, again.asymmetry) == (f.names, 0)
-    np.testing.assert_array_equal(again.areas, f.areas)
-    np.testing.assert_allclose(again.matrix.toarray(), f.matrix.toarray(), rtol=1e-15)
-
-    # The command writes the same files.
-    options = "--patches 54 --rays 256 -q".split()
-    theirs = tmp_path / "theirs.zarr"
-    subprocess.run([command, "form-factors", cube_file, "-o", theirs, *options], check=True)
-    files = sorted(p.relative_to(theirs) for p in theirs.rglob("*") if p.is_file())
-    assert files
-    assert files == sorted(
-        p.relative_to(tmp_path / "f.zarr") for p in (tmp_path / "f.zarr").rglob("*") if p.is_file()
-    )
-    for name in files:
-        assert (theirs / name).read_bytes() == (tmp_path / "f.zarr" / name).read_bytes(), name
-
-    # A store is replaced, a folder of other things is not.
-    f.save(tmp_path / "f.zarr")
-    (tmp_path / "other.zarr").mkdir()
-    (tmp_path / "other.zarr" / "notes.txt").write_text("mine")
-    with pytest.raises(OSError, match="a folder with other things"):
-        f.save(tmp_path / "other.zarr")
-    refuses("other.zarr: zarr.json", lambda: az.FormFactors.load(tmp_path / "other.zarr"))
-    (tmp_path / "f.zarr" / "data" / "c" / "0").write_bytes(b"damaged")
-    refuses("f.zarr: data/c/0: ", lambda: az.FormFactors.load(tmp_path / "f.zarr"))
-
-
 def test_a_file_that_does_not_fit_in_memory(tmp_path: Path, refuses) -> None:
     f = az.form_factors(az.Scene(faces_of_cube()), patches=600, rays=256)
     f.save(tmp_path / "f.npz")
@@ -379,6 +348,8 @@ def test_what_cannot_be_written(cube: az.Scene, tmp_path: Path, refuses) -> None
         return lambda: f.save(tmp_path / name, *more, **options)
 
     refuses("f.xls: unknown matrix format, expected .npz", save("f.xls"))
+    refuses("f.zarr: stores in chunks", save("f.zarr"))
+    refuses("f.zarr: stores in chunks", lambda: az.FormFactors.load(tmp_path / "f.zarr"))
     refuses('format="openfoam" writes to the folder of a case', save(""))
     refuses('unknown format "npy", did you mean "npz"?', save("f.npz", "npy"))
     refuses('unknown precision "half"', save("f.npz", precision="half"))

@@ -3,7 +3,7 @@
 //! An [`Output`] is checked before the work begins and written after it: to a draft next to the
 //! target, which is then renamed over the target. If anything fails, an existing file is left
 //! unchanged and no partial file remains. The drafts of a process that was killed are removed by the
-//! next one that writes to their folder. A [`FolderOutput`] is the same for a folder.
+//! next one that writes to their folder.
 //!
 //! ```
 //! use azulejo::{output::Output, trace::Progress};
@@ -17,10 +17,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod folder;
 mod leftovers;
-
-pub use folder::{FolderDraft, FolderOutput};
 
 use crate::files::Refused;
 use azulejo_trace::{Cancelled, Progress};
@@ -34,9 +31,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// The existing drafts, so that an interrupt can remove them. Only the holder of the lock may rename
 /// drafts.
 static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-/// The number of the next draft.
-static DRAFTS_NUMBER: AtomicU32 = AtomicU32::new(0);
 
 /// An output file, standard output, or a device.
 #[derive(Debug)]
@@ -212,7 +206,8 @@ fn target_of(path: &Path) -> io::Result<OutputTarget> {
 /// Creates a file with a unique name in the target's folder, locked as long as it is open, so that
 /// other processes know that somebody still writes it.
 fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
-    let number = DRAFTS_NUMBER.fetch_add(1, Ordering::Relaxed);
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
     let draft = target.with_file_name(leftovers::draft_name(number));
     let mut drafts = lock_drafts();
     leftovers::remove(target);
@@ -270,9 +265,7 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
 pub fn abandon_all() {
     let drafts = lock_drafts();
     for draft in drafts.iter() {
-        if fs::remove_file(draft).is_err() {
-            let _ = fs::remove_dir_all(draft);
-        }
+        let _ = fs::remove_file(draft);
     }
     std::mem::forget(drafts);
 }

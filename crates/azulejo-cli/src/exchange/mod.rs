@@ -9,8 +9,8 @@ use super::session::Session;
 use args::ExchangeArgs;
 use azulejo::models;
 use azulejo::output::{Output, commit};
-use azulejo_exchange::model::{SolutionFormat, SolutionOptions};
-use azulejo_exchange::tables::{BoundaryTable, MaterialTable};
+use azulejo_exchange::thermal::model::{SolutionFormat, SolutionOptions};
+use azulejo_exchange::thermal::tables::{BoundaryTable, MaterialTable};
 use azulejo_exchange::{
     Enclosure, ExchangeError, HeatBalance, ModelError, SpectralRange, ThermalModel, ThermalSolution,
 };

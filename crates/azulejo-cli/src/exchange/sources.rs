@@ -3,16 +3,13 @@
 use super::args::ExchangeArgs;
 use super::of_file;
 use crate::failure::Failure;
-use crate::form_factors::stored::{
-    is_archive, is_store, memory_limit, of_store, open_store, read_archive, refuse_computation,
-};
+use crate::form_factors::stored::{is_archive, read_archive, refuse_computation};
 use crate::form_factors::{self, FactorRequest};
-use crate::report::{Report, bytes, percent};
+use crate::report::{Report, percent};
 use crate::runner::Runner;
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
-use azulejo_exchange::tables::MaterialTable;
-use std::path::Path;
+use azulejo_exchange::thermal::tables::MaterialTable;
 
 /// Share of a row's light that may be lost without a word.
 const LOST: f64 = 1e-3;
@@ -33,44 +30,22 @@ pub fn enclosures(
         refuse_computation(&args.input, &args.computation)?;
         if args.computation.closure.is_some() {
             return Err(Failure::misuse(
-                "--closure: the factors of an .npz or .zarr are computed; form-factors F.npz --closure closes them",
+                "--closure: the factors of an .npz are computed; form-factors F.npz --closure closes them",
             ));
         }
         for path in scenes {
             let name = path.display().to_string();
-            found.push((name, stored(path, args.computation.memory, session)?));
+            found.push((name, read_archive(path, args.computation.memory, session)?));
         }
     } else {
         return Err(Failure::misuse(
-            "models and factors (.npz, .zarr) together: expected one or the other",
+            "models and factors (.npz) together: expected one or the other",
         ));
     }
     for (name, enclosure) in &mut found {
         give_back_lost(args, name, enclosure, session);
     }
     Ok(found)
-}
-
-/// Factors that were computed before: in memory, or out of core if they come in a store and are larger.
-fn stored(path: &Path, memory: Option<u64>, session: &mut Session) -> Result<Enclosure, Failure> {
-    if is_store(path) {
-        let store = open_store(path, memory, session)?;
-        if !store.fits() {
-            session.note(&format!(
-                "{}: the matrix takes {} in memory, more than {} (--memory): it is read from the store for each \
-                 product",
-                path.display(),
-                bytes(store.bytes_in_memory()),
-                bytes(memory_limit(memory))
-            ));
-            let enclosure = session.with_progress(|p| {
-                p.begin("checking the store", 0);
-                store.out_of_core(p)
-            });
-            return enclosure.map_err(|e| of_store(path, e));
-        }
-    }
-    read_archive(path, memory, session)
 }
 
 /// The factors of models, once for each set of mirrors.

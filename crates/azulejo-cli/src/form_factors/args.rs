@@ -9,7 +9,6 @@ use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_exchange::files::FactorFormat;
 use azulejo_exchange::files::openfoam::OpenFoamVersion;
 use azulejo_factors::Closure;
-use azulejo_formats::numpy::ArrayCompression;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
@@ -21,7 +20,7 @@ use std::sync::LazyLock;
 pub struct FormFactorArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Output file: .npz (for scipy.sparse.load_npz), .zarr (a folder of chunks), .csv, View3D's .txt and .vf (text or binary as
+    /// Output file: .npz (for scipy.sparse.load_npz), .csv, View3D's .txt and .vf (text or binary as
     /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
     /// a case for OpenFOAM; `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -160,14 +159,10 @@ pub struct MatrixArgs {
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
-    /// Precision of the factors in an .npz or .zarr: 64 bits for up to 4 million entries, otherwise 32
+    /// Precision of the factors in an .npz: 64 bits for up to 4 million entries, otherwise 32
     /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
-    /// Whether an .npz or .zarr is compressed: fast, or none, which takes three to five times the room and
-    /// is read several times as fast, out of core in each product [default: fast]
-    #[arg(long, value_name = "HOW", value_enum)]
-    pub compression: Option<CompressionName>,
     /// Write the matrix as blocks between clusters of patches, in an .npz of some per cent of its size:
     /// TOL, such as 1e-3, is the error of a product with it, relative to the largest that there could
     /// be. By rays, and where it would not fit, the whole matrix never exists
@@ -231,25 +226,6 @@ impl From<PrecisionName> for ArchivePrecision {
     }
 }
 
-/// Compression of an archive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum CompressionName {
-    /// Deflated at the fastest level
-    #[default]
-    Fast,
-    /// None
-    None,
-}
-
-impl From<CompressionName> for ArrayCompression {
-    fn from(name: CompressionName) -> ArrayCompression {
-        match name {
-            CompressionName::Fast => ArrayCompression::Fast,
-            CompressionName::None => ArrayCompression::None,
-        }
-    }
-}
-
 impl ComputationArgs {
     /// Whether division and samples are left to the program.
     pub fn is_planned(&self) -> bool {
@@ -304,7 +280,6 @@ Examples:
   azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
   azulejo form-factors room.vs3 -o f.txt
-  azulejo form-factors city.obj -o f.zarr
   azulejo form-factors car.obj -o car.npz --cluster 500
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
   azulejo form-factors city.stl -o vfsparse.inp.001 --by face --periodic x,y

@@ -1,28 +1,21 @@
 //! Where a matrix is written, and in which format.
 
 use super::args::FormFactorArgs;
+use super::stored::{NO_ZARR, is_zarr};
 use super::view3d::View3dInput;
 use crate::failure::Failure;
 use crate::session::Session;
-use azulejo::output::{FolderOutput, Output, commit};
+use azulejo::output::{Output, commit};
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
 use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
-use azulejo_exchange::store::{self, StoreFolderSink};
 use azulejo_formats::view3d::MatrixLayout;
 use std::path::{Path, PathBuf};
 
-/// Where files go.
-enum MatrixPlace {
-    /// The only file, or the first.
-    File(Output),
-    /// A folder with chunks.
-    Store(FolderOutput),
-}
-
 /// Files to be written, checked before the work begins.
 pub struct Destination {
-    place: MatrixPlace,
+    /// The only file, or the first.
+    pub output: Output,
     /// The folder of files whose names the format gives.
     folder: PathBuf,
     format: FactorFormat,
@@ -43,7 +36,6 @@ impl Destination {
         refuse_without_effect(args, format)?;
         let mut options = FileOptions {
             precision: args.matrix.precision.into(),
-            compression: args.matrix.compression.unwrap_or_default().into(),
             shown_rows: args.programs.vtu_rows.clone(),
             zone: args.programs.zone.clone(),
             calculix: args.programs.calculix.clone(),
@@ -68,30 +60,13 @@ impl Destination {
             path.extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case("vf"))
         };
-        let place = match format {
-            FactorFormat::Zarr => MatrixPlace::Store(FolderOutput::check(&file, store::MARK)?),
-            _ => MatrixPlace::File(Output::check(&file)?),
-        };
         Ok(Destination {
-            place,
+            output: Output::check(&file)?,
             folder,
             format,
             has_layout: args.format.is_some() || !is_vf(&args.output),
             options,
         })
-    }
-
-    /// Whether this is standard output.
-    pub fn is_stdout(&self) -> bool {
-        matches!(&self.place, MatrixPlace::File(output) if output.is_stdout())
-    }
-
-    /// The file or folder, existing or not, beside which finished blocks are kept.
-    pub fn file(&self) -> Option<&Path> {
-        match &self.place {
-            MatrixPlace::File(output) => output.file(),
-            MatrixPlace::Store(folder) => Some(folder.folder()),
-        }
     }
 
     /// Writes the files of a matrix: all of them or none. Returns what was written.
@@ -101,17 +76,6 @@ impl Destination {
         room: Option<&View3dInput>,
         session: &mut Session,
     ) -> Result<String, Failure> {
-        let output = match &self.place {
-            MatrixPlace::File(output) => output,
-            MatrixPlace::Store(folder) => {
-                let draft = folder.draft()?;
-                let mut sink = StoreFolderSink(draft.path().to_owned());
-                let written = store::write(enclosure, self.options.archive(), &mut sink);
-                written.map_err(|e| folder.error(e))?;
-                draft.commit(session.progress())?;
-                return Ok(folder.path().display().to_string());
-            }
-        };
         let layout = match self.format {
             FactorFormat::View3dBinary => MatrixLayout::Binary,
             _ => MatrixLayout::Text,
@@ -122,11 +86,11 @@ impl Destination {
         notes.iter().for_each(|note| session.note(note));
         let (mut drafts, mut names) = (Vec::new(), Vec::new());
         for file in &files {
-            let named = match file.name.as_str() {
+            let output = match file.name.as_str() {
                 "" => None,
                 name => Some(Output::check(&self.folder.join(name))?),
             };
-            let output = named.as_ref().unwrap_or(output);
+            let output = output.as_ref().unwrap_or(&self.output);
             let mut draft = output.draft()?;
             file.write(&mut draft).map_err(|e| output.error(e))?;
             drafts.push(draft);
@@ -148,13 +112,7 @@ pub fn wants_whole_faces(args: &FormFactorArgs) -> bool {
 
 /// Refuses what only another program's files have.
 fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<(), Failure> {
-    use FactorFormat::{CalculiX, EnergyPlus, EnergyPlusJson, Npz, Vtu, Zarr};
-    if args.matrix.compression.is_some() && !matches!(format, Npz | Zarr) {
-        return Err(Failure::misuse(format_args!(
-            "--compression: it applies to .npz and .zarr, and {} is neither",
-            args.output.display()
-        )));
-    }
+    use FactorFormat::{CalculiX, EnergyPlus, EnergyPlusJson, Vtu};
     let programs = &args.programs;
     let is_energyplus = matches!(format, EnergyPlus | EnergyPlusJson);
     let idle = [
@@ -184,10 +142,12 @@ fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<
 }
 
 fn unknown(path: &Path) -> Failure {
-    let message = if path.is_dir() {
+    let message = if is_zarr(path) {
+        NO_ZARR
+    } else if path.is_dir() {
         "a folder: --format openfoam writes to the folder of a case"
     } else {
-        "unknown matrix format, expected .npz, .zarr, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
+        "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
          .dat, .i, .bdf, .mtx or --format"
     };
     Failure::misuse(format_args!("{}: {message}", path.display()))

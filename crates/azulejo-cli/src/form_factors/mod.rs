@@ -20,7 +20,7 @@ use super::session::Session;
 use super::{input, pass};
 use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
-use azulejo_exchange::tables::{MaterialTable, TableError};
+use azulejo_exchange::thermal::tables::{MaterialTable, TableError};
 use azulejo_exchange::{Enclosure, GroupBy};
 use azulejo_factors::form_factors::{Forecast, Plan, PreparedPlan};
 use azulejo_factors::{Engine, FormFactorOptions, Hemicube, PatchSize};
@@ -52,7 +52,7 @@ pub fn run(
         .writes()
         .then(|| Destination::new(args))
         .transpose()?;
-    session.claim_stdout(destination.as_ref().is_some_and(Destination::is_stdout))?;
+    session.claim_stdout(destination.as_ref().is_some_and(|to| to.output.is_stdout()))?;
     let mut report = Report::default();
     if let Some(enclosure) = stored::read(args, session)? {
         let enclosure = stored::rework(enclosure, args, session)?;
@@ -70,7 +70,7 @@ pub fn run(
         groups: args.only_groups(),
         room: room.as_ref(),
     };
-    let beside = destination.as_ref().and_then(Destination::file);
+    let beside = destination.as_ref().and_then(|to| to.output.file());
     let beside = beside.filter(|_| !args.no_journal);
     let computed = enclosure(scene, request, (runner, beside), session, &mut report)?;
     let (Some(Completed { value, rest }), Some(to)) = (computed, destination) else {
@@ -109,7 +109,7 @@ fn refuse_computed(args: &FormFactorArgs, by: &str) -> Result<(), Failure> {
     let mut scenes = args.input.scenes.iter();
     if scenes.any(|path| stored::is_archive(path)) {
         return Err(Failure::misuse(format_args!(
-            "{by}: the factors of an .npz or .zarr are computed, there is nothing to divide"
+            "{by}: the factors of an .npz are computed, there is nothing to divide"
         )));
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Matrices that were computed before: read from an `.npz` or a `.zarr` and reworked.
+//! Matrices that were computed before: read from an `.npz` and reworked.
 
 use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
 use super::grouping;
@@ -10,7 +10,6 @@ use crate::report::percent;
 use crate::session::Session;
 use azulejo_exchange::Enclosure;
 use azulejo_exchange::archive::{self, StoredFactors};
-use azulejo_exchange::store::{MatrixStore, StoreError, StoreFolder};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -18,7 +17,11 @@ use std::path::Path;
 /// Difference of both directions of a pair from which it is no rounding, as a share of the smaller area.
 const NOT_RECIPROCAL: f64 = 1e-5;
 
-/// Reads the input if it is a single `.npz` or `.zarr`; otherwise `None`.
+/// What those are told who ask for a Zarr store, which early versions had for matrices larger than memory.
+pub const NO_ZARR: &str = "stores in chunks (.zarr) are neither read nor written any more, expected .npz; \
+                           where a matrix is larger than memory, form-factors --compress 1e-3 writes an .npz in blocks";
+
+/// Reads the input if it is a single `.npz`; otherwise `None`.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclosure>, Failure> {
     let [path] = &args.input.scenes[..] else {
         let archive = args.input.scenes.iter().find(|path| is_archive(path));
@@ -69,20 +72,17 @@ pub fn read_whole(
 ) -> Result<StoredFactors, Failure> {
     let failed =
         |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
-    let budget = memory_limit(memory);
-    let read = if is_store(path) {
-        let store = open_store(path, memory, session)?;
-        let read = session.with_progress(|p| {
-            p.begin("reading", 0);
-            store.read(p)
-        });
-        StoredFactors::Whole(Box::new(read.map_err(|e| of_store(path, e))?))
-    } else {
-        session.progress().begin("reading", 0);
-        let file = File::open(path).map_err(|e| failed(&e))?;
-        let read = archive::open(BufReader::new(file), budget);
-        read.map_err(|e| failed(&e))?
-    };
+    if is_zarr(path) {
+        return Err(Failure::misuse(format_args!(
+            "{}: {NO_ZARR}",
+            path.display()
+        )));
+    }
+    session.progress().begin("reading", 0);
+    let file = File::open(path).map_err(|e| failed(&e))?;
+    let budget = memory.or_else(azulejo::machine::memory);
+    let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
+    let read = read.map_err(|e| failed(&e))?;
     if let StoredFactors::Whole(read) = &read
         && read.asymmetry > NOT_RECIPROCAL
     {
@@ -95,41 +95,19 @@ pub fn read_whole(
     Ok(read)
 }
 
-/// The limit of memory: as given, or that of the machine.
-pub fn memory_limit(memory: Option<u64>) -> u64 {
-    let limit = memory.or_else(azulejo::machine::memory);
-    limit.unwrap_or(u64::MAX)
-}
-
-/// Opens a store, whose pairs are not read yet.
-pub fn open_store(
-    path: &Path,
-    memory: Option<u64>,
-    session: &mut Session,
-) -> Result<MatrixStore, Failure> {
-    session.progress().begin("reading", 0);
-    let store = MatrixStore::open(StoreFolder(path.to_owned()), memory_limit(memory));
-    store.map_err(|e| of_store(path, StoreError::Store(e)))
-}
-
-/// An error of reading a store.
-pub fn of_store(path: &Path, error: StoreError) -> Failure {
-    match error {
-        StoreError::Cancelled => Failure::Cancelled,
-        StoreError::Store(error) => Failure::failed(format_args!("{}: {error}", path.display())),
-    }
-}
-
-/// Whether a file is an archive or a store of arrays, by its name.
+/// Whether a file is an archive of arrays, by its name, or was one in early versions.
 pub fn is_archive(path: &Path) -> bool {
-    let is_npz = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("npz");
-    path.extension().is_some_and(is_npz) || is_store(path)
+    has_extension(path, "npz") || is_zarr(path)
 }
 
-/// Whether a folder is a store of arrays, by its name.
-pub fn is_store(path: &Path) -> bool {
+/// Whether this was a store of chunks in early versions, by its name.
+pub fn is_zarr(path: &Path) -> bool {
+    has_extension(path, "zarr")
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("zarr"))
+        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// Options that say how factors are computed have nothing to do where they are there already.
@@ -145,7 +123,7 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
     ];
     if let Some((option, _)) = gives_light.into_iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::misuse(format_args!(
-            "{option}: an .npz or .zarr has the light of its model, and no other; give {option} where form-factors or \
+            "{option}: an .npz has the light of its model, and no other; give {option} where form-factors or \
              exchange read the model, or sunlight by a column \"solar\" of --boundary"
         )));
     }
@@ -173,8 +151,8 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
 
 fn computed_already(option: &str) -> Failure {
     Failure::misuse(format_args!(
-        "{option}: the factors of an .npz or .zarr are computed; --by, --cluster, --closure, --truncate, \
-         --precision, --compression and --format of form-factors apply to it"
+        "{option}: the factors of an .npz are computed; --by, --cluster, --closure, --truncate, \
+         --precision and --format of form-factors apply to it"
     ))
 }
 

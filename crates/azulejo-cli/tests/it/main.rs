@@ -23,7 +23,6 @@ mod recipe;
 mod reference;
 mod rtrace;
 mod sides;
-mod stores;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;

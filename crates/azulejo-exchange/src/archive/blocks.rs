@@ -1,7 +1,7 @@
 //! Archives of matrices in blocks between clusters.
 
 use super::BLOCKS;
-use super::read::{ArchiveError, ArraySource, Arrays, ReadEnclosure};
+use super::read::{ArchiveError, Arrays, ReadEnclosure};
 use super::write::{list, write_around};
 use crate::enclosure::Enclosure;
 use azulejo_factors::CompressedFactors;
@@ -56,12 +56,12 @@ impl StoredFactors {
 ///
 /// # Errors
 /// The array, what was found and what was expected.
-pub fn open<R: Read + Seek>(file: R, budget: u64) -> Result<StoredFactors, ArchiveError> {
+pub fn open(file: impl Read + Seek, budget: u64) -> Result<StoredFactors, ArchiveError> {
     let mut archive = Arrays::open(NpzReader::new(file, budget)?)?;
     if archive.format()? == BLOCKS {
         return read_blocks(archive).map(|read| StoredFactors::Blocks(Box::new(read)));
     }
-    let read = archive.whole_enclosure()?;
+    let read = archive.enclosure()?;
     Ok(StoredFactors::Whole(Box::new(read)))
 }
 
@@ -188,8 +188,7 @@ pub fn write_blocks(content: &BlockArchive, out: &mut dyn Write) -> io::Result<(
         npy::write(&[], &[content.whole_bytes as i64], w)
     })?;
     write_around(&content.enclosure, &mut archive)?;
-    archive.finish()?;
-    Ok(())
+    archive.finish()
 }
 
 /// From and to of each block.
@@ -203,8 +202,8 @@ fn ranges(
     ends.try_for_each(|x| npy::Element::write(x, out))
 }
 
-fn read_blocks(mut archive: Arrays<impl ArraySource>) -> Result<BlockArchive, ArchiveError> {
-    let arrays = archive.source.names();
+fn read_blocks(mut archive: Arrays) -> Result<BlockArchive, ArchiveError> {
+    let arrays = archive.npz.names();
     archive.read_shape()?;
     let n = archive.rows;
     let areas = archive.areas()?;
@@ -250,10 +249,10 @@ fn read_blocks(mut archive: Arrays<impl ArraySource>) -> Result<BlockArchive, Ar
     })
 }
 
-impl<S: ArraySource> Arrays<S> {
+impl Arrays<'_> {
     /// Two numbers; zeros if there is no such array.
     fn two(&mut self, name: &str) -> Result<[f64; 2], ArchiveError> {
-        let array = self.source.array(name)?.filter(|a| a.len() == 2);
+        let array = self.npz.array(name)?.filter(|a| a.len() == 2);
         Ok(array.map_or([0.0; 2], |a| [a.number(0), a.number(1)]))
     }
 

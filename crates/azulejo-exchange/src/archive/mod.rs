@@ -38,12 +38,10 @@ mod write;
 
 pub use blocks::{BlockArchive, StoredFactors, open, write_blocks};
 pub use read::{ArchiveError, ReadEnclosure, read, reciprocal};
-pub(crate) use read::{ArraySource, has_orders, read_areas, read_arrays, read_rows, read_starts};
-pub(crate) use write::write_arrays;
-pub use write::{ArchiveOptions, ArchivePrecision, write};
+pub use write::{ArchivePrecision, write};
 
 /// Array names of the separate orders of reflection.
-pub(crate) const ORDERS: [[&str; 2]; 3] = [
+const ORDERS: [[&str; 2]; 3] = [
     ["direct", "direct_error"],
     ["one_mirror", "one_mirror_error"],
     ["more_mirrors", "more_mirrors_error"],
@@ -53,4 +51,4 @@ pub(crate) const ORDERS: [[&str; 2]; 3] = [
 const BLOCKS: &str = "blocks";
 
 /// The layout's number. Archives without one come from elsewhere.
-pub(crate) const VERSION: i64 = 1;
+const VERSION: i64 = 1;

@@ -13,7 +13,7 @@ use std::io::{Read, Seek};
 
 /// What is wrong with an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ArchiveError(pub(crate) String);
+pub struct ArchiveError(pub(super) String);
 
 impl fmt::Display for ArchiveError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -49,64 +49,43 @@ pub struct ReadEnclosure {
 ///
 /// # Errors
 /// The array, what was found and what was expected.
-pub fn read<R: Read + Seek>(file: R, budget: u64) -> Result<ReadEnclosure, ArchiveError> {
-    read_arrays(NpzReader::new(file, budget)?)
+pub fn read(file: impl Read + Seek, budget: u64) -> Result<ReadEnclosure, ArchiveError> {
+    Arrays::open(NpzReader::new(file, budget)?)?.enclosure()
 }
 
-/// Named arrays, wherever they are stored.
-pub(crate) trait ArraySource {
-    /// Names of the arrays.
-    fn names(&self) -> Vec<String>;
-
-    /// An array; `None` if there is none of this name.
-    fn array(&mut self, name: &str) -> Result<Option<StoredArray>, String>;
-}
-
-impl<R: Read + Seek> ArraySource for NpzReader<R> {
-    fn names(&self) -> Vec<String> {
-        NpzReader::names(self)
+/// The enclosure of an open archive.
+impl Arrays<'_> {
+    pub(super) fn enclosure(mut self) -> Result<ReadEnclosure, ArchiveError> {
+        let archive = &mut self;
+        let arrays = archive.npz.names();
+        let entries = archive.entries()?;
+        let areas = archive.areas()?;
+        let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
+        let mut orders = Vec::new();
+        if ORDERS
+            .iter()
+            .all(|[values, _]| arrays.iter().any(|name| name == values))
+        {
+            for [values, errors] in ORDERS {
+                orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
+            }
+            // The sum of the orders must be the whole to the last bit.
+            whole.exchange = ExchangeAreas::sum_of(&orders);
+        }
+        let factors = archive.factors(areas, whole.exchange, orders)?;
+        let rows = archive.row_table(&factors)?;
+        Ok(ReadEnclosure {
+            enclosure: Enclosure {
+                factors,
+                rows,
+                outside: archive.outside()?,
+                elsewhere: None,
+            },
+            arrays,
+            is_single: whole.is_single,
+            asymmetry: whole.asymmetry,
+        })
     }
-
-    fn array(&mut self, name: &str) -> Result<Option<StoredArray>, String> {
-        NpzReader::array(self, name)
-    }
-}
-
-/// Reads an enclosure with all of its matrix.
-pub(crate) fn read_arrays(source: impl ArraySource) -> Result<ReadEnclosure, ArchiveError> {
-    Arrays::open(source)?.whole_enclosure()
-}
-
-/// Whether orders of reflection were kept apart.
-pub(crate) fn has_orders(arrays: &[String]) -> bool {
-    let mut orders = ORDERS.iter();
-    orders.all(|[values, _]| arrays.iter().any(|name| name == values))
-}
-
-/// The number of rows and where each starts, with the end of the last.
-pub(crate) fn read_starts(source: impl ArraySource) -> Result<(usize, Vec<usize>), ArchiveError> {
-    let mut archive = Arrays::open(source)?;
-    archive.read_shape()?;
-    let starts = archive.row_starts()?;
-    Ok((archive.rows, starts))
-}
-
-/// Reads everything but the pairs, of which `exchange` and `orders` are given, of a matrix with so many
-/// rows.
-pub(crate) fn read_rows(
-    source: impl ArraySource,
-    rows: usize,
-    exchange: ExchangeAreas,
-    orders: Vec<ExchangeAreas>,
-) -> Result<Enclosure, ArchiveError> {
-    let mut archive = Arrays { source, rows };
-    let areas = archive.areas()?;
-    archive.enclosure(areas, exchange, orders)
-}
-
-/// Areas of so many rows.
-pub(crate) fn read_areas(source: impl ArraySource, rows: usize) -> Result<Vec<f64>, ArchiveError> {
-    Arrays { source, rows }.areas()
 }
 
 /// Where entries are.
@@ -123,15 +102,15 @@ struct ReadMatrix {
 }
 
 /// The arrays of an archive.
-pub(super) struct Arrays<S> {
-    pub source: S,
+pub(super) struct Arrays<'a> {
+    pub npz: NpzReader<'a>,
     pub rows: usize,
 }
 
-impl<S: ArraySource> Arrays<S> {
-    /// Opens arrays of a layout that is known.
-    pub fn open(source: S) -> Result<Arrays<S>, ArchiveError> {
-        let mut archive = Arrays { source, rows: 0 };
+impl<'a> Arrays<'a> {
+    /// Opens an archive of a layout that is known.
+    pub fn open(npz: NpzReader<'a>) -> Result<Arrays<'a>, ArchiveError> {
+        let mut archive = Arrays { npz, rows: 0 };
         let version = archive.whole("version")?;
         if version.is_some_and(|v| v > VERSION as f64) {
             return Err(ArchiveError(format!(
@@ -142,64 +121,43 @@ impl<S: ArraySource> Arrays<S> {
         Ok(archive)
     }
 
-    /// The enclosure with all of its matrix.
-    pub fn whole_enclosure(mut self) -> Result<ReadEnclosure, ArchiveError> {
-        let archive = &mut self;
-        let arrays = archive.source.names();
-        archive.read_shape()?;
-        let entries = archive.entries()?;
-        let areas = archive.areas()?;
-        let mut whole = archive.exchange(&entries, &areas, "data", "std_error")?;
-        let mut orders = Vec::new();
-        if has_orders(&arrays) {
-            for [values, errors] in ORDERS {
-                orders.push(archive.exchange(&entries, &areas, values, errors)?.exchange);
-            }
-            // The sum of the orders must be the whole to the last bit.
-            whole.exchange = ExchangeAreas::sum_of(&orders);
-        }
-        Ok(ReadEnclosure {
-            enclosure: archive.enclosure(areas, whole.exchange, orders)?,
-            arrays,
-            is_single: whole.is_single,
-            asymmetry: whole.asymmetry,
-        })
+    /// The layout of the matrix: `csr`, or `blocks` between clusters.
+    pub fn format(&mut self) -> Result<String, ArchiveError> {
+        Ok(self.texts("format")?.unwrap_or_default().concat())
     }
 
-    /// What is known of the rows of a matrix.
-    fn enclosure(
-        &mut self,
-        areas: Vec<f64>,
-        exchange: ExchangeAreas,
-        orders: Vec<ExchangeAreas>,
-    ) -> Result<Enclosure, ArchiveError> {
-        let factors = self.factors(areas, exchange, orders)?;
-        let rows = self.row_table(&factors)?;
-        Ok(Enclosure {
-            factors,
-            rows,
-            outside: self.outside()?,
-            elsewhere: None,
-        })
+    /// Notes the number of rows.
+    pub fn read_shape(&mut self) -> Result<(), ArchiveError> {
+        let shape = self.required("shape")?;
+        let (rows, columns) = match shape.len() {
+            2 => (shape.integer(0), shape.integer(1)),
+            _ => (-1, -1),
+        };
+        if rows != columns || !(0..=i64::from(u32::MAX / 2)).contains(&rows) {
+            let message = format!("shape: {rows} × {columns}, expected a square matrix");
+            return Err(ArchiveError(message));
+        }
+        self.rows = rows as usize;
+        Ok(())
     }
 
     pub fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
-        let found = self.source.array(name)?;
+        let found = self.npz.array(name)?;
         found.ok_or_else(|| {
-            let has = self.source.names().join(", ");
+            let has = self.npz.names().join(", ");
             ArchiveError(format!("there is no array \"{name}\" (there are: {has})"))
         })
     }
 
     /// A number of the whole archive.
     pub fn whole(&mut self, name: &str) -> Result<Option<f64>, ArchiveError> {
-        let array = self.source.array(name)?;
+        let array = self.npz.array(name)?;
         Ok(array.filter(|a| a.len() == 1).map(|a| a.number(0)))
     }
 
     /// A list of numbers, `each` for every row; `None` if there is no such array.
     pub fn list(&mut self, name: &str, each: usize) -> Result<Option<Vec<f64>>, ArchiveError> {
-        let Some(array) = self.source.array(name)? else {
+        let Some(array) = self.npz.array(name)? else {
             return Ok(None);
         };
         let numbers = array.numbers().filter(|n| n.len() == each * self.rows);
@@ -224,7 +182,7 @@ impl<S: ArraySource> Arrays<S> {
     }
 
     pub fn texts(&mut self, name: &str) -> Result<Option<Vec<String>>, ArchiveError> {
-        let Some(array) = self.source.array(name)? else {
+        let Some(array) = self.npz.array(name)? else {
             return Ok(None);
         };
         let texts = array.texts();
@@ -233,28 +191,8 @@ impl<S: ArraySource> Arrays<S> {
             .ok_or_else(|| ArchiveError(format!("{name}: numbers, expected strings")))
     }
 
-    /// The layout of the matrix: `csr`, or `blocks` between clusters.
-    pub fn format(&mut self) -> Result<String, ArchiveError> {
-        Ok(self.texts("format")?.unwrap_or_default().concat())
-    }
-
-    /// Notes the number of rows.
-    pub fn read_shape(&mut self) -> Result<(), ArchiveError> {
-        let shape = self.required("shape")?;
-        let (rows, columns) = match shape.len() {
-            2 => (shape.integer(0), shape.integer(1)),
-            _ => (-1, -1),
-        };
-        if rows != columns || !(0..=i64::from(u32::MAX / 2)).contains(&rows) {
-            let message = format!("shape: {rows} × {columns}, expected a square matrix");
-            return Err(ArchiveError(message));
-        }
-        self.rows = rows as usize;
-        Ok(())
-    }
-
-    /// The starts of rows, checked, and the end of the last.
-    fn row_starts(&mut self) -> Result<Vec<usize>, ArchiveError> {
+    /// The places of entries, checked.
+    fn entries(&mut self) -> Result<Entries, ArchiveError> {
         let format = self.format()?;
         if format == BLOCKS {
             let message = "format: the matrix is compressed into blocks between clusters, of which there are no \
@@ -266,20 +204,12 @@ impl<S: ArraySource> Arrays<S> {
                 "format: \"{format}\", expected \"csr\" (scipy.sparse.save_npz of a csr_array)"
             )));
         }
+        self.read_shape()?;
         let starts = self.required("indptr")?.integers().unwrap_or_default();
-        let ascends = starts.is_sorted() && starts.first() == Some(&0);
-        if starts.len() != self.rows + 1 || !ascends {
-            let message = "indptr: not the starts of rows, from 0 to the number of entries";
-            return Err(ArchiveError(message.to_owned()));
-        }
-        Ok(starts.into_iter().map(|s| s as usize).collect())
-    }
-
-    /// The places of entries, checked.
-    fn entries(&mut self) -> Result<Entries, ArchiveError> {
-        let starts = self.row_starts()?;
         let indices = self.required("indices")?;
-        if starts.last().copied() != Some(indices.len()) {
+        let ascends = starts.is_sorted() && starts.first() == Some(&0);
+        let ends = starts.last().copied() == Some(indices.len() as i64);
+        if starts.len() != self.rows + 1 || !ascends || !ends {
             let message = "indptr: not the starts of rows, from 0 to the number of entries";
             return Err(ArchiveError(message.to_owned()));
         }
@@ -287,7 +217,7 @@ impl<S: ArraySource> Arrays<S> {
         let is_column = |c: Option<u32>| c.filter(|&c| (c as usize) < self.rows);
         let columns: Option<Vec<u32>> = (0..indices.len()).map(|i| is_column(column(i))).collect();
         Ok(Entries {
-            starts,
+            starts: starts.into_iter().map(|s| s as usize).collect(),
             columns: columns.ok_or_else(|| {
                 ArchiveError(format!("indices: beyond the {} columns", self.rows))
             })?,
@@ -315,7 +245,7 @@ impl<S: ArraySource> Arrays<S> {
         errors: &str,
     ) -> Result<ReadMatrix, ArchiveError> {
         let data = self.required(values)?;
-        let spread = self.source.array(errors)?;
+        let spread = self.npz.array(errors)?;
         let count = entries.columns.len();
         let is_aligned = spread.as_ref().is_none_or(|s| s.len() == count);
         if data.len() != count || !is_aligned {
@@ -373,7 +303,7 @@ impl<S: ArraySource> Arrays<S> {
             let message = format!("rho_s[{i}] is {}, expected 0 to 1", mirrors[i]);
             return Err(ArchiveError(message));
         }
-        let unseen = self.source.array("unseen")?.and_then(|a| a.numbers());
+        let unseen = self.npz.array("unseen")?.and_then(|a| a.numbers());
         let [object, face] = [0, 1].map(|k| self.pair("patch_face", k));
         let (object, face) = (object?, face?);
         let faces = (0..n).map(|i| FaceId {
@@ -467,7 +397,7 @@ impl<S: ArraySource> Arrays<S> {
 
     /// The faces of groups; none if there is no such array.
     fn grouped_faces(&mut self) -> Result<Vec<(FaceId, u32)>, ArchiveError> {
-        let Some(array) = self.source.array("group_faces")? else {
+        let Some(array) = self.npz.array("group_faces")? else {
             return Ok(Vec::new());
         };
         let integers = array.integers().unwrap_or_default();
@@ -509,7 +439,7 @@ impl<S: ArraySource> Arrays<S> {
 
     /// The polygons of rows; none if there are no `points`.
     fn cells(&mut self) -> Result<CellMesh, ArchiveError> {
-        let Some(points) = self.source.array("points")? else {
+        let Some(points) = self.npz.array("points")? else {
             return Ok(CellMesh::default());
         };
         let points = points.numbers().unwrap_or_default();

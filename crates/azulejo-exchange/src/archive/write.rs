@@ -6,7 +6,6 @@ use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
-use azulejo_formats::numpy::{ArrayCompression, ArraySink};
 use azulejo_scene::{Rgb, Up};
 use glam::DVec3;
 use std::io::{self, Write};
@@ -27,24 +26,6 @@ pub enum ArchivePrecision {
 /// Entries up to which [`ArchivePrecision::Auto`] takes 64 bits.
 const FEW: usize = 1 << 22;
 
-/// How arrays of factors are stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ArchiveOptions {
-    /// How exactly.
-    pub precision: ArchivePrecision,
-    /// Whether they are compressed.
-    pub compression: ArrayCompression,
-}
-
-impl From<ArchivePrecision> for ArchiveOptions {
-    fn from(precision: ArchivePrecision) -> ArchiveOptions {
-        ArchiveOptions {
-            precision,
-            compression: ArrayCompression::Fast,
-        }
-    }
-}
-
 /// Writes an enclosure as `.npz`. Its bytes depend on its content alone, and go out as they are made: what
 /// is in memory beside the enclosure are 8 MiB of whole rows at a time.
 ///
@@ -52,29 +33,17 @@ impl From<ArchivePrecision> for ArchiveOptions {
 /// Those of writing.
 pub fn write(
     enclosure: &Enclosure,
-    options: impl Into<ArchiveOptions>,
+    precision: ArchivePrecision,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let options = options.into();
-    let mut archive = NpzWriter::with(options.compression, out);
-    write_arrays(enclosure, options.precision, &mut archive)?;
-    archive.finish()?;
-    Ok(())
-}
-
-/// Writes the arrays of an enclosure, one after the other.
-pub(crate) fn write_arrays(
-    enclosure: &Enclosure,
-    precision: ArchivePrecision,
-    sink: &mut dyn ArraySink,
-) -> io::Result<()> {
-    write_matrix(&enclosure.factors, precision, &mut NamedArrays(sink))?;
-    write_around(enclosure, sink)
+    let mut archive = NpzWriter::new(out);
+    write_matrix(&enclosure.factors, precision, &mut archive)?;
+    write_around(enclosure, &mut archive)?;
+    archive.finish()
 }
 
 /// All but the matrix and its errors.
-pub(super) fn write_around(enclosure: &Enclosure, sink: &mut dyn ArraySink) -> io::Result<()> {
-    let archive = &mut NamedArrays(sink);
+pub(super) fn write_around(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> {
     write_shares(&enclosure.factors, archive)?;
     if let Some(rows) = &enclosure.outside {
         archive.add("irradiance", |w| {
@@ -89,28 +58,11 @@ pub(super) fn write_around(enclosure: &Enclosure, sink: &mut dyn ArraySink) -> i
     write_whole(enclosure, archive)
 }
 
-/// Where arrays go, with closures that are called once.
-struct NamedArrays<'a>(&'a mut dyn ArraySink);
-
-impl NamedArrays<'_> {
-    fn add(
-        &mut self,
-        name: &str,
-        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let mut write = Some(write);
-        self.0.add_array(name, &mut |out| match write.take() {
-            Some(write) => write(out),
-            None => Err(io::Error::other("an array can be written once")),
-        })
-    }
-}
-
 /// What SciPy reads, and the errors of entries.
 fn write_matrix(
     factors: &FormFactors,
     precision: ArchivePrecision,
-    archive: &mut NamedArrays,
+    archive: &mut NpzWriter,
 ) -> io::Result<()> {
     let rows = MatrixRows::new(factors);
     archive.add("format", |w| npy::write_bytes(b"csr", w))?;
@@ -157,7 +109,7 @@ fn short(error: f32) -> f32 {
 }
 
 /// Shares of rows, and their errors.
-fn write_shares(factors: &FormFactors, archive: &mut NamedArrays) -> io::Result<()> {
+fn write_shares(factors: &FormFactors, archive: &mut NpzWriter) -> io::Result<()> {
     archive.add("areas", |w| list(&factors.areas, |&x| x, w))?;
     // Of rows that were not kept nobody knows these.
     if factors.row_errors.len() == factors.len() {
@@ -178,7 +130,7 @@ fn write_shares(factors: &FormFactors, archive: &mut NamedArrays) -> io::Result<
 }
 
 /// What rows are.
-fn write_rows(enclosure: &Enclosure, archive: &mut NamedArrays) -> io::Result<()> {
+fn write_rows(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
     archive.add("names", |w| npy::write_texts(&rows.names, w))?;
     archive.add("patch_face", |w| {
@@ -207,7 +159,7 @@ fn write_rows(enclosure: &Enclosure, archive: &mut NamedArrays) -> io::Result<()
 }
 
 /// Where rows are.
-fn write_cells(cells: &CellMesh, rows: usize, archive: &mut NamedArrays) -> io::Result<()> {
+fn write_cells(cells: &CellMesh, rows: usize, archive: &mut NpzWriter) -> io::Result<()> {
     if cells.is_empty() {
         return Ok(());
     }
@@ -223,7 +175,7 @@ fn write_cells(cells: &CellMesh, rows: usize, archive: &mut NamedArrays) -> io::
 }
 
 /// What holds for the whole.
-fn write_whole(enclosure: &Enclosure, archive: &mut NamedArrays) -> io::Result<()> {
+fn write_whole(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
     if let Some(length) = rows.metres_per_unit {
         archive.add("metres_per_unit", |w| npy::write(&[], &[length], w))?;

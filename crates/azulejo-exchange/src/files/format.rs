@@ -39,8 +39,6 @@ pub enum FactorFormat {
     NastranClassic,
     /// Coordinates of a sparse matrix.
     MatrixMarket,
-    /// Sparse arrays in chunks: a folder.
-    Zarr,
 }
 
 /// What users see of a format.
@@ -58,7 +56,7 @@ pub struct FormatEntry {
 
 /// All formats.
 #[rustfmt::skip]
-const FORMATS: [FormatEntry; 18] = {
+const FORMATS: [FormatEntry; 17] = {
     use FactorFormat as F;
     const fn entry(
         format: FactorFormat,
@@ -86,7 +84,6 @@ const FORMATS: [FormatEntry; 18] = {
         entry(F::Nastran, "nastran", &["bdf"], "RADLST and RADMTX of Nastran, by cavity"),
         entry(F::NastranClassic, "nastran-95", &[], "RADLST and RADMTX of NASTRAN-95"),
         entry(F::MatrixMarket, "matrix-market", &["mtx"], "Matrix Market coordinates"),
-        entry(F::Zarr, "zarr", &["zarr"], "Sparse, in chunks, for matrices larger than memory: a folder for zarr-python and dask"),
     ]
 };
 
@@ -154,7 +151,7 @@ mod tests {
             assert_eq!(FactorFormat::from_name(entry.name), Some(entry.format));
         }
         // The last of the enumeration has the last place.
-        assert_eq!(FORMATS.len(), FactorFormat::Zarr as usize + 1);
+        assert_eq!(FORMATS.len(), FactorFormat::MatrixMarket as usize + 1);
         for (k, entry) in FORMATS.iter().enumerate() {
             assert_eq!(entry.format as usize, k, "{}", entry.name);
         }

@@ -9,7 +9,6 @@
 //! the orders were not kept apart.
 
 mod calculix;
-pub mod conductances;
 pub mod csv;
 mod direct;
 mod elmer;
@@ -32,9 +31,8 @@ mod vtu;
 pub use error::FactorFileError;
 pub use format::{FactorFormat, FormatEntry};
 
-use crate::archive::{self, ArchiveOptions, ArchivePrecision};
+use crate::archive::{self, ArchivePrecision};
 use crate::enclosure::Enclosure;
-use azulejo_formats::numpy::ArrayCompression;
 use openfoam::OpenFoamCase;
 use std::io::{self, Write};
 use view3d::View3dTable;
@@ -44,8 +42,6 @@ use view3d::View3dTable;
 pub struct FileOptions {
     /// How exactly an archive stores factors.
     pub precision: ArchivePrecision,
-    /// Whether an archive is compressed.
-    pub compression: ArrayCompression,
     /// Header and emissivities of a View3D file; by default those of a plain matrix whose rows
     /// absorb as their materials do.
     pub view3d: Option<View3dTable>,
@@ -61,16 +57,6 @@ pub struct FileOptions {
     pub calculix: Option<String>,
     /// The experiment of uDALES, which is the suffix of its files.
     pub experiment: Option<String>,
-}
-
-impl FileOptions {
-    /// How an archive or a store holds arrays.
-    pub fn archive(&self) -> ArchiveOptions {
-        ArchiveOptions {
-            precision: self.precision,
-            compression: self.compression,
-        }
-    }
 }
 
 /// Files that belong together, checked and ready to be written.
@@ -146,12 +132,8 @@ impl FactorFormat {
         }
         match self {
             F::Npz => Ok(FactorFiles::single(|out| {
-                archive::write(enclosure, options.archive(), out)
+                archive::write(enclosure, options.precision, out)
             })),
-            // Its files are those of `store::write`.
-            F::Zarr => Err(FactorFileError::SeveralFiles {
-                format: self.name(),
-            }),
             F::Csv => Ok(FactorFiles::single(|out| csv::write(enclosure, out))),
             F::View3d | F::View3dBinary => Ok(view3d::prepare(self, enclosure, options)),
             F::Vtu => vtu::prepare(enclosure, options),

@@ -10,7 +10,7 @@ pub(super) const DIGITS: usize = 9;
 
 /// C's `%.Ng`: so many digits, the shorter of the two notations, no trailing zeros, and no minus
 /// before zero.
-pub(super) fn general(x: f64, digits: usize) -> String {
+pub(crate) fn general(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
@@ -38,7 +38,7 @@ fn bare(number: &str) -> &str {
 }
 
 /// C's `%.NE` with at least one decimal, as Fortran and Nastran require of a real number.
-pub(super) fn exponential(x: f64, digits: usize) -> String {
+pub(crate) fn exponential(x: f64, digits: usize) -> String {
     let scientific = format!("{:.*e}", digits - 1, x + 0.0);
     match scientific.split_once('e') {
         Some((mantissa, exponent)) => {
@@ -110,7 +110,7 @@ pub(crate) fn csv_field(name: &str) -> Cow<'_, str> {
 }
 
 /// A text on one line of comment, ASCII and short, whatever it holds.
-pub(super) fn comment(text: &str, length: usize) -> String {
+pub(crate) fn comment(text: &str, length: usize) -> String {
     let printable = |c: char| if (' '..='~').contains(&c) { c } else { '_' };
     text.chars().map(printable).take(length).collect()
 }

@@ -1,9 +1,9 @@
 //! Enclosures that the solver is asked about, with factors from each row to those from it on.
 
 use super::GreyPaint;
-use crate::bands::SpectralRange;
 use crate::enclosure::{Enclosure, Groups, RowTable};
-use crate::network::{
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::network::{
     ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,
     exchange_factors, heat_balance,
 };

@@ -1,4 +1,4 @@
-//! Enclosures with a question whose answer is known, to judge the solvers of [`network`](crate::network)
+//! Enclosures with a question whose answer is known, to judge the solvers of [`network`](crate::thermal::network)
 //! and those of other programs by.
 //!
 //! [`exchange_cases`] returns 156 of them. [`ExchangeCase::truth`] is what a textbook says: a
@@ -34,7 +34,7 @@ mod planck;
 #[cfg(test)]
 mod tests;
 
-use crate::network::ExchangeError;
+use crate::thermal::network::ExchangeError;
 use std::fmt;
 use std::sync::Arc;
 

@@ -18,7 +18,7 @@
 
 use super::GreyPaint;
 use super::expected::SIGMA;
-use crate::network::RowCondition;
+use crate::thermal::network::RowCondition;
 
 /// Shares below which a row counts as closed.
 const CLOSED: f64 = 1e-12;

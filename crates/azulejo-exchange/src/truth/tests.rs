@@ -4,7 +4,7 @@ use super::expected::*;
 use super::net_radiation::{NetRadiation, eliminate};
 use super::planck::{bisect, planck_fraction};
 use super::*;
-use crate::network::RowCondition;
+use crate::thermal::network::RowCondition;
 use std::collections::HashSet;
 
 #[test]

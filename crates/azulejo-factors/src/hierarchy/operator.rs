@@ -4,7 +4,6 @@ use super::CompressedFactors;
 use crate::form_factors::{Exchange, ExchangeAreas, FormFactors};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, Progress};
-use rayon::prelude::*;
 use std::fmt;
 
 /// A symmetric matrix of exchange areas S = A X that can be multiplied by vectors: whole, in blocks, or
@@ -75,22 +74,6 @@ pub trait FactorOperator: fmt::Debug + Send + Sync {
         let rows = r.iter().zip(x).zip(spread.as_chunks::<2>().0);
         let sum = rows.map(|((r, x), spread)| r * r * spread[0] + r * x * spread[1]);
         sum.sum::<f64>().max(0.0)
-    }
-
-    /// [`variance_between`](FactorOperator::variance_between) of several pairs of vectors: at once where the
-    /// matrix has to be read from elsewhere.
-    ///
-    /// # Panics
-    /// As there.
-    fn variances_between(&self, vectors: &[(&[f64], &[f64])]) -> Vec<f64> {
-        let pairs = vectors.par_iter();
-        pairs.map(|(r, x)| self.variance_between(r, x)).collect()
-    }
-
-    /// What kept the matrix from being read, of one that is not in memory: products are not numbers from
-    /// then on.
-    fn failure(&self) -> Option<String> {
-        None
     }
 
     /// S x.

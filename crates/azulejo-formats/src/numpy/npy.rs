@@ -180,13 +180,11 @@ pub struct StoredArray {
     /// The file; elements begin at `start`.
     bytes: Vec<u8>,
     start: usize,
-    /// Strings of any length, which come from other files and are not in `bytes`.
-    texts: Option<Vec<String>>,
 }
 
 /// What elements are, with their bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ElementKind {
+enum ElementKind {
     Float(usize),
     Signed(usize),
     Unsigned(usize),
@@ -197,7 +195,7 @@ pub(crate) enum ElementKind {
 }
 
 impl ElementKind {
-    pub(crate) fn new(descr: &str) -> Option<ElementKind> {
+    fn new(descr: &str) -> Option<ElementKind> {
         let kind = descr.strip_prefix(['<', '>', '=', '|'])?;
         let width: usize = kind.get(1..)?.parse().ok()?;
         match (kind.as_bytes()[0], width) {
@@ -210,7 +208,7 @@ impl ElementKind {
         }
     }
 
-    pub(crate) fn width(self) -> Option<usize> {
+    fn width(self) -> Option<usize> {
         match self {
             ElementKind::Unicode(letters) => letters.checked_mul(4),
             ElementKind::Float(n)
@@ -244,44 +242,6 @@ impl StoredArray {
             shape,
             kind,
             bytes,
-            texts: None,
-        })
-    }
-
-    /// An array of numbers whose elements are `data`, in C order, of the type that NumPy calls `descr`.
-    ///
-    /// # Errors
-    /// A type without numbers, or data of another length than the shape asks for.
-    pub fn from_data(descr: &str, shape: Vec<usize>, data: Vec<u8>) -> Result<StoredArray, String> {
-        let kind = ElementKind::new(descr)
-            .ok_or_else(|| format!("elements are \"{descr}\", expected numbers"))?;
-        check_length(&data, &shape, descr, kind.width())?;
-        Ok(StoredArray {
-            big_endian: descr.starts_with('>'),
-            start: 0,
-            shape,
-            kind,
-            bytes: data,
-            texts: None,
-        })
-    }
-
-    /// An array of strings.
-    ///
-    /// # Errors
-    /// Another number of strings than the shape asks for.
-    pub fn from_texts(shape: Vec<usize>, texts: Vec<String>) -> Result<StoredArray, String> {
-        let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
-        if count != Some(texts.len()) {
-            return Err(format!("{} strings for shape {shape:?}", texts.len()));
-        }
-        Ok(StoredArray {
-            big_endian: false,
-            start: 0,
-            shape,
-            kind: ElementKind::Unicode(0),
-            bytes: Vec::new(),
-            texts: Some(texts),
         })
     }
 
@@ -298,11 +258,6 @@ impl StoredArray {
     /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// The bytes of all elements, in C order.
-    pub fn data(&self) -> &[u8] {
-        &self.bytes[self.start..]
     }
 
     /// Bytes in use.
@@ -376,9 +331,6 @@ impl StoredArray {
 
     /// All elements as strings, without the zeros at their ends; `None` for numbers.
     pub fn texts(&self) -> Option<Vec<String>> {
-        if self.texts.is_some() {
-            return self.texts.clone();
-        }
         let width = self.kind.width()?;
         let data = &self.bytes[self.start..];
         let element = |i: usize| &data[i * width..(i + 1) * width];
@@ -401,15 +353,6 @@ impl StoredArray {
         let trimmed = |i: usize| text(i).trim_end_matches('\0').to_owned();
         is_text.then(|| (0..self.len()).map(trimmed).collect())
     }
-}
-
-/// Type and shape of an array, as its header states them, and where the header ends: for writers that get
-/// the bytes of a file from this module. `None` until the header is whole.
-pub(crate) fn header_of(bytes: &[u8]) -> Option<(String, Vec<usize>, usize)> {
-    let (header, data) = split_header(bytes).ok()?;
-    let descr = quoted(entry(header, "descr").ok()?).ok()?;
-    let shape = shape_of(entry(header, "shape").ok()?).ok()?;
-    Some((descr.to_owned(), shape, bytes.len() - data.len()))
 }
 
 /// The first bytes of a longer list.

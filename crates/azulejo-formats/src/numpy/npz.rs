@@ -5,7 +5,6 @@
 //! are 1 January 1980.
 
 use super::npy::StoredArray;
-use super::{ArrayCompression, ArraySink};
 use std::io::{self, BufWriter, Read, Seek, Write};
 use zip::result::ZipError;
 use zip::write::{SimpleFileOptions, StreamWriter};
@@ -14,27 +13,26 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 /// Bytes gathered before they are compressed.
 const BUFFER: usize = 1 << 16;
 
+/// Level of compression, 1 to 9: the fastest, because higher ones gain little on numbers.
+const LEVEL: i64 = 1;
+
 /// Writes archive members one after the other; [`finish`](NpzWriter::finish) writes the directory.
-pub struct NpzWriter<W: Write> {
-    zip: ZipWriter<StreamWriter<W>>,
-    compression: ArrayCompression,
+///
+/// Writer and [reader](NpzReader) have no type of file as a parameter, so that the code of ZIP is compiled
+/// here, and not once more in each crate that has archives.
+pub struct NpzWriter<'a> {
+    zip: ZipWriter<StreamWriter<&'a mut dyn Write>>,
 }
 
-impl<W: Write> NpzWriter<W> {
-    /// An archive without members, which will be compressed.
-    pub fn new(out: W) -> NpzWriter<W> {
-        NpzWriter::with(ArrayCompression::Fast, out)
-    }
-
-    /// An archive without members, which will be compressed or not.
-    pub fn with(compression: ArrayCompression, out: W) -> NpzWriter<W> {
+impl<'a> NpzWriter<'a> {
+    /// An archive without members.
+    pub fn new(out: &'a mut dyn Write) -> NpzWriter<'a> {
         NpzWriter {
             zip: ZipWriter::new_stream(out),
-            compression,
         }
     }
 
-    /// Adds the member `name.npy` with the content that `write` writes.
+    /// Adds the member `name.npy` with the content that `write` writes, compressed.
     ///
     /// # Errors
     /// Those of writing.
@@ -43,52 +41,53 @@ impl<W: Write> NpzWriter<W> {
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        let (method, level) = match self.compression {
-            ArrayCompression::None => (CompressionMethod::Stored, None),
-            ArrayCompression::Fast => (CompressionMethod::Deflated, Some(i64::from(super::LEVEL))),
-        };
-        let options = SimpleFileOptions::default()
-            .compression_method(method)
-            .compression_level(level)
-            .large_file(true);
-        self.zip.start_file(format!("{name}.npy"), options)?;
-        let mut out = BufWriter::with_capacity(BUFFER, &mut self.zip);
+        let mut out = self.member(name)?;
         write(&mut out)?;
         out.flush()
     }
 
-    /// Writes the directory and returns the writer.
+    /// Starts the member `name.npy`.
+    fn member(&mut self, name: &str) -> io::Result<BufWriter<impl Write>> {
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .compression_level(Some(LEVEL))
+            .large_file(true);
+        self.zip.start_file(format!("{name}.npy"), options)?;
+        Ok(BufWriter::with_capacity(BUFFER, &mut self.zip))
+    }
+
+    /// Writes the directory.
     ///
     /// # Errors
     /// Those of writing.
-    pub fn finish(self) -> io::Result<W> {
-        Ok(self.zip.finish()?.into_inner())
-    }
-}
-
-impl<W: Write> ArraySink for NpzWriter<W> {
-    fn add_array(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        self.add(name, write)
+    pub fn finish(self) -> io::Result<()> {
+        self.zip.finish()?;
+        Ok(())
     }
 }
 
 /// Reads members of an archive by name.
-pub struct NpzReader<R> {
-    zip: ZipArchive<R>,
+pub struct NpzReader<'a> {
+    zip: ZipArchive<Box<dyn ReadSeek + 'a>>,
     /// Bytes that all members together may still expand to.
     budget: u64,
 }
 
-impl<R: Read + Seek> NpzReader<R> {
+/// A file that can be read at any place.
+trait ReadSeek: Read + Seek {}
+
+impl<R: Read + Seek> ReadSeek for R {}
+
+impl<'a> NpzReader<'a> {
     /// Reads the directory. Members may together expand to at most `budget` bytes.
     ///
     /// # Errors
     /// What is wrong with the archive.
-    pub fn new(file: R, budget: u64) -> Result<NpzReader<R>, String> {
+    pub fn new(file: impl Read + Seek + 'a, budget: u64) -> Result<NpzReader<'a>, String> {
+        NpzReader::open(Box::new(file), budget)
+    }
+
+    fn open(file: Box<dyn ReadSeek + 'a>, budget: u64) -> Result<NpzReader<'a>, String> {
         let zip = ZipArchive::new(file).map_err(|e| match e {
             ZipError::InvalidArchive(why) => {
                 format!("this is no whole .npz archive ({why}): is it cut off?")
@@ -141,7 +140,8 @@ mod tests {
     use std::io::Cursor;
 
     fn archive() -> Vec<u8> {
-        let mut archive = NpzWriter::new(Vec::new());
+        let mut bytes = Vec::new();
+        let mut archive = NpzWriter::new(&mut bytes);
         archive
             .add("a", |w| npy::write(&[2, 2], &[1.0, 2.0, 3.0, 4.5], w))
             .unwrap();
@@ -153,7 +153,8 @@ mod tests {
         archive
             .add("n", |w| npy::write(&[3], &[7i32; 3], w))
             .unwrap();
-        archive.finish().unwrap()
+        archive.finish().unwrap();
+        bytes
     }
 
     #[test]

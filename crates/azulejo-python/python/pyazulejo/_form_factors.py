@@ -325,13 +325,13 @@ class FormFactors(MatrixRows):
 
     @classmethod
     def load(cls, path: str | PathLike[str], *, memory: int | str | None = None) -> FormFactors:
-        """Read an ``.npz`` or a ``.zarr`` of :meth:`save` or of ``azulejo form-factors``, or an ``.npz`` of
+        """Read an ``.npz`` of :meth:`save` or of ``azulejo form-factors``, or one of
         ``scipy.sparse.save_npz`` to which an array `areas` was added.
 
         Parameters
         ----------
         path : str or path
-            The file, or the folder of chunks.
+            The file.
         memory : int or str, optional
             Bytes that its arrays may take, or text as "8G"; by default the machine's.
         """
@@ -370,15 +370,14 @@ class FormFactors(MatrixRows):
         Parameters
         ----------
         path : str or path
-            The file; the folder of the case for OpenFOAM; ``vfsparse.inp.001`` for uDALES. A .zarr is a
-            folder of chunks (Zarr version 3), which zarr-python and dask read one by one.
+            The file; the folder of the case for OpenFOAM; ``vfsparse.inp.001`` for uDALES.
         format : str, optional
-            By default what the name says: .npz, .zarr, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf,
-            .dat, .i, .bdf, .mtx. Or "npz", "zarr", "csv", "view3d", "view3d-binary", "vtu", "openfoam",
+            By default what the name says: .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf,
+            .dat, .i, .bdf, .mtx. Or "npz", "csv", "view3d", "view3d-binary", "vtu", "openfoam",
             "openfoam-binary", "energyplus", "energyplus-json", "udales", "calculix", "elmer",
             "elmer-binary", "moose", "nastran", "nastran-95", "matrix-market".
         precision : {"auto", "single", "double"}, optional
-            How exactly an .npz or .zarr has factors: 64 bits up to 4 million entries, else 32.
+            How exactly an .npz has factors: 64 bits up to 4 million entries, else 32.
         rows : sequence of str, optional
             Names of rows whose factors a .vtu shows, as arrays ``F_from_NAME``.
         zone : str, optional

@@ -1,7 +1,7 @@
 //! Temperatures, fluxes and sunlight of rows.
 
 use crate::error::refused;
-use azulejo_exchange::tables::{BoundaryTable, Conditions, NamedValues};
+use azulejo_exchange::thermal::tables::{BoundaryTable, Conditions, NamedValues};
 use azulejo_exchange::{Enclosure, RowCondition};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;

@@ -6,14 +6,13 @@ use std::fs;
 use std::path::Path;
 
 /// For each crate the uses that are known to close a circle and not yet undone. None may be added.
-const KNOWN: [(&str, &[(&str, &str)]); 7] = [
+const KNOWN: [(&str, &[(&str, &str)]); 6] = [
     (
         "azulejo-bake",
         &[("nodes", "correction"), ("nodes", "direct")],
     ),
     // The definitions of all options stand beside those of each command; what divides work reads them.
     ("azulejo-cli", &[("args", "*"), ("values", "surroundings")]),
-    ("azulejo-exchange", &[("bands", "network")]),
     (
         "azulejo-radiosity",
         &[

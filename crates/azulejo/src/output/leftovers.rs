@@ -36,14 +36,9 @@ pub(super) fn remove(target: &Path) {
     if is_new {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let writer = entry.file_name().to_str().and_then(writer_of);
-            let kind = entry.file_type().ok();
-            let is_draft = kind.is_some_and(|kind| kind.is_file() || kind.is_dir());
-            if is_draft && writer.is_some_and(is_gone) && is_free(&entry.path()) {
-                let _ = if kind.is_some_and(|kind| kind.is_dir()) {
-                    fs::remove_dir_all(entry.path())
-                } else {
-                    fs::remove_file(entry.path())
-                };
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            if is_file && writer.is_some_and(is_gone) && is_free(&entry.path()) {
+                let _ = fs::remove_file(entry.path());
             }
         }
     }

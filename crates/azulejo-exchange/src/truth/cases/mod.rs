@@ -9,7 +9,7 @@ mod spectra;
 use super::enclosures::GreyEnclosure;
 use super::net_radiation::KnownBalance;
 use super::{ExchangeCase, ExchangeQuantity, GreyPaint};
-use crate::network::{ExchangeError, RowCondition};
+use crate::thermal::network::{ExchangeError, RowCondition};
 use std::sync::Arc;
 
 /// The equations of `net_radiation`, for absorption factors.
@@ -174,7 +174,7 @@ impl EnclosureCases {
         let answer = move |e: GreyEnclosure| {
             let mut conditions = vec![giving(0.0); e.emissivity.len()];
             (conditions[0], conditions[1]) = (at(400.0), at(300.0));
-            let sigma = crate::network::STEFAN_BOLTZMANN;
+            let sigma = crate::thermal::network::STEFAN_BOLTZMANN;
             Ok(area * e.heat(&conditions)?.fluxes[0] / (sigma * fourth_powers(400.0, 300.0)))
         };
         let asked = "GR between 1 and 2, the others adiabatic";

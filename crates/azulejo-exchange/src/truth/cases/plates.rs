@@ -4,7 +4,7 @@ use super::super::enclosures::{GreyEnclosure, nested};
 use super::super::expected::{SIGMA, in_series, plates};
 use super::super::known_factors;
 use super::*;
-use crate::network::STEFAN_BOLTZMANN;
+use crate::thermal::network::STEFAN_BOLTZMANN;
 
 /// The closed formula.
 const SERIES: &str = "1/(1/e1 + 1/e2 - 1)";

@@ -5,8 +5,8 @@ use super::super::expected::{SIGMA, crater_shadow, plates, sunlit_plate};
 use super::super::known_factors;
 use super::super::planck::{bisect, planck_between, planck_fraction};
 use super::*;
-use crate::bands::{SpectralRange, band_fraction};
-use crate::network::{HeatProblem, heat_balance};
+use crate::thermal::bands::{SpectralRange, band_fraction};
+use crate::thermal::network::{HeatProblem, heat_balance};
 use azulejo_trace::Progress;
 
 /// The sun at the distance of the Earth, W/m².
@@ -88,7 +88,7 @@ fn in_two_bands(
     enclosure: &GreyEnclosure,
     [below, above]: [&[f64]; 2],
     conditions: &[RowCondition],
-) -> Result<crate::network::HeatBalance, ExchangeError> {
+) -> Result<crate::thermal::network::HeatBalance, ExchangeError> {
     let bands = [
         enclosure.band(SpectralRange::Between(0.0, EDGE), Some(below)),
         enclosure.band(SpectralRange::Between(EDGE, f64::INFINITY), Some(above)),

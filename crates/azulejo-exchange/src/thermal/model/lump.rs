@@ -2,8 +2,8 @@
 
 use super::{ModelError, SAME, ThermalModel};
 use crate::enclosure::Groups;
-use crate::network::{ExchangeError, RowCondition};
-use crate::tables::{Conditions, Properties};
+use crate::thermal::network::{ExchangeError, RowCondition};
+use crate::thermal::tables::{Conditions, Properties};
 use azulejo_trace::Progress;
 
 /// Makes each node one row of a model, and returns these rows as nodes.

@@ -15,7 +15,7 @@
 
 use super::heat::{HeatProblem, RowCondition, SolvedBand};
 use super::reflections::arriving;
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, readable};
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand};
 use azulejo_trace::Progress;
 use rayon::prelude::*;
 
@@ -53,9 +53,6 @@ pub(super) fn temperatures(
     let mut tolerance = STEP_TOLERANCE[1];
     for step in 0..STEPS {
         let rows = newton.rows(&radiosities);
-        for band in bands {
-            readable(band.enclosure.operator())?;
-        }
         let missing = difference(&rows.radiosities, &radiosities);
         let worst = largest(&missing) / largest(&radiosities).max(f64::MIN_POSITIVE);
         let is_stuck = worst <= ENOUGH && worst >= 0.5 * before;
@@ -135,7 +132,7 @@ impl<'a> NewtonWork<'a> {
         let mean = |i: usize| self.bands.iter().map(|b| b.emissivity[i]).sum::<f64>() / count;
         let grey = SurfaceBand {
             enclosure: self.bands[0].enclosure,
-            range: crate::bands::SpectralRange::Thermal,
+            range: crate::thermal::bands::SpectralRange::Thermal,
             emissivity: (0..self.targets.len()).map(mean).collect(),
         };
         let (temperatures, _) = self.problem.grey(&grey, self.targets, progress)?;

@@ -1,7 +1,7 @@
 //! Gebhart factors, script-F and conductances between nodes.
 
 use super::reflections::{LANES, Reflections, from_flat, lanes};
-use super::{ExchangeError, SurfaceBand, readable};
+use super::{ExchangeError, SurfaceBand};
 use crate::enclosure::Groups;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_trace::Progress;
@@ -134,7 +134,6 @@ pub fn exchange_factors(
         .map(|b| work.absorbed(b, &radiosities[b], &arriving[b]))
         .collect();
     let variances = work.variances(&radiosities, progress)?;
-    readable(band.enclosure.operator())?;
     Ok(work.finish(&found, &variances))
 }
 
@@ -255,20 +254,18 @@ impl Work<'_> {
         progress: &Progress,
     ) -> Result<Vec<f64>, ExchangeError> {
         let count = radiosities.len();
-        progress.advance(0)?;
-        let pairs: Vec<(&[f64], &[f64])> = (0..count)
-            .flat_map(|a| (a..count).map(move |b| (a, b)))
-            .map(|(a, b)| (&radiosities[a][..], &radiosities[b][..]))
-            .collect();
-        let mut found = self
-            .band
-            .enclosure
-            .operator()
-            .variances_between(&pairs)
-            .into_iter();
-        let upper: Vec<Vec<f64>> = (0..count)
-            .map(|a| found.by_ref().take(count - a).collect())
-            .collect();
+        let factors = self.band.enclosure.operator();
+        let row = |a: usize| -> Result<Vec<f64>, ExchangeError> {
+            progress.advance(0)?;
+            let one = |b: usize| {
+                let (r, j) = (&radiosities[a], &radiosities[b]);
+                factors.variance_between(r, j)
+            };
+            Ok((a..count).map(one).collect())
+        };
+        let upper: Result<Vec<Vec<f64>>, ExchangeError> =
+            (0..count).into_par_iter().map(row).collect();
+        let upper = upper?;
         let at = |k: usize| {
             let (a, b) = (k / count, k % count);
             upper[a.min(b)][a.max(b) - a.min(b)]
@@ -353,8 +350,8 @@ impl Work<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bands::SpectralRange;
-    use crate::network::tests::{each_row, random_enclosure};
+    use crate::thermal::bands::SpectralRange;
+    use crate::thermal::network::tests::{each_row, random_enclosure};
     use azulejo_factors::form_factors::Exchange;
 
     /// For many nodes variances have bounds, from one to two times what they are.

@@ -2,9 +2,9 @@
 
 use super::lists;
 use super::{BandNetwork, ThermalSolution};
-use crate::bands::SpectralRange;
 use crate::files::{self, FactorFormat, FileOptions};
-use crate::network::{ExchangeFactors, HeatBalance};
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::network::{ExchangeFactors, HeatBalance};
 use azulejo_formats::numpy::npy;
 use azulejo_formats::numpy::npz::NpzWriter;
 use std::io::{self, Write};
@@ -185,12 +185,11 @@ impl ThermalSolution {
                 archive.add(name, |w| npy::write(&[values.len()], values, w))?;
             }
         }
-        archive.finish()?;
-        Ok(())
+        archive.finish()
     }
 }
 
-fn write_nodes<W: Write>(network: &ExchangeFactors, archive: &mut NpzWriter<W>) -> io::Result<()> {
+fn write_nodes(network: &ExchangeFactors, archive: &mut NpzWriter) -> io::Result<()> {
     let n = network.len();
     archive.add("names", |w| npy::write_texts(&network.names, w))?;
     archive.add("areas", |w| npy::write(&[n], &network.areas, w))?;
@@ -198,10 +197,10 @@ fn write_nodes<W: Write>(network: &ExchangeFactors, archive: &mut NpzWriter<W>) 
     archive.add("is_surface", |w| npy::write(&[n], &is_surface, w))
 }
 
-fn write_network<W: Write>(
+fn write_network(
     network: &ExchangeFactors,
     suffix: &str,
-    archive: &mut NpzWriter<W>,
+    archive: &mut NpzWriter,
 ) -> io::Result<()> {
     let n = network.len();
     archive.add(&format!("emitting{suffix}"), |w| {

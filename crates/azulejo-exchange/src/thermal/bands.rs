@@ -132,7 +132,7 @@ mod tests {
         let whole: f64 = bands.iter().map(|b| b.emission(800.0)).sum();
         let grey = SpectralRange::Thermal;
         assert!((whole - grey.emission(800.0)).abs() < 1e-10 * whole);
-        let slope = 4.0 * super::super::network::STEFAN_BOLTZMANN * 800.0f64.powi(3);
+        let slope = 4.0 * crate::thermal::network::STEFAN_BOLTZMANN * 800.0f64.powi(3);
         assert!((grey.slope(800.0) - slope).abs() < 1e-7 * slope);
         assert_eq!(SpectralRange::Solar.emission(800.0), 0.0);
         assert_eq!(bands[2].to_string(), "12-inf");

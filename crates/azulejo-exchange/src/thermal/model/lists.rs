@@ -1,12 +1,12 @@
 //! What a thermal model gives, as text.
 
 use super::{BandNetwork, SolutionFormat, SolutionOptions, ThermalSolution};
-use crate::bands::SpectralRange;
-use crate::files::conductances::{
+use crate::files::text::csv_field;
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::conductances::{
     ConductanceFormat, ConductanceOptions, Conductances, NodePair, SpaceNode, write,
 };
-use crate::files::text::csv_field;
-use crate::network::{ExchangeFactors, HeatBalance};
+use crate::thermal::network::{ExchangeFactors, HeatBalance};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Exchange, RowRemainder};
 use azulejo_trace::Progress;

@@ -2,8 +2,8 @@
 //!
 //! GR_ij = ε_i A_i B_ij, in m²: from node i to node j flows σ GR_ij (T_i⁴ − T_j⁴).
 
-use super::text::{comment, csv_field, exponential, general};
-use crate::network::STEFAN_BOLTZMANN;
+use crate::files::text::{comment, csv_field, exponential, general};
+use crate::thermal::network::STEFAN_BOLTZMANN;
 use std::io::{self, Write};
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! Balances, closed forms and errors.
 
 use super::*;
-use crate::bands::SpectralRange;
 use crate::enclosure::{Groups, RowTable};
+use crate::thermal::bands::SpectralRange;
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 use azulejo_factors::{CompressedFactors, CompressionOptions, FormFactors, PointNormal};
 use azulejo_trace::Progress;

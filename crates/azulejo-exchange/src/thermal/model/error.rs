@@ -1,7 +1,7 @@
 //! Why a thermal model has no solution.
 
-use crate::bands::SpectralRange;
-use crate::network::ExchangeError;
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::network::ExchangeError;
 use std::fmt;
 
 /// Why a thermal model has no solution.

@@ -13,12 +13,12 @@ mod write;
 pub use error::ModelError;
 pub use write::{SolutionFormat, SolutionOptions, SolutionPart};
 
-use crate::bands::SpectralRange;
 use crate::enclosure::{Enclosure, GroupBy, Groups};
-use crate::network::{
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::network::{
     ExchangeFactors, HeatBalance, HeatProblem, SurfaceBand, exchange_factors, heat_balance,
 };
-use crate::tables::{Conditions, Properties};
+use crate::thermal::tables::{Conditions, Properties};
 use azulejo_trace::Progress;
 
 /// Temperature of sky and ground that nobody gives: that of space, K.

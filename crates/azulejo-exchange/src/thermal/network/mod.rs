@@ -23,9 +23,8 @@ pub(crate) mod tests;
 pub use factors::{ExchangeFactors, exchange_factors};
 pub use heat::{HeatBalance, HeatProblem, RowCondition, heat_balance};
 
-use crate::bands::SpectralRange;
 use crate::enclosure::Enclosure;
-use azulejo_factors::hierarchy::FactorOperator;
+use crate::thermal::bands::SpectralRange;
 use azulejo_trace::Cancelled;
 use std::fmt;
 
@@ -83,11 +82,6 @@ pub enum ExchangeError {
         /// The name of the row.
         row: String,
     },
-    /// The matrix, which is not in memory, could not be read.
-    Unreadable {
-        /// The file, what was found and what was expected.
-        message: String,
-    },
     /// Iterations do not converge.
     Diverges {
         /// Iterations that were made.
@@ -124,9 +118,6 @@ impl fmt::Display for ExchangeError {
                 "temperature or flux of \"{row}\" would be too large to compute with: are T in kelvin and q in \
                  W/m²?"
             ),
-            ExchangeError::Unreadable { message } => {
-                write!(f, "the matrix could not be read: {message}")
-            }
             ExchangeError::Diverges { iterations } => write!(
                 f,
                 "no solution after {iterations} iterations: are there closed groups of mirrors, or rows \
@@ -137,14 +128,6 @@ impl fmt::Display for ExchangeError {
 }
 
 impl std::error::Error for ExchangeError {}
-
-/// Refuses to go on with a matrix that could not be read.
-fn readable(factors: &dyn FactorOperator) -> Result<(), ExchangeError> {
-    match factors.failure() {
-        Some(message) => Err(ExchangeError::Unreadable { message }),
-        None => Ok(()),
-    }
-}
 
 impl From<Cancelled> for ExchangeError {
     fn from(_: Cancelled) -> ExchangeError {

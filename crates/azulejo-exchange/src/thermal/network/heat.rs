@@ -1,9 +1,9 @@
 //! Temperatures and heat fluxes.
 
 use super::reflections::Reflections;
-use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton, readable};
-use crate::bands::SpectralRange;
+use super::{ExchangeError, STEFAN_BOLTZMANN, SurfaceBand, newton};
 use crate::enclosure::Groups;
+use crate::thermal::bands::SpectralRange;
 use azulejo_factors::FormFactors;
 use azulejo_trace::Progress;
 
@@ -125,15 +125,9 @@ pub fn heat_balance(
         ..HeatBalance::default()
     };
     balance.add_rows(problem, &thermal, &bands);
-    for band in &thermal {
-        readable(band.enclosure.operator())?;
-    }
     balance.check(problem)?;
     balance.add_nodes(problem, nodes);
     balance.add_errors(problem, nodes, &thermal, &bands, progress)?;
-    for band in &thermal {
-        readable(band.enclosure.operator())?;
-    }
     Ok(balance)
 }
 
@@ -169,7 +163,6 @@ impl<'a> HeatProblem<'a> {
     fn check(&self) -> Result<(), ExchangeError> {
         let factors = self.factors();
         let groups = self.bands[0].enclosure.operator().connected();
-        readable(self.bands[0].enclosure.operator())?;
         let mut anchored = vec![false; factors.len()];
         let mut members = vec![0; factors.len()];
         for (i, &root) in groups.iter().enumerate() {
@@ -459,11 +452,7 @@ impl Adjoint<'_> {
             .problem
             .surroundings
             .map(|t| self.band.range.emission(t));
-        let radiosity = &self.solved.radiosity[..];
-        let vectors: Vec<(&[f64], &[f64])> =
-            solutions.iter().map(|r| (&r[..], radiosity)).collect();
-        let variances = matrix.variances_between(&vectors);
-        let error = |(r, pairs): (&Vec<f64>, f64)| {
+        let error = |r: &Vec<f64>| {
             let openings: f64 = (0..factors.len())
                 .map(|i| {
                     let rest = &factors.rest[i];
@@ -473,9 +462,10 @@ impl Adjoint<'_> {
                 })
                 .filter(|v| v.is_finite())
                 .sum();
+            let pairs = matrix.variance_between(r, &self.solved.radiosity);
             (pairs + openings).sqrt()
         };
-        Ok(solutions.iter().zip(variances).map(error).collect())
+        Ok(solutions.iter().map(error).collect())
     }
 
     fn source(&self, node: usize, of_emission: bool) -> Vec<f64> {

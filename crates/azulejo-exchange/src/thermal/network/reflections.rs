@@ -9,7 +9,7 @@
 //! Small systems are factored once; large ones are solved by conjugate gradients with the diagonal as
 //! preconditioner, up to eight right sides at a time, because reading S is what takes the time.
 
-use super::{ExchangeError, readable};
+use super::ExchangeError;
 use crate::enclosure::Enclosure;
 use azulejo_factors::cholesky::Cholesky;
 use azulejo_factors::hierarchy::FactorOperator;
@@ -60,9 +60,7 @@ impl<'a> Reflections<'a> {
         };
         let n = enclosure.len();
         if n <= FEW {
-            let matrix = reflections.dense();
-            readable(reflections.factors)?;
-            let factored = Cholesky::new(matrix, n, progress)?;
+            let factored = Cholesky::new(reflections.dense(), n, progress)?;
             let factored = factored.map_err(|row| ExchangeError::Grows {
                 row: enclosure.rows.names[row].clone(),
             })?;
@@ -113,7 +111,6 @@ impl<'a> Reflections<'a> {
         progress: &Progress,
     ) -> Result<Vec<Vec<f64>>, ExchangeError> {
         let right: Lanes<L> = scaled(&self.exchanged(&lanes(few)), &self.root);
-        readable(self.factors)?;
         let y: Lanes<L> = match &self.factored {
             Some(system) => {
                 let solve = |lane: usize| system.solve(&column(&right, lane));
@@ -169,7 +166,6 @@ impl<'a> Reflections<'a> {
                 return Ok(y);
             }
             let image = self.times(&direction);
-            readable(self.factors)?;
             let curvature = dots(&direction, &image);
             let step: [f64; L] = std::array::from_fn(|lane| {
                 if is_done(lane, TOLERANCE) || curvature[lane] <= 0.0 {
@@ -273,7 +269,7 @@ fn add<const L: usize>(to: &mut Lanes<L>, shares: &[f64; L], x: &Lanes<L>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::tests::random_enclosure;
+    use crate::thermal::network::tests::random_enclosure;
 
     #[test]
     fn iterations_and_factors_agree() {

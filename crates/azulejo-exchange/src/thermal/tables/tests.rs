@@ -1,9 +1,9 @@
 //! Tables, and what is wrong with them.
 
 use super::*;
-use crate::bands::SpectralRange;
 use crate::enclosure::tests::two_squares;
-use crate::network::RowCondition;
+use crate::thermal::bands::SpectralRange;
+use crate::thermal::network::RowCondition;
 
 fn materials(text: &str) -> MaterialTable {
     MaterialTable::read(text).unwrap()

@@ -1,8 +1,8 @@
 //! Matrices chosen by mirrors, lumping, truncation, and files.
 
 use super::*;
-use crate::network::ExchangeError;
-use crate::tables::{BoundaryTable, MaterialTable};
+use crate::thermal::network::ExchangeError;
+use crate::thermal::tables::{BoundaryTable, MaterialTable};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 use azulejo_formats::numpy::npz::NpzReader;

@@ -4,8 +4,8 @@ use super::TableError;
 use super::names::RecordNames;
 use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
-use crate::bands::SpectralRange;
 use crate::enclosure::Enclosure;
+use crate::thermal::bands::SpectralRange;
 
 /// What surfaces emit and reflect, by name and band.
 ///

@@ -5,7 +5,7 @@ use super::names::RecordNames;
 use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
 use crate::enclosure::Enclosure;
-use crate::network::RowCondition;
+use crate::thermal::network::RowCondition;
 
 /// What is known of surfaces and of what surrounds them, by name.
 ///
