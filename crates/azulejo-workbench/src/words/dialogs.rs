@@ -76,15 +76,7 @@ pub const TABLE: &[Translation] = &[
     ],
     // Files.
     ["Open", "Abrir", "Abrir"],
-    ["New folder", "Nueva carpeta", "Nova pasta"],
-    ["Refresh", "Actualizar", "Atualizar"],
-    ["Parent folder", "Carpeta superior", "Pasta superior"],
     ["File:", "Archivo:", "Ficheiro:"],
-    [
-        "Show hidden files",
-        "Mostrar archivos ocultos",
-        "Mostrar ficheiros ocultos",
-    ],
     ["All files", "Todos los archivos", "Todos os ficheiros"],
     ["Open models", "Abrir modelos", "Abrir modelos"],
     ["Add models", "Añadir modelos", "Adicionar modelos"],
