@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::Table;
 
-/// Light or dark theme.
+/// Whether the window is light or dark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
@@ -27,7 +27,7 @@ pub enum Theme {
 pub struct Preferences {
     /// The language of the window.
     pub language: Language,
-    /// The theme.
+    /// Whether the window is light or dark.
     pub theme: Theme,
     /// Scale of text and controls relative to the desktop's.
     pub scale: f32,

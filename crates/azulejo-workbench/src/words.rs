@@ -14,12 +14,12 @@ mod tests;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Language {
-    /// English.
+    /// English, in which all texts stand in the code.
     #[default]
     English,
-    /// Spanish.
+    /// Spanish, from `words/es.toml`.
     Spanish,
-    /// Portuguese.
+    /// Portuguese, from `words/pt.toml`.
     Portuguese,
 }
 
@@ -33,7 +33,7 @@ const PORTUGUESE: &str = include_str!("../words/pt.toml");
 const LONGEST_NAME: usize = 32;
 
 impl Language {
-    /// All languages.
+    /// All languages, in the order of the preferences.
     pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
 
     /// The system's language, if it is supported.

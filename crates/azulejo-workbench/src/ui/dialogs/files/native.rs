@@ -70,7 +70,6 @@ fn is_offered() -> bool {
 /// What the dialog asks for.
 #[derive(Clone, Debug)]
 pub struct NativeFileRequest {
-    /// Its title.
     pub title: String,
     /// Whether a file is written.
     pub saves: bool,

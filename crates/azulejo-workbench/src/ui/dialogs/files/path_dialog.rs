@@ -14,7 +14,7 @@ const WIDTH: f32 = 520.0;
 /// Points that a window leaves beside it.
 const MARGIN: f32 = 48.0;
 
-/// The dialog.
+/// A dialog with one field, in which a path is typed.
 pub struct PathDialog {
     /// Whether a file is written, which need not exist.
     saves: bool,

@@ -9,7 +9,7 @@ pub enum PathProblem {
     NoFile(PathBuf),
     /// There is no such folder.
     NoFolder(PathBuf),
-    /// It is a folder.
+    /// A folder stands there.
     IsFolder(PathBuf),
 }
 
