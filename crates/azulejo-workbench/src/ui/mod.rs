@@ -1,7 +1,6 @@
 //! The parts of the window. Each displays state and issues commands.
 //!
-//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated
-//! by
+//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated by
 //! tests and driven by scripts.
 
 pub mod actions;
@@ -31,5 +30,5 @@ mod viewport;
 mod workbench;
 
 pub(crate) use material_library::giving;
-pub use viewport::Viewport;
+pub use viewport::{DeviceLost, Viewport};
 pub use workbench::{PanelTab, Rescued, Workbench};
