@@ -100,9 +100,9 @@ pub struct BakedDocument {
     pub document: SceneDocument,
     /// The scene, and the glTF file that gets the lightmap.
     pub source: BakeSource,
-    /// The lightmap.
+    /// Its charts, and the light of its texels.
     pub baked: Baked,
-    /// The settings.
+    /// The settings with which it was baked.
     pub settings: BakeSettings,
     /// Texels per metre of each chart.
     pub densities: Vec<f64>,

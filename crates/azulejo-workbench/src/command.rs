@@ -65,7 +65,7 @@ pub enum Command {
     LoadEnvironment(PathBuf, Option<ItemId>),
     /// Adds solid text.
     AddText {
-        /// The text.
+        /// The text, of one line or several.
         text: String,
         /// Font size in world units per em.
         size: f64,
@@ -127,7 +127,7 @@ pub enum Command {
     AddTaskPlane,
     /// Measures the task plane, which is added if there is none.
     MeasureTaskPlane,
-    /// Removes the task plane.
+    /// Removes the task plane and what was measured on it.
     RemoveTaskPlane,
     /// Writes the points of the task plane as CSV.
     SaveTaskPlane(PathBuf),
@@ -169,7 +169,7 @@ pub enum Command {
     DismissFailure,
 }
 
-/// The base of a prism.
+/// What a prism is extruded from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PrismBase {
     /// A regular polygon with this number of sides.
@@ -240,9 +240,9 @@ pub enum FileRequest {
     Recipe,
     /// A picture of the surroundings, for an environment or as a new one.
     Environment(Option<ItemId>),
-    /// A font.
+    /// A font for solid text.
     Font,
-    /// A drawing to extrude.
+    /// A drawing for the base of a prism.
     Outline,
     /// A reflection model for the selected material.
     LoadBrdf,

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// The form factor engine.
+/// How form factors are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EngineChoice {
@@ -34,7 +34,7 @@ pub enum EngineChoice {
 }
 
 impl EngineChoice {
-    /// All engines.
+    /// All engines, in the order of the list in the window.
     pub const ALL: [EngineChoice; 5] = [
         EngineChoice::Auto,
         EngineChoice::Rays,
@@ -58,13 +58,13 @@ impl EngineChoice {
 /// Settings of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
-    /// The form factor engine.
+    /// How form factors are computed.
     pub engine: EngineChoice,
     /// A patch is this fraction of the total surface area; smaller faces are patches too.
     pub patches: u32,
     /// Relative error at which the solver stops.
     pub error: f64,
-    /// Time limit in seconds.
+    /// Time limit in seconds; `None` for none.
     pub time: Option<f64>,
     /// Number of diffuse bounces; `None` for all.
     pub bounces: Option<u32>,

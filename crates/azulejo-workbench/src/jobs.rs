@@ -44,9 +44,9 @@ pub enum JobKind {
 /// A running job.
 #[derive(Debug)]
 pub struct Job {
-    /// Its number.
+    /// Its number, by which it is cancelled.
     pub id: u64,
-    /// Its kind.
+    /// What it does.
     pub kind: JobKind,
     /// What it works on, as displayed to the user.
     pub title: String,
@@ -167,7 +167,7 @@ impl<T: Send + 'static> Jobs<T> {
         }
     }
 
-    /// The running jobs.
+    /// The jobs that have not ended, oldest first.
     pub fn running(&self) -> &[Job] {
         &self.running
     }

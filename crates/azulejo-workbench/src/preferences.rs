@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::Table;
 
-/// Light or dark theme.
+/// Whether the window is light or dark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
@@ -21,29 +21,16 @@ pub enum Theme {
     Dark,
 }
 
-/// Which file dialogs are used.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum FileDialogs {
-    /// The desktop's, where it has one.
-    #[default]
-    Native,
-    /// Azulejo's own.
-    Own,
-}
-
 /// Settings kept between sessions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
     /// The language of the window.
     pub language: Language,
-    /// The theme.
+    /// Whether the window is light or dark.
     pub theme: Theme,
     /// Scale of text and controls relative to the desktop's.
     pub scale: f32,
-    /// The file dialogs.
-    pub file_dialogs: FileDialogs,
     /// The default colour map.
     pub color_map: ColorMap,
     /// Seconds from a change to its recovery copy; 0 for never.
@@ -109,7 +96,6 @@ impl Default for Preferences {
             language: Language::from_system(),
             theme: Theme::default(),
             scale: 1.0,
-            file_dialogs: FileDialogs::default(),
             color_map: ColorMap::default(),
             autosave: 20,
             threads: 0,
@@ -245,7 +231,6 @@ mod tests {
         let mut mine = Preferences {
             language: Language::Portuguese,
             theme: Theme::Dark,
-            file_dialogs: FileDialogs::Own,
             autosave: 7,
             window: WindowPlace {
                 size: [900.0, 640.5],
@@ -256,6 +241,10 @@ mod tests {
         };
         mine.note_recent(Path::new("/a/b.3ds"));
         mine.store(&path).unwrap();
+        assert_eq!(Preferences::load(&path), (mine.clone(), None));
+        // Of an earlier version.
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, format!("file_dialogs = \"own\"\n{text}")).unwrap();
         assert_eq!(Preferences::load(&path), (mine, None));
         std::fs::write(&path, "scale = \"large\"").unwrap();
         let (found, why) = Preferences::load(&path);

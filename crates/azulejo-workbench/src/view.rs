@@ -95,7 +95,7 @@ pub enum LightUnit {
 }
 
 impl LightUnit {
-    /// All units.
+    /// All units, in the order of the window.
     pub const ALL: [LightUnit; 3] = [
         LightUnit::Document,
         LightUnit::Radiometric,
@@ -174,7 +174,7 @@ impl ColorMap {
 /// The settings of false colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FalseColor {
-    /// The colour map.
+    /// The colours from low values to high ones.
     pub map: ColorMap,
     /// Values at both ends, W/m² or lux; `None` takes the range of the displayed values.
     pub range: Option<(f64, f64)>,
@@ -245,7 +245,7 @@ pub enum ViewDirection {
 }
 
 impl ViewDirection {
-    /// All directions.
+    /// All directions, each once.
     pub const ALL: [ViewDirection; 7] = [
         ViewDirection::Front,
         ViewDirection::Back,
@@ -260,9 +260,9 @@ impl ViewDirection {
 /// Camera and display settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelView {
-    /// The camera.
+    /// Where the view is seen from, in world space.
     pub camera: Camera,
-    /// The shading mode.
+    /// What the colours of surfaces mean.
     pub shading: Shading,
     /// Factor from radiance to display; `None` selects it automatically.
     pub exposure: Option<f64>,
@@ -276,7 +276,7 @@ pub struct ModelView {
     pub hides_backs: bool,
     /// A plane that cuts the model open.
     pub section: Option<SectionPlane>,
-    /// The background.
+    /// What is seen where the model is not.
     pub backdrop: Backdrop,
     /// Whether markers of lights and cameras are drawn.
     pub shows_markers: bool,

@@ -1,74 +1,39 @@
 //! The texts of the window in its languages: English, Spanish, Portuguese.
 //!
 //! The English text is the key: the code stays readable, and a text without a translation is
-//! displayed in English. A test checks that the tables contain every text of the window.
+//! displayed in English. Translations are in `words/es.toml` and `words/pt.toml` of this crate.
 
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-mod app;
-mod brdf;
-mod cards;
-mod dialogs;
-mod failures;
-mod files;
-mod inspector;
-mod library;
-mod light;
-mod lightmap;
-mod menu;
-mod panels;
-mod surroundings;
 #[cfg(test)]
 mod tests;
-mod tree;
-mod view_tab;
-mod viewport;
-mod views;
 
 /// A language of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Language {
-    /// English.
+    /// English, in which all texts stand in the code.
     #[default]
     English,
-    /// Spanish.
+    /// Spanish, from `words/es.toml`.
     Spanish,
-    /// Portuguese.
+    /// Portuguese, from `words/pt.toml`.
     Portuguese,
 }
 
-/// A text in English, Spanish and Portuguese.
-type Translation = [&'static str; 3];
+/// Translations by their English texts.
+type Translations = HashMap<String, String>;
 
-/// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 17] = [
-    app::TABLE,
-    menu::TABLE,
-    panels::TABLE,
-    tree::TABLE,
-    viewport::TABLE,
-    inspector::TABLE,
-    surroundings::TABLE,
-    brdf::TABLE,
-    cards::TABLE,
-    failures::TABLE,
-    light::TABLE,
-    library::TABLE,
-    lightmap::TABLE,
-    view_tab::TABLE,
-    views::TABLE,
-    dialogs::TABLE,
-    files::TABLE,
-];
+const SPANISH: &str = include_str!("../words/es.toml");
+const PORTUGUESE: &str = include_str!("../words/pt.toml");
 
 /// Characters of a name that is named in a text of one line.
 const LONGEST_NAME: usize = 32;
 
 impl Language {
-    /// All languages.
+    /// All languages, in the order of the preferences.
     pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
 
     /// The system's language, if it is supported.
@@ -106,11 +71,20 @@ impl Language {
 
     /// Translates `english`; returns it unchanged if there is no translation.
     pub fn tr(self, english: &str) -> &str {
-        static INDEX: OnceLock<HashMap<&str, &Translation>> = OnceLock::new();
-        let index = INDEX.get_or_init(|| {
-            let entries = TABLES.iter().flat_map(|table| table.iter());
-            entries.map(|entry| (entry[0], entry)).collect()
-        });
-        index.get(english).map_or(english, |e| e[self as usize])
+        static ES: OnceLock<Translations> = OnceLock::new();
+        static PT: OnceLock<Translations> = OnceLock::new();
+        let translations = match self {
+            Language::English => return english,
+            Language::Spanish => ES.get_or_init(|| translations(SPANISH)),
+            Language::Portuguese => PT.get_or_init(|| translations(PORTUGUESE)),
+        };
+        translations.get(english).map_or(english, String::as_str)
     }
+}
+
+/// The translations of all parts of the window. A test reads the files: if one were damaged, a window in
+/// English would be better than none.
+fn translations(source: &str) -> Translations {
+    let parts: HashMap<String, Translations> = toml::from_str(source).unwrap_or_default();
+    parts.into_values().flatten().collect()
 }

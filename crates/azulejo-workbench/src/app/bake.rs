@@ -14,9 +14,9 @@ use std::sync::Arc;
 /// The last lightmap, and the settings for the next.
 #[derive(Clone, Default)]
 pub struct LightmapState {
-    /// Settings for the next.
+    /// Settings for the next lightmap.
     pub settings: BakeSettings,
-    /// The last one.
+    /// The one that was baked last, which may be outdated.
     pub result: Option<Arc<BakedDocument>>,
     /// Whether it belongs to the document in its current state.
     pub is_current: bool,
@@ -31,7 +31,7 @@ pub struct ViewportLightmap {
     pub key: u64,
     /// Its surfaces and pages.
     pub lightmap: Arc<ShownLightmap>,
-    /// Range of its irradiance.
+    /// From its darkest texel to its brightest, if any has light.
     pub range: Option<IrradianceRange>,
     /// Whether it is shown, and not the light of vertices.
     pub is_shown: bool,

@@ -18,7 +18,7 @@ pub enum Example {
 }
 
 impl Example {
-    /// All examples.
+    /// All examples, in the order of the start screen.
     pub const ALL: [Example; 3] = [
         Example::CornellBox,
         Example::MirrorBlock,

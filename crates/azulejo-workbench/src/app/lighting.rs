@@ -52,7 +52,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts a stopwatch.
+    /// A stopwatch that counts from now on.
     pub fn start() -> Stopwatch {
         Stopwatch {
             runs_since: Some(Instant::now()),
@@ -60,13 +60,13 @@ impl Stopwatch {
         }
     }
 
-    /// Pauses it.
+    /// Stops counting until it is resumed.
     pub fn pause(&mut self) {
         self.before = self.elapsed();
         self.runs_since = None;
     }
 
-    /// Resumes it.
+    /// Goes on counting; does nothing if it does already.
     pub fn resume(&mut self) {
         self.runs_since.get_or_insert_with(Instant::now);
     }
@@ -80,11 +80,11 @@ impl Stopwatch {
 /// Luminance of the irradiance over all vertices, W/m² or lux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IrradianceRange {
-    /// Minimum.
+    /// The smallest.
     pub low: f64,
-    /// Maximum.
+    /// The largest.
     pub high: f64,
-    /// The 95th percentile.
+    /// The 95th percentile, which a few bright vertices do not move.
     pub usual: f64,
 }
 

@@ -11,7 +11,7 @@ mod examples;
 mod exposure;
 mod failures;
 mod files;
-pub mod light_unit;
+pub(crate) mod light_unit;
 mod lighting;
 mod materials;
 mod probes;
@@ -94,7 +94,7 @@ pub enum Severity {
 /// An entry of the message list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// Its severity.
+    /// Whether it is a note, a warning or an error.
     pub level: Severity,
     /// Its text in the language of the window.
     pub text: String,
@@ -105,7 +105,7 @@ pub struct Message {
 /// Per-user files and folders; all are `None` in tests.
 #[derive(Clone, Debug, Default)]
 pub struct UserDirs {
-    /// The preferences file.
+    /// The file of the preferences, `workbench.toml`.
     pub preferences: Option<PathBuf>,
     /// The folder for recovery copies.
     pub recovery: Option<PathBuf>,
@@ -135,11 +135,11 @@ pub struct App {
     pub view: ModelView,
     /// The light solution and its solver.
     pub lighting: Lighting,
-    /// The lightmap.
+    /// The last lightmap, and the settings for the next.
     pub lightmap: LightmapState,
     /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
-    /// The task plane.
+    /// Where the task plane lies, and what was measured on it.
     pub task_plane: TaskPlaneState,
     /// The image being rendered, if there is one.
     pub render: Option<RenderedImage>,

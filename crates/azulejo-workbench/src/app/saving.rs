@@ -33,7 +33,7 @@ impl PendingQuestion {
 /// A file and its state when it was last read or written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OnDisk {
-    /// Its path.
+    /// Where it was read or written last.
     pub path: PathBuf,
     /// Its modification time and length.
     stamp: FileStamp,
@@ -111,11 +111,11 @@ pub struct SavedModel {
 /// A saved file whose mesh is finer than the model, because it carries light.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FinerMesh {
-    /// The file.
+    /// The file that was written.
     pub path: PathBuf,
-    /// Faces of the file.
+    /// Number of faces in the file.
     pub saved: usize,
-    /// Faces of the model.
+    /// Number of faces of the model, which is smaller.
     pub model: usize,
 }
 

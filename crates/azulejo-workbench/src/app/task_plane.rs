@@ -96,7 +96,7 @@ pub struct TaskPlane {
     of: SceneDocument,
 }
 
-/// A horizontal grid.
+/// The cells of a horizontal rectangle, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskGrid {
     /// The corner of the first cell.
@@ -105,7 +105,7 @@ pub struct TaskGrid {
     pub sides: [DVec3; 2],
     /// Numbers of cells along both sides.
     pub counts: [u32; 2],
-    /// Where the plane faces.
+    /// Unit normal: the side of the plane that is measured.
     pub up: DVec3,
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// A shape to add.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewShape {
-    /// Its type.
+    /// Which shape, with what it takes beside a size.
     pub kind: NewShapeKind,
     /// Centre of its base; for an area light, its own centre.
     pub at: DVec3,
@@ -55,9 +55,9 @@ pub struct TextLayout {
 /// A light to add.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewLight {
-    /// Its type.
+    /// Which light source.
     pub kind: NewLightKind,
-    /// Its position.
+    /// Its position in world space.
     pub at: DVec3,
     /// The point it is aimed at.
     pub toward: DVec3,

@@ -33,11 +33,11 @@ pub enum Edit {
     Transform(Vec<ItemId>, DAffine3),
     /// Sets the placement of an object.
     SetPlacement(ItemId, DAffine3),
-    /// Adds a shape.
+    /// Adds an object of this shape.
     AddShape(NewShape),
     /// Replaces the shape of an object.
     SetShape(ItemId, Arc<Shape>),
-    /// Adds a light.
+    /// Adds a light source without area.
     AddLight(NewLight),
     /// Changes a light. A sky around a sun that moves goes with it.
     SetLight(ItemId, Light),
@@ -52,17 +52,17 @@ pub enum Edit {
     /// Surrounds a model in which nothing shines with a floor and three lamps, or hangs a lamp in a
     /// room.
     AddStudio,
-    /// Adds a camera.
+    /// Stores a camera in the document.
     AddCamera(Camera),
-    /// Changes a camera.
+    /// Replaces a stored camera.
     SetCamera(ItemId, Camera),
-    /// Adds a material.
+    /// Adds a material, which no surface has yet.
     AddMaterial(Material),
-    /// Changes a material.
+    /// Replaces a material on all surfaces that have it.
     SetMaterial(MaterialId, Material),
     /// Deletes an unused material; the indices of later materials decrease by one.
     DeleteMaterial(MaterialId),
-    /// Deletes all unused materials.
+    /// Deletes all materials that no surface has; indices of later ones decrease.
     DeleteUnusedMaterials,
     /// Assigns a material to objects.
     Assign(Vec<ItemId>, MaterialId),
@@ -71,9 +71,9 @@ pub enum Edit {
     /// Puts an image behind the scene: how it fills the view, and the radiance of its white,
     /// W/(sr·m²).
     SetBackplate(Arc<Texture>, BackplateFit, f64),
-    /// Sets the background.
+    /// Replaces the background; `None` removes it.
     SetBackground(Option<SceneBackground>),
-    /// Sets the fog.
+    /// Replaces the fog; `None` removes it.
     SetFog(Option<Fog>),
     /// Changes the units. Nothing is scaled.
     SetUnits(Units),

@@ -27,7 +27,7 @@ pub struct ShownLightmap {
 /// Triangles that share no vertices, in the world.
 #[derive(Clone, Debug, Default)]
 pub struct LightmappedMesh {
-    /// The triangles.
+    /// Three vertices for each triangle.
     pub mesh: Mesh,
     /// For each vertex its place on a page, (0, 0) in the upper left corner, and the page, or `NO_SPOT`.
     pub spots: Vec<[f32; 3]>,

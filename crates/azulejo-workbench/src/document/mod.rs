@@ -77,7 +77,7 @@ pub struct SceneDocument {
 pub struct SourceFile {
     /// Prefix of the names of its objects.
     pub name: String,
-    /// Its path.
+    /// Where it was read.
     pub path: PathBuf,
     /// Its format, if it was recognized.
     pub format: Option<Format>,
@@ -88,7 +88,7 @@ pub struct SourceFile {
 /// An object: a shape and its placement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneObject {
-    /// Its id.
+    /// What selections, edits and solutions know it by.
     pub id: ItemId,
     /// Its name; groups of the file are path components, as in `house/kitchen/table`.
     pub name: String,
@@ -108,26 +108,26 @@ pub struct SceneObject {
 /// A light source without area.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLight {
-    /// Its id.
+    /// What selections, edits and solutions know it by.
     pub id: ItemId,
     /// Index of its file in [`SceneDocument::source_files`].
     pub source_file: Option<usize>,
     /// Whether its marker is hidden in the viewport. It still emits light.
     pub hidden: bool,
-    /// The light source.
+    /// Its name, and what it emits from where, in world space.
     pub light: Light,
 }
 
 /// A saved camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
-    /// Its id.
+    /// What selections, edits and solutions know it by.
     pub id: ItemId,
     /// Index of its file in [`SceneDocument::source_files`].
     pub source_file: Option<usize>,
     /// Whether its marker is hidden in the viewport.
     pub hidden: bool,
-    /// The camera.
+    /// Its name, and what it sees from where, in world space.
     pub camera: Camera,
 }
 
@@ -191,7 +191,7 @@ impl SceneObject {
         &self.facts.materials
     }
 
-    /// Replaces the shape.
+    /// Replaces the shape and what is derived from it.
     pub fn set_shape(&mut self, shape: Arc<Shape>) {
         self.facts = Arc::new(ShapeFacts::of(&shape));
         self.shape = shape;
@@ -499,7 +499,7 @@ impl SceneDocument {
         items.chain(lights).chain(cameras).collect()
     }
 
-    /// Its name.
+    /// The name of an object, a light or a camera.
     pub fn name(&self, id: ItemId) -> Option<&str> {
         let item = self.object(id).map(|i| i.name.as_str());
         let lamp = || self.light(id).map(|l| l.light.name.as_str());

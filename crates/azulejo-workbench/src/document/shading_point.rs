@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// A surface point with the data that determine its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingPoint {
-    /// Its material.
+    /// Index of its material in the document.
     pub material: MaterialId,
     /// Which side of the surface is meant.
     pub is_front: bool,

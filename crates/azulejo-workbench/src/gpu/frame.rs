@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct ViewportFrame<'a> {
     /// Width and height in pixels; 0 counts as 1.
     pub size: [u32; 2],
-    /// The camera.
+    /// Where the picture is taken, in world space.
     pub camera: &'a Camera,
-    /// The shading mode.
+    /// What the colours of surfaces mean.
     pub shading: Shading,
     /// The objects to draw.
     pub objects: &'a [DrawnMesh<'a>],
@@ -25,7 +25,7 @@ pub struct ViewportFrame<'a> {
     pub textures: &'a [TextureSource<'a>],
     /// The pages that places of meshes in a lightmap refer to, shown in the modes that show irradiance.
     pub lightmap: Option<LightmapPages<'a>>,
-    /// The background.
+    /// What is seen where no object is.
     pub background: Background<'a>,
     /// Fog, applied in modes with realistic shading.
     pub fog: Option<Fog>,
@@ -84,15 +84,15 @@ impl<'a> ViewportFrame<'a> {
     }
 }
 
-/// A placed mesh.
+/// A mesh at its place in a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnMesh<'a> {
     /// Identity and revision of the mesh except for its irradiance. A new key uploads the geometry;
     /// it is freed when the key has not been drawn for a while.
     pub key: u64,
-    /// Revision of the irradiance.
+    /// Revision of the irradiance: a new one uploads that alone.
     pub light_key: u64,
-    /// Its polygons.
+    /// Its polygons in object space.
     pub mesh: &'a Mesh,
     /// For each vertex its place on a page of the lightmap, u and v from the upper left corner, and
     /// the number of the page, or a negative one. Part of what the key identifies.
@@ -104,7 +104,7 @@ pub struct DrawnMesh<'a> {
     pub bounds: Option<Aabb>,
     /// Whether the whole object is selected.
     pub is_selected: bool,
-    /// Selected faces.
+    /// Indices of the selected faces of the mesh.
     pub selected_faces: &'a [u32],
     /// One value per face for [`Shading::FormFactors`].
     pub face_values: Option<FaceValues<'a>>,
@@ -131,7 +131,7 @@ impl<'a> DrawnMesh<'a> {
 /// One value per face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceValues<'a> {
-    /// Their revision.
+    /// Their revision: a new one uploads them.
     pub key: u64,
     /// One value for each face, >= 0; missing values and NaN are displayed as unknown.
     pub values: &'a [f32],
@@ -160,7 +160,7 @@ pub enum ColorScalar {
 /// A scale that maps values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColorScale {
-    /// The colour map.
+    /// The colours from the lower end to the upper one.
     pub map: ColorMap,
     /// The scalar computed from the irradiance.
     pub quantity: ColorScalar,
@@ -223,9 +223,9 @@ pub enum Background<'a> {
         /// Colour at the upper edge.
         upper: [u8; 3],
     },
-    /// An image.
+    /// An image, and one colour where it does not reach.
     Image {
-        /// The image.
+        /// The image; the colour alone if it could not be loaded.
         picture: TextureSource<'a>,
         /// How it fills the viewport.
         fit: BackplateFit,

@@ -21,7 +21,6 @@ pub struct LightmapPages<'a> {
 /// The layers of a texture, one for each page; a dark one if there are none.
 pub struct LightmapTexture {
     key: Option<u64>,
-    /// The texture.
     pub view: wgpu::TextureView,
     /// Irradiance that the stored value 1 stands for.
     pub scale: f32,

@@ -48,16 +48,16 @@ pub struct OverlayLine {
     pub from: DVec3,
     /// End point.
     pub to: DVec3,
-    /// Its style.
+    /// Its colour, and whether surfaces hide it.
     pub ink: OverlayStyle,
 }
 
 /// A two-sided triangle in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlayTriangle {
-    /// Its vertices.
+    /// Its vertices, in any order.
     pub corners: [DVec3; 3],
-    /// Its style.
+    /// Its colour, and whether surfaces hide it.
     pub ink: OverlayStyle,
 }
 

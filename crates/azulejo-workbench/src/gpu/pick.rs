@@ -15,7 +15,7 @@ const BLOCK: usize = 1 << 14;
 /// The nearest intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PickHit {
-    /// Index of the object.
+    /// Index of the object among those that were given.
     pub object: usize,
     /// Index of the face in its mesh.
     pub face: usize,

@@ -13,9 +13,9 @@ pub const SAMPLES: u32 = 4;
 /// The pixels of an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PixelBuffer {
-    /// Width.
+    /// Number of columns.
     pub width: u32,
-    /// Height.
+    /// Number of rows.
     pub height: u32,
     /// sRGB and opacity, which is always 255, row by row from the upper left corner.
     pub rgba: Vec<u8>,

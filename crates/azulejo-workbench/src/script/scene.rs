@@ -32,11 +32,11 @@ pub enum SceneStep {
     Text {
         /// World units per em.
         size: f64,
-        /// Ems.
+        /// Depth of the letters in ems.
         depth: f64,
-        /// A font file.
+        /// A font file; `None` for the built-in typeface.
         font: Option<PathBuf>,
-        /// The text.
+        /// The rest of the line.
         text: String,
     },
     /// `prism SIZE HEIGHT SIDES`, `prism SIZE HEIGHT FILE`: adds a prism, regular or of a drawing.

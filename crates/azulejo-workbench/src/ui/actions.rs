@@ -15,9 +15,9 @@ use egui::{Event, Key, KeyboardShortcut, Modifiers};
 pub struct Action {
     /// The menu that contains it.
     pub menu: Menu,
-    /// Its English label.
+    /// Its English label, which is its name in scripts, too.
     pub label: &'static str,
-    /// Its shortcut.
+    /// The keys that choose it.
     pub key: Option<KeyboardShortcut>,
     /// What it does in the current state; `None` if it is disabled.
     pub target: fn(&App) -> Option<ActionTarget>,
@@ -74,12 +74,12 @@ pub enum WindowAction {
     AddProbe,
 }
 
-/// The menus.
+/// A menu of the menu bar, or a submenu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Menu {
-    /// Files.
+    /// Opening and saving, recipes and preferences.
     File,
-    /// Edits.
+    /// Undo, the selection and its changes.
     Edit,
     /// New objects.
     Add,
@@ -87,9 +87,9 @@ pub enum Menu {
     View,
     /// Shading modes; a submenu of View.
     Shading,
-    /// The solver.
+    /// The solver, probes and lightmaps.
     Light,
-    /// Help.
+    /// Shortcuts, messages, and what azulejo is.
     Help,
 }
 
@@ -105,7 +105,7 @@ impl Menu {
         Menu::Help,
     ];
 
-    /// Its label.
+    /// Its title in the menu bar.
     pub fn label(self, language: Language) -> &'static str {
         match self {
             Menu::File => language.tr("File"),

@@ -26,12 +26,12 @@ const LEGEND: f32 = 112.0;
 /// Stops by which the exposure of the light is changed at most.
 const STOPS: f64 = 10.0;
 
-/// The window.
+/// The window that shows the pages of the lightmap.
 #[derive(Default)]
 pub struct LightmapWindow {
     /// Whether it is open.
     pub is_open: bool,
-    /// What it shows.
+    /// The page, and the colours of its texels.
     pub view: PageView,
     /// Whether a texel is a point wide, instead of all being in view.
     has_full_size: bool,

@@ -117,7 +117,6 @@ struct LightingKey {
     lights: Vec<Light>,
     /// Emissive objects.
     items: Vec<(ShapePointer, DAffine3)>,
-    /// Their materials.
     materials: Vec<Arc<Material>>,
 }
 

@@ -1,35 +1,34 @@
 //! The parts of the window. Each displays state and issues commands.
 //!
-//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated
-//! by
+//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated by
 //! tests and driven by scripts.
 
 pub mod actions;
 pub mod brdf;
 mod color_temperature;
-pub mod colors;
-pub mod dialogs;
+mod colors;
+mod dialogs;
 mod emitter;
 mod focus;
 mod group_transform;
 mod help;
 mod inputs;
-pub mod inspector;
+mod inspector;
 mod lamps;
-pub mod light;
+mod light;
 pub mod lightmap;
 mod material;
 mod material_actions;
 mod material_library;
-pub mod menu;
-pub mod messages;
-pub mod panel_context;
+mod menu;
+mod messages;
+mod panel_context;
 mod surroundings;
-pub mod tree;
-pub mod view_tab;
-pub mod viewport;
+mod tree;
+mod view_tab;
+mod viewport;
 mod workbench;
 
 pub(crate) use material_library::giving;
-pub use viewport::Viewport;
+pub use viewport::{DeviceLost, Viewport};
 pub use workbench::{PanelTab, Rescued, Workbench};

@@ -5,9 +5,9 @@ use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId};
 use crate::words::Language;
 
-/// The state to display, and the commands issued by the panels.
+/// What every panel gets: the state, and a place for its commands.
 pub struct PanelContext<'a> {
-    /// The app.
+    /// The state to display.
     pub app: &'a App,
     /// The language of the window.
     pub language: Language,

@@ -45,7 +45,7 @@ pub enum PanelTab {
 }
 
 impl PanelTab {
-    /// All tabs.
+    /// All tabs, from left to right.
     pub const ALL: [PanelTab; 4] = [
         PanelTab::Object,
         PanelTab::Material,
@@ -56,7 +56,7 @@ impl PanelTab {
 
 /// The window.
 pub struct Workbench {
-    /// The app.
+    /// The state that the window shows and changes.
     pub app: App,
     /// The active tab of the right panel.
     pub tab: PanelTab,
@@ -88,7 +88,7 @@ pub struct Workbench {
 
 /// What is saved from a window that could not stay open.
 pub struct Rescued {
-    /// The app.
+    /// The state, with all that is not saved.
     pub app: App,
     /// The script with its remaining steps.
     pub player: Option<ScriptPlayer>,

@@ -1,12 +1,18 @@
-//! The tables contain exactly the texts of the window.
+//! The translations are those of texts of the window.
 
 use super::*;
 use crate::ui::actions::ACTIONS;
 use crate::view::COLORS;
+use azulejo::scene::brdf::MODELS;
+use azulejo::scene::sky::CieSky;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The sources of the window, without the tables.
+/// As many texts may wait for somebody who speaks the languages. With more, the window would be in two languages.
+const UNTRANSLATED: usize = 20;
+
+/// The sources of the window.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -90,9 +96,68 @@ fn is_translated(code: &str) -> bool {
         .is_some_and(|before| !before.ends_with(is_name))
 }
 
-fn table() -> BTreeMap<&'static str, &'static Translation> {
-    let entries = TABLES.iter().flat_map(|t| t.iter());
-    entries.map(|e| (e[0], e)).collect()
+/// The parts of the window in a file, each with its English texts.
+fn keys(source: &str) -> BTreeSet<(String, String)> {
+    let parts: BTreeMap<String, Translations> = toml::from_str(source).unwrap();
+    let pairs = |(part, texts): (String, Translations)| {
+        texts.into_keys().map(move |text| (part.clone(), text))
+    };
+    parts.into_iter().flat_map(pairs).collect()
+}
+
+/// Each text with its translations to Spanish and Portuguese.
+fn entries() -> Vec<[String; 3]> {
+    let mut portuguese = translations(PORTUGUESE);
+    let spanish = translations(SPANISH).into_iter();
+    spanish
+        .filter_map(|(english, es)| portuguese.remove(&english).map(|pt| [english, es, pt]))
+        .collect()
+}
+
+/// The texts of the window that are meant to be translated, each with where it stands.
+fn texts() -> BTreeMap<String, String> {
+    let mut texts = BTreeMap::new();
+    for (path, source) in sources() {
+        let literals = literals(&source).into_iter();
+        let translated = literals.filter(|(code, _)| is_translated(code));
+        texts.extend(translated.map(|(_, text)| (text, path.display().to_string())));
+    }
+    assert!(
+        texts.len() > 200,
+        "only {} texts in calls of tr",
+        texts.len()
+    );
+    let mut note = |text: &str, place: &str| texts.insert(text.to_owned(), place.to_owned());
+    for action in ACTIONS {
+        note(action.label, "ACTIONS");
+    }
+    for (name, _) in COLORS {
+        note(name, "COLORS");
+    }
+    for sky in CieSky::all() {
+        note(sky.name(), "types of skies");
+    }
+    for label in undo_labels() {
+        note(&label, "labels of undo");
+    }
+    for parameter in MODELS.iter().flat_map(|model| model.all_parameters()) {
+        note(parameter.about, "parameters of reflection models");
+        // The others are symbols.
+        if ["degrees", "radii"].contains(&parameter.unit) {
+            note(parameter.unit, "units of reflection models");
+        }
+    }
+    texts
+}
+
+/// What undo takes back.
+fn undo_labels() -> Vec<String> {
+    let source = include_str!("../document/edit.rs");
+    let body = source.split("pub fn label").nth(1).unwrap();
+    let body = body.split("    }\n\n").next().unwrap();
+    let labels: Vec<String> = literals(body).into_iter().map(|(_, text)| text).collect();
+    assert!(labels.len() > 15, "{labels:?}");
+    labels
 }
 
 #[test]
@@ -107,51 +172,40 @@ fn sources_are_understood() {
     assert!(is_translated(found[1].0) && !is_translated("f.write_str("));
 }
 
+/// Whoever adds a text need not speak Spanish and Portuguese: it is displayed in English, and listed in the
+/// output of this test, which does not fail on a few of them.
 #[test]
-fn every_text_of_the_window_is_in_a_table() {
-    let table = table();
-    let mut missing = BTreeSet::new();
-    let mut count = 0;
-    for (path, source) in sources() {
-        for (code, text) in literals(&source) {
-            if is_translated(code) {
-                count += 1;
-                if !table.contains_key(text.as_str()) {
-                    missing.insert(format!("{}: {text}", path.display()));
-                }
-            }
-        }
+fn texts_are_translated_but_for_a_few() {
+    let translations = translations(SPANISH);
+    let mut missing = texts();
+    missing.retain(|text, _| !translations.contains_key(text));
+    if !missing.is_empty() {
+        // Tests that pass are silent where they print as usual.
+        let mut out = std::io::stdout();
+        writeln!(out, "texts without translation: {missing:#?}").unwrap();
     }
-    assert!(count > 200, "only {count} texts were found");
-    let named = ACTIONS.iter().map(|a| a.label);
-    let named = named.chain(COLORS.iter().map(|(name, _)| *name));
-    missing.extend(named.filter(|n| !table.contains_key(n)).map(str::to_owned));
-    assert!(missing.is_empty(), "without translation: {missing:#?}");
+    let count = missing.len();
+    assert!(
+        count <= UNTRANSLATED,
+        "{count} texts, listed above, have no translation"
+    );
 }
 
 #[test]
-fn every_type_of_sky_is_in_a_table() {
-    let table = table();
-    for sky in azulejo::scene::sky::CieSky::all() {
-        assert!(table.contains_key(sky.name()), "{}", sky.name());
-    }
+fn both_languages_have_the_same_texts_and_each_once() {
+    let [spanish, portuguese] = [SPANISH, PORTUGUESE].map(keys);
+    let only = |a: &BTreeSet<_>, b: &BTreeSet<_>| a.difference(b).cloned().collect::<Vec<_>>();
+    assert_eq!(only(&spanish, &portuguese), [], "in Spanish only");
+    assert_eq!(only(&portuguese, &spanish), [], "in Portuguese only");
+    assert_eq!(
+        translations(SPANISH).len(),
+        spanish.len(),
+        "a text stands in two parts"
+    );
 }
 
 #[test]
-fn what_undo_takes_back_is_in_a_table() {
-    let source = include_str!("../document/edit.rs");
-    let body = source.split("pub fn label").nth(1).unwrap();
-    let body = body.split("    }\n\n").next().unwrap();
-    let labels = literals(body);
-    assert!(labels.len() > 15, "{labels:?}");
-    let table = table();
-    for (_, label) in labels {
-        assert!(table.contains_key(label.as_str()), "{label}");
-    }
-}
-
-#[test]
-fn nothing_in_the_tables_is_without_use() {
+fn no_translation_is_without_use() {
     let mut used = BTreeSet::new();
     let mut all = sources();
     // Reflection models contain their own names and those of their parameters, and so do skies.
@@ -162,40 +216,34 @@ fn nothing_in_the_tables_is_without_use() {
     for (_, source) in all {
         used.extend(literals(&source).into_iter().map(|(_, text)| text));
     }
-    let unused: Vec<&str> = table().into_keys().filter(|t| !used.contains(*t)).collect();
+    let translated = translations(SPANISH).into_keys();
+    let unused: Vec<String> = translated.filter(|text| !used.contains(text)).collect();
     assert!(unused.is_empty(), "{unused:#?}");
 }
 
 #[test]
-fn a_text_has_one_translation() {
-    let mut known: BTreeMap<&str, &Translation> = BTreeMap::new();
-    for entry in TABLES.iter().flat_map(|t| t.iter()) {
-        for text in entry {
-            assert!(!text.trim().is_empty(), "{entry:?}");
-            assert_eq!(text.trim(), *text, "{entry:?}");
-        }
-        if let Some(other) = known.insert(entry[0], entry) {
-            assert_eq!(other, entry);
-        }
+fn translations_say_something() {
+    for text in entries().iter().flatten() {
+        assert!(!text.is_empty() && text.trim() == text, "{text:?}");
     }
 }
 
 /// An ellipsis announces a dialog and a colon a value, in every language.
 #[test]
 fn translations_end_as_their_texts_do() {
-    for entry in TABLES.iter().flat_map(|t| t.iter()) {
+    for entry in entries() {
         let end = |text: &str| {
             let last = text.chars().last();
             last.filter(|c| ['…', ':', '.', '°'].contains(c))
         };
-        assert!(entry.iter().all(|t| end(t) == end(entry[0])), "{entry:?}");
+        assert!(entry.iter().all(|t| end(t) == end(&entry[0])), "{entry:?}");
     }
 }
 
 /// A sentence that is the same in two languages has not been translated.
 #[test]
 fn sentences_are_translated() {
-    for entry in TABLES.iter().flat_map(|t| t.iter()) {
+    for entry in entries() {
         let is_sentence = entry[0].split(' ').filter(|w| w.len() > 2).count() > 2;
         assert!(
             !is_sentence || (entry[0] != entry[1] && entry[0] != entry[2]),

@@ -53,7 +53,7 @@ pub(super) const GROUPS: [ModelGroup; 6] = [
 ];
 
 impl ModelGroup {
-    /// Its models.
+    /// Its models; of the last group those that are in no other.
     pub fn models(&self) -> impl Iterator<Item = &'static ModelInfo> {
         let is_last = self.names.is_empty();
         let named = |name: &str| GROUPS.iter().any(|g| g.names.contains(&name));
@@ -155,7 +155,6 @@ pub(super) enum FresnelChoice {
     Index,
     /// Reflectance at normal incidence, Schlick's approximation.
     Schlick,
-    /// Constant.
     Constant,
 }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub struct ModelFile {
     /// Its description; measured data keep the name of the file.
     pub description: Description,
-    /// Warnings.
+    /// What was skipped or repaired, one text each.
     pub warnings: Vec<String>,
 }
 

@@ -11,7 +11,6 @@ use azulejo::scene::{Brdf, Dielectric, Material, Rgb};
 use egui::{ComboBox, Ui};
 use glam::DVec3;
 
-/// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SurfaceKind {
     Matt,

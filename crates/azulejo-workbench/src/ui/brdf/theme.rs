@@ -107,12 +107,10 @@ pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
     }
 }
 
-/// An error.
 pub(super) fn problem(ui: &mut Ui, words: &str) {
     marked(ui, words, ui.visuals().error_fg_color);
 }
 
-/// A notice.
 pub(super) fn notice(ui: &mut Ui, words: &str) {
     marked(ui, words, ui.visuals().warn_fg_color);
 }

@@ -1,31 +1,22 @@
-//! The file dialog: the desktop's, or azulejo's own where there is none.
+//! The file dialog: the desktop's, or a field for a path where there is none.
 
-mod browser;
-mod listing;
 mod native;
-mod own;
-mod places;
+mod path_dialog;
 mod request;
-mod rows;
 mod typed_path;
 
 use crate::command::{Command, FileRequest};
-use crate::preferences::FileDialogs;
 use crate::ui::panel_context::PanelContext;
-use browser::BrowserTask;
 use egui::{Context, Id, Modal, Ui};
-use listing::ListOptions;
 pub use native::NativeSupport;
-use native::{NativeAnswer, NativeDialog, NativeFileRequest};
-use own::{DialogAnswer, OwnFileDialog};
+use native::{FileAnswer, NativeDialog, NativeFileRequest};
+use path_dialog::PathDialog;
 use std::path::{Path, PathBuf};
 
 /// The file dialog, and the question before a file is replaced.
 #[derive(Default)]
 pub(super) struct FileChooser {
     dialog: Option<(FileRequest, FileDialogKind)>,
-    /// What the own dialog lists, from one time to the next.
-    options: ListOptions,
     /// An existing file that would be replaced, with the request it was chosen for.
     replacing: Option<(FileRequest, PathBuf)>,
     /// The folder of the last dialog.
@@ -36,8 +27,8 @@ pub(super) struct FileChooser {
 
 /// An open dialog.
 enum FileDialogKind {
-    /// Azulejo's own.
-    Own(Box<OwnFileDialog>),
+    /// A field for a path.
+    Typed(PathDialog),
     /// The desktop's, which the window opens after the frame.
     NativeWanted(Box<NativeFileRequest>),
     /// The desktop's.
@@ -85,66 +76,40 @@ impl FileChooser {
         }
         let (what, kind) = self.dialog.as_mut()?;
         let what = *what;
-        match kind {
-            FileDialogKind::Own(own) => {
-                let answer = own.show(ui, cx, request::title(what, cx))?;
-                self.options = own.options();
-                self.folder = Some(own.folder().to_owned());
-                self.close(what, answer, false, cx)
-            }
-            FileDialogKind::NativeWanted(_) => {
-                wait_for_native(ui, cx, None);
-                None
-            }
-            FileDialogKind::Native(native) => {
-                let answer = wait_for_native(ui, cx, native.answer())?;
-                self.close_native(what, answer, cx)
-            }
-        }
+        let answer = match kind {
+            FileDialogKind::Typed(dialog) => dialog.show(ui, cx, request::title(what, cx)),
+            FileDialogKind::NativeWanted(_) => wait_for_native(ui, cx, None),
+            FileDialogKind::Native(native) => wait_for_native(ui, cx, native.answer()),
+        };
+        self.close(what, answer?, cx)
     }
 
-    /// Uses the answer of the desktop's dialog, or goes on with the own one if it failed.
-    fn close_native(
-        &mut self,
-        what: FileRequest,
-        answer: NativeAnswer,
-        cx: &mut PanelContext,
-    ) -> Option<ChosenFiles> {
-        match answer {
-            NativeAnswer::Chosen(paths) => {
-                let folder = paths.first().and_then(|p| p.parent());
-                self.folder = folder.map(Path::to_owned).or(self.folder.take());
-                self.close(what, DialogAnswer::Chosen(paths), true, cx)
-            }
-            NativeAnswer::Cancelled => self.close(what, DialogAnswer::Cancelled, true, cx),
-            NativeAnswer::Failed => {
-                // What failed once is not tried again.
-                self.native = NativeSupport::default();
-                self.dialog = Some((what, FileDialogKind::Own(self.open_own(what, cx))));
-                None
-            }
-        }
-    }
-
-    /// Closes the dialog; returns the chosen files, unless one of them would be replaced and the
-    /// dialog has not asked about it: `has_asked`.
+    /// Closes the dialog; returns the chosen files, unless one of them would be replaced and nobody has
+    /// asked about it. Where the desktop's dialog failed, a path is typed.
     fn close(
         &mut self,
         what: FileRequest,
-        answer: DialogAnswer,
-        has_asked: bool,
+        answer: FileAnswer,
         cx: &mut PanelContext,
     ) -> Option<ChosenFiles> {
-        self.dialog = None;
+        let dialog = self.dialog.take();
         let paths = match answer {
-            DialogAnswer::Chosen(paths) => paths,
-            DialogAnswer::Cancelled => Vec::new(),
+            FileAnswer::Chosen(paths) => paths,
+            FileAnswer::Cancelled => Vec::new(),
+            FileAnswer::Failed => {
+                // What failed once is not tried again.
+                self.native = NativeSupport::default();
+                self.dialog = Some((what, self.open(what, cx)));
+                return None;
+            }
         };
         let Some(mut first) = paths.first().cloned() else {
             cx.send(Command::CancelPending);
             return None;
         };
-        let mut may_replace = has_asked;
+        self.folder = first.parent().map(Path::to_owned);
+        let is_typed = matches!(dialog, Some((_, FileDialogKind::Typed(_))));
+        let mut may_replace = !is_typed;
         if let (None, Some(extension)) = (first.extension(), request::default_extension(what)) {
             first.set_extension(extension);
             may_replace = false;
@@ -201,25 +166,14 @@ impl FileChooser {
         }
     }
 
-    /// Opens the desktop's dialog if it has one and the user wants it, or the own one.
+    /// The desktop's dialog if it has one, or a field for a path.
     fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialogKind {
-        let wants_native = cx.app.preferences.file_dialogs == FileDialogs::Native;
-        if wants_native && self.native.is_known() {
-            FileDialogKind::NativeWanted(Box::new(self.native_request(what, cx)))
-        } else {
-            FileDialogKind::Own(self.open_own(what, cx))
+        if self.native.is_known() {
+            return FileDialogKind::NativeWanted(Box::new(self.native_request(what, cx)));
         }
-    }
-
-    fn open_own(&self, what: FileRequest, cx: &PanelContext) -> Box<OwnFileDialog> {
-        let task = BrowserTask {
-            saves: request::saves(what),
-            many: request::takes_many(what),
-            extensions: request::extensions(what),
-        };
         let folder = self.folder(cx).unwrap_or_default();
         let name = request::proposed_name(what, &stem(cx), cx.app);
-        Box::new(OwnFileDialog::new(task, folder, name, self.options, cx))
+        FileDialogKind::Typed(PathDialog::new(request::saves(what), folder, name))
     }
 
     fn native_request(&self, what: FileRequest, cx: &PanelContext) -> NativeFileRequest {
@@ -247,23 +201,23 @@ impl FileChooser {
 fn wait_for_native(
     ui: &Ui,
     cx: &PanelContext,
-    mut answer: Option<NativeAnswer>,
-) -> Option<NativeAnswer> {
+    mut answer: Option<FileAnswer>,
+) -> Option<FileAnswer> {
     let modal = Modal::new(Id::unique("native files")).show(ui.ctx(), |ui| {
         ui.set_width(320.0);
         ui.label(cx.tr("The file is being chosen in a window of the desktop."));
         ui.horizontal(|ui| {
-            if ui.button(cx.tr("Choose it here")).clicked() {
-                answer = Some(NativeAnswer::Failed);
+            if ui.button(cx.tr("Type a path…")).clicked() {
+                answer = Some(FileAnswer::Failed);
             }
             if ui.button(cx.tr("Cancel")).clicked() {
-                answer = Some(NativeAnswer::Cancelled);
+                answer = Some(FileAnswer::Cancelled);
             }
         });
     });
     // A click beside it comes from the other window as it closes.
     let escapes = modal.is_top_modal && ui.input(|i| i.key_pressed(egui::Key::Escape));
-    answer.or(escapes.then_some(NativeAnswer::Cancelled))
+    answer.or(escapes.then_some(FileAnswer::Cancelled))
 }
 
 /// The types of files that the desktop's dialog offers. Its patterns know upper and lower case.

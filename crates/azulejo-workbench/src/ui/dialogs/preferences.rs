@@ -1,7 +1,7 @@
 //! The preferences.
 
 use crate::command::Command;
-use crate::preferences::{FileDialogs, MAX_GATHER, Preferences, Theme};
+use crate::preferences::{MAX_GATHER, Preferences, Theme};
 use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
 use crate::view::ColorMap;
@@ -56,18 +56,6 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
     ui.add(slider.update_while_editing(false))
         .labelled_by(label.id);
-    ui.end_row();
-    ui.label(tr("File dialogs"));
-    ui.horizontal(|ui| {
-        let about = tr("If the desktop has none, azulejo's are used.");
-        ui.selectable_value(
-            &mut new.file_dialogs,
-            FileDialogs::Native,
-            tr("the desktop's"),
-        )
-        .on_hover_text(about);
-        ui.selectable_value(&mut new.file_dialogs, FileDialogs::Own, tr("azulejo's"));
-    });
     ui.end_row();
     let label = ui.label(tr("Colour map"));
     egui::ComboBox::new("map", "")

@@ -6,7 +6,6 @@ use crate::ui::viewport::number;
 use azulejo::radiosity::{Method, Report};
 use egui::{Grid, RichText, Ui};
 
-/// Draws the report.
 pub fn show(ui: &mut Ui, cx: &PanelContext, report: &Report) {
     let grid = Grid::new("report").num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| rows(ui, cx, report));

@@ -39,7 +39,7 @@ pub enum LightmapView {
 }
 
 impl LightmapView {
-    /// All of them.
+    /// All views, in the order of the window.
     pub const ALL: [LightmapView; 5] = [
         LightmapView::Light,
         LightmapView::FalseColor,
@@ -63,7 +63,7 @@ impl LightmapView {
 /// A page, and how it is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PageView {
-    /// What is shown.
+    /// What the colours of texels mean.
     pub quantity: LightmapView,
     /// The page, from 0.
     pub page: usize,
@@ -71,7 +71,7 @@ pub struct PageView {
     pub stops: f64,
     /// Whether the colour scale is logarithmic.
     pub is_logarithmic: bool,
-    /// The colours.
+    /// The colours that stand for values.
     pub map: ColorMap,
 }
 
@@ -118,7 +118,7 @@ impl PagePicture {
         }
     }
 
-    /// The pixels.
+    /// The pixels, which are shared and not copied.
     pub fn pixels(&self) -> Arc<ColorImage> {
         Arc::clone(&self.pixels)
     }

@@ -22,7 +22,6 @@ pub struct ViewportCache {
 
 /// The polygons of one object.
 pub struct CachedMesh {
-    /// Its id.
     pub id: ItemId,
     shape: Arc<Shape>,
     /// The tessellation of an exact shape.

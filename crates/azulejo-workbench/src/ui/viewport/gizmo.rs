@@ -47,7 +47,6 @@ pub struct Gizmo<'a> {
     pub rect: Rect,
     /// The centre of the selection.
     pub centre: DVec3,
-    /// What the handles do.
     pub mode: GizmoMode,
 }
 

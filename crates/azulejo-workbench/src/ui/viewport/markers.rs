@@ -15,7 +15,7 @@ const CAMERA: [u8; 3] = [96, 170, 255];
 const GROUND: [u8; 3] = [128, 128, 128];
 const CHOSEN: [u8; 3] = [255, 150, 30];
 
-/// All overlays.
+/// What is drawn beside the model: the grid, markers of lights and cameras, handles.
 pub fn overlay(app: &App, shading: Shading) -> Overlay {
     let mut overlay = Overlay::default();
     let bounds = app.document.bounds(None);

@@ -49,7 +49,7 @@ pub struct Viewport {
     other: Option<ViewPane>,
     rendered: rendered::RenderTexture,
     start: start::StartScreen,
-    /// The mode of the gizmo.
+    /// Whether the handles of the selection move, rotate or scale it.
     pub mode: GizmoMode,
     grip: Option<GizmoHandle>,
     /// The text for the point under the mouse.

@@ -70,7 +70,6 @@ fn is_offered() -> bool {
 /// What the dialog asks for.
 #[derive(Clone, Debug)]
 pub struct NativeFileRequest {
-    /// Its title.
     pub title: String,
     /// Whether a file is written.
     pub saves: bool,
@@ -84,14 +83,14 @@ pub struct NativeFileRequest {
     pub types: Vec<(String, Vec<String>)>,
 }
 
-/// The answer of a dialog.
+/// How a dialog was left.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NativeAnswer {
+pub enum FileAnswer {
     /// Files were chosen.
     Chosen(Vec<PathBuf>),
     /// The user chose none.
     Cancelled,
-    /// The dialog did not open.
+    /// The desktop's dialog did not open, or the user would rather type a path.
     Failed,
 }
 
@@ -121,23 +120,23 @@ impl NativeDialog {
     }
 
     /// The answer, once there is one.
-    pub fn answer(&self) -> Option<NativeAnswer> {
+    pub fn answer(&self) -> Option<FileAnswer> {
         match self.0.try_recv() {
             Ok((paths, after)) => Some(understand(paths, after)),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(NativeAnswer::Failed),
+            Err(TryRecvError::Disconnected) => Some(FileAnswer::Failed),
         }
     }
 }
 
 /// A dialog that could not open says the same as one that was cancelled. But nobody cancels what has
 /// hardly appeared.
-fn understand(paths: Option<Vec<PathBuf>>, after: Duration) -> NativeAnswer {
+fn understand(paths: Option<Vec<PathBuf>>, after: Duration) -> FileAnswer {
     const TOO_SOON: Duration = Duration::from_millis(250);
     match paths {
-        Some(paths) if !paths.is_empty() => NativeAnswer::Chosen(paths),
-        _ if after < TOO_SOON => NativeAnswer::Failed,
-        _ => NativeAnswer::Cancelled,
+        Some(paths) if !paths.is_empty() => FileAnswer::Chosen(paths),
+        _ if after < TOO_SOON => FileAnswer::Failed,
+        _ => FileAnswer::Cancelled,
     }
 }
 
@@ -172,11 +171,11 @@ mod tests {
     fn a_dialog_that_closes_at_once_has_not_opened() {
         let (soon, late) = (Duration::from_millis(20), Duration::from_secs(2));
         let paths = Some(vec![PathBuf::from("/a.obj")]);
-        let chosen = NativeAnswer::Chosen(vec!["/a.obj".into()]);
+        let chosen = FileAnswer::Chosen(vec!["/a.obj".into()]);
         assert_eq!(understand(paths, soon), chosen);
-        assert_eq!(understand(None, soon), NativeAnswer::Failed);
-        assert_eq!(understand(Some(Vec::new()), soon), NativeAnswer::Failed);
-        assert_eq!(understand(None, late), NativeAnswer::Cancelled);
+        assert_eq!(understand(None, soon), FileAnswer::Failed);
+        assert_eq!(understand(Some(Vec::new()), soon), FileAnswer::Failed);
+        assert_eq!(understand(None, late), FileAnswer::Cancelled);
     }
 
     #[test]
@@ -190,6 +189,6 @@ mod tests {
         let dialog = NativeDialog(receiver);
         assert_eq!(dialog.answer(), None);
         drop(sender);
-        assert_eq!(dialog.answer(), Some(NativeAnswer::Failed));
+        assert_eq!(dialog.answer(), Some(FileAnswer::Failed));
     }
 }

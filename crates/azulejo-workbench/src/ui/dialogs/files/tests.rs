@@ -39,32 +39,28 @@ impl Drop for ChosenFolder {
 }
 
 #[test]
-fn the_desktops_dialog_opens_where_there_is_one_and_it_is_wanted() {
-    let mut app = App::quiet();
-    let open = |chooser: &FileChooser, app: &App| chooser.open(FileRequest::Open, &context(app));
-    let native = open(&chooser(), &app);
-    let FileDialogKind::NativeWanted(request) = native else {
-        panic!("it is wanted");
+fn the_desktops_dialog_opens_where_there_is_one() {
+    let app = App::quiet();
+    let open = |chooser: &FileChooser| chooser.open(FileRequest::Open, &context(&app));
+    let FileDialogKind::NativeWanted(request) = open(&chooser()) else {
+        panic!("it is known");
     };
     assert!(request.many && !request.saves);
     assert!(request.types[0].1.contains(&"OBJ".to_owned()));
     let none = FileChooser::default();
-    assert!(matches!(open(&none, &app), FileDialogKind::Own(_)));
-    app.preferences.file_dialogs = FileDialogs::Own;
-    assert!(matches!(open(&chooser(), &app), FileDialogKind::Own(_)));
+    assert!(matches!(open(&none), FileDialogKind::Typed(_)));
 }
 
 #[test]
-fn a_dialog_of_the_desktop_that_fails_is_replaced_by_the_own_one() {
+fn a_path_is_typed_where_the_dialog_of_the_desktop_fails() {
     let app = App::quiet();
     let mut cx = context(&app);
     let mut chooser = chooser();
-    let failed = NativeAnswer::Failed;
-    let chosen = chooser.close_native(FileRequest::Open, failed, &mut cx);
+    let chosen = chooser.close(FileRequest::Open, FileAnswer::Failed, &mut cx);
     assert!(chosen.is_none() && cx.commands.is_empty());
     assert!(matches!(
         chooser.dialog,
-        Some((FileRequest::Open, FileDialogKind::Own(_)))
+        Some((FileRequest::Open, FileDialogKind::Typed(_)))
     ));
     assert!(!chooser.native.is_known(), "it is not tried again");
 }
@@ -74,8 +70,7 @@ fn a_dialog_of_the_desktop_that_is_cancelled_cancels_what_waits() {
     let app = App::quiet();
     let mut cx = context(&app);
     let mut chooser = chooser();
-    let cancelled = NativeAnswer::Cancelled;
-    let chosen = chooser.close_native(FileRequest::SaveAs, cancelled, &mut cx);
+    let chosen = chooser.close(FileRequest::SaveAs, FileAnswer::Cancelled, &mut cx);
     assert!(chosen.is_none() && !chooser.is_open());
     assert_eq!(cx.commands, [Command::CancelPending]);
 }
@@ -90,8 +85,8 @@ fn a_file_is_asked_about_once() {
     let path = folder.0.join("a.grf");
     std::fs::write(&path, "").unwrap();
     let mut close = |name: &str| {
-        let answer = NativeAnswer::Chosen(vec![folder.0.join(name)]);
-        let chosen = chooser.close_native(FileRequest::SaveAs, answer, &mut cx);
+        let answer = FileAnswer::Chosen(vec![folder.0.join(name)]);
+        let chosen = chooser.close(FileRequest::SaveAs, answer, &mut cx);
         (
             chosen.map(|c| c.first),
             chooser.replacing.take().map(|r| r.1),
@@ -100,11 +95,11 @@ fn a_file_is_asked_about_once() {
     assert_eq!(close("a.grf"), (Some(path.clone()), None));
     assert_eq!(close("a"), (None, Some(path.clone())));
     assert_eq!(close("b"), (Some(folder.0.join("b.grf")), None));
-    let own = DialogAnswer::Chosen(vec![path.clone()]);
-    assert!(
-        chooser
-            .close(FileRequest::SaveAs, own, false, &mut cx)
-            .is_none()
-    );
+    // Nobody has asked about what was typed.
+    let dialog = PathDialog::new(true, folder.0.clone(), "a.grf".into());
+    chooser.dialog = Some((FileRequest::SaveAs, FileDialogKind::Typed(dialog)));
+    let typed = FileAnswer::Chosen(vec![path.clone()]);
+    let chosen = chooser.close(FileRequest::SaveAs, typed, &mut cx);
+    assert!(chosen.is_none());
     assert_eq!(chooser.replacing.map(|r| r.1), Some(path));
 }

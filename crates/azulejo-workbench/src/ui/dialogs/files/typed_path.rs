@@ -2,9 +2,43 @@
 
 use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 
+/// Why a typed path is no file that can be opened or written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PathProblem {
+    /// There is no such file.
+    NoFile(PathBuf),
+    /// There is no such folder.
+    NoFolder(PathBuf),
+    /// A folder stands there.
+    IsFolder(PathBuf),
+}
+
+/// The file that is meant by `text`, which is relative to `folder` unless it begins with `/` or `~`.
+///
+/// # Errors
+///
+/// The reason why it cannot be opened, or, if it `saves`, written: then it need not exist, but its
+/// folder must.
+pub fn check(saves: bool, folder: &Path, text: &str) -> Result<PathBuf, PathProblem> {
+    let home = directories::UserDirs::new();
+    let text = text.trim();
+    let path = resolve(folder, home.as_ref().map(|h| h.home_dir()), text);
+    if path.is_dir() {
+        return Err(PathProblem::IsFolder(path));
+    }
+    if text.ends_with(is_separator) {
+        return Err(PathProblem::NoFolder(path));
+    }
+    match path.parent().filter(|above| !above.is_dir()) {
+        Some(above) => Err(PathProblem::NoFolder(above.to_owned())),
+        None if saves || path.exists() => Ok(path),
+        None => Err(PathProblem::NoFile(path)),
+    }
+}
+
 /// The path that is meant by `text` in `folder`: an absolute or relative one, or one that begins
 /// with `~`, which stands for `home`.
-pub fn resolve(folder: &Path, home: Option<&Path>, text: &str) -> PathBuf {
+fn resolve(folder: &Path, home: Option<&Path>, text: &str) -> PathBuf {
     if let Some(home) = home
         && let Some(rest) = text.strip_prefix('~')
         && (rest.is_empty() || rest.starts_with(is_separator))
@@ -12,16 +46,6 @@ pub fn resolve(folder: &Path, home: Option<&Path>, text: &str) -> PathBuf {
         return tidy(&home.join(rest.trim_start_matches(is_separator)));
     }
     tidy(&folder.join(text))
-}
-
-/// Whether `text` is more than the name of a file in the folder.
-pub fn has_folders(text: &str) -> bool {
-    text.contains(is_separator) || text == "~" || text == ".."
-}
-
-/// Whether `text` can only mean a folder.
-pub fn is_folder(text: &str) -> bool {
-    text.ends_with(is_separator)
 }
 
 fn is_separator(c: char) -> bool {
@@ -43,20 +67,6 @@ fn tidy(path: &Path) -> PathBuf {
         }
     }
     tidied
-}
-
-/// The folders above a path and itself, outermost first, with their names.
-pub fn crumbs(folder: &Path) -> Vec<(String, PathBuf)> {
-    let mut found: Vec<(String, PathBuf)> = folder
-        .ancestors()
-        .filter(|a| !a.as_os_str().is_empty())
-        .map(|a| {
-            let name = a.file_name().unwrap_or(a.as_os_str());
-            (name.to_string_lossy().into_owned(), a.to_owned())
-        })
-        .collect();
-    found.reverse();
-    found
 }
 
 /// The number of characters before the extension of a name.
@@ -90,17 +100,29 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_told_from_names() {
-        assert!(has_folders("a/b") && has_folders("~") && has_folders("..") && !has_folders("a.b"));
-        assert!(is_folder("a/") && !is_folder("a"));
-    }
-
-    #[test]
-    fn every_folder_of_a_path_has_a_name() {
-        let crumbs = crumbs(Path::new("/a/b"));
-        let names: Vec<&str> = crumbs.iter().map(|(name, _)| &**name).collect();
-        assert_eq!(names, ["/", "a", "b"]);
-        assert_eq!(crumbs[1].1, Path::new("/a"));
+    fn what_is_not_there_is_told() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let path = |name: &str| folder.join(name);
+        let (file, none) = (path("src/lib.rs"), path("src/none.rs"));
+        let no_folder = || Err(PathProblem::NoFolder(path("zoo")));
+        for (text, opened, saved) in [
+            (" src/lib.rs ", Ok(file.clone()), Ok(file)),
+            (
+                "src/none.rs",
+                Err(PathProblem::NoFile(none.clone())),
+                Ok(none),
+            ),
+            ("zoo/a.obj", no_folder(), no_folder()),
+            ("zoo/", no_folder(), no_folder()),
+            (
+                "src",
+                Err(PathProblem::IsFolder(path("src"))),
+                Err(PathProblem::IsFolder(path("src"))),
+            ),
+        ] {
+            assert_eq!(check(false, folder, text), opened, "{text}");
+            assert_eq!(check(true, folder, text), saved, "{text}");
+        }
     }
 
     #[test]
