@@ -96,7 +96,7 @@ fn bin<'a>(at: &mut Bytes<'a>, messages: &mut GltfMessages) -> Option<&'a [u8]> 
 }
 
 /// The next chunk: its type, its content, and whether it is complete.
-fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
+pub(super) fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
     let length = at.u32_le()? as usize;
     let kind = at.take(4)?.first_chunk()?;
     let whole = length <= at.left();
@@ -105,7 +105,7 @@ fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
 }
 
 /// JSON is padded with blanks; some writers use zeros.
-fn without_padding(json: &[u8]) -> &[u8] {
+pub(super) fn without_padding(json: &[u8]) -> &[u8] {
     let end = json.iter().rposition(|b| !matches!(b, 0 | b' '));
     &json[..end.map_or(0, |e| e + 1)]
 }

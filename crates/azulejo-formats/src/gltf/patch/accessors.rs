@@ -1,326 +1,178 @@
-//! New accessors: texture coordinates, indices, and copies of others with more elements.
+//! New accessors of vertices and their corners.
 
-use super::super::accessor::Data;
 use super::additions::Additions;
-use super::error::PatchError;
-use super::primitives::{Attributes, PrimitiveJson, accessor_index};
-use super::scan::{self, Span};
-use super::source::Source;
+use super::json::Json;
+use super::primitives::{Attributes, Primitive, accessor_index};
 use super::splits::VertexGroup;
 use gltf_json::accessor::ComponentType;
-use serde_json::{Value, json};
-use std::collections::HashMap;
-
-/// Members of an accessor that say where its bytes are.
-const PLACE: [&str; 5] = ["bufferView", "byteOffset", "count", "sparse", "extensions"];
-
-/// The largest index of vertices in 8 and 16 bits; the next one restarts primitives.
-const LARGEST_INDEX: [u32; 2] = [254, 65_534];
+use serde_json::json;
 
 /// Accessors that take the place of those of a list of vertices.
 #[derive(Clone, Debug, Default)]
 pub struct NewVertices {
-    /// The texture coordinates; `None` where they stay.
-    pub uvs: Option<usize>,
     /// Attributes.
     pub attributes: Attributes,
     /// Attributes of morph targets, each with the number of its target.
     pub targets: Vec<(usize, String, usize)>,
 }
 
-/// Adds accessors for the vertices of a file.
-pub struct NewAccessors<'s> {
-    source: &'s Source<'s>,
-    /// The accessors in the text.
-    entries: Vec<Span>,
-}
-
-impl<'s> NewAccessors<'s> {
-    /// Of a file.
-    pub fn new(source: &'s Source<'s>) -> NewAccessors<'s> {
-        NewAccessors {
-            source,
-            entries: source.list("accessors"),
+impl NewVertices {
+    /// Gives them to a primitive.
+    pub fn give(&self, primitive: &mut Json) {
+        for (name, accessor) in &self.attributes {
+            primitive.key("attributes").key(name).set(*accessor);
+        }
+        for (target, name, accessor) in &self.targets {
+            primitive
+                .key("targets")
+                .at(*target)
+                .key(name)
+                .set(*accessor);
         }
     }
+}
 
-    fn data(&self) -> &Data<'s> {
-        &self.source.data
-    }
+/// The largest index of vertices in 8 and 16 bits; the next one restarts primitives.
+const LARGEST_INDEX: [u32; 2] = [254, 65_534];
 
-    /// Adds the texture coordinates of a list of vertices, and copies of its other attributes as
-    /// [`NewAccessors::copies`].
+impl Additions<'_> {
+    /// Adds the texture coordinates of a list of vertices, as this set, and copies of its other attributes as
+    /// [`Additions::copies`].
     ///
     /// # Errors
     /// As there.
     pub fn vertices(
-        &self,
+        &mut self,
         group: &VertexGroup,
-        primitive: &PrimitiveJson,
-        but: &str,
-        additions: &mut Additions,
-    ) -> Result<Result<NewVertices, String>, PatchError> {
-        let mut new = match self.copies(group, primitive, but, additions)? {
-            Ok(new) => new,
-            Err(fault) => return Ok(Err(fault)),
-        };
-        new.uvs = Some(self.uvs(group, additions)?);
-        Ok(Ok(new))
-    }
-
-    /// Adds the texture coordinates of a list of vertices that has the copies of another.
-    ///
-    /// # Errors
-    /// Too many bytes.
-    pub fn same_vertices(
-        &self,
-        group: &VertexGroup,
-        other: &NewVertices,
-        additions: &mut Additions,
-    ) -> Result<NewVertices, PatchError> {
-        Ok(NewVertices {
-            uvs: Some(self.uvs(group, additions)?),
-            ..other.clone()
-        })
+        primitive: &Primitive,
+        set: u32,
+    ) -> Result<NewVertices, String> {
+        let name = |set: u32| format!("TEXCOORD_{set}");
+        let mut new = self.copies(group, primitive, &name(set))?;
+        let uvs = self.vectors(group.uvs.iter().map(|uv| uv.unwrap_or_default()));
+        // Names are numbered without gaps (glTF 2.0, 3.7.2.1).
+        let lower = (0..set)
+            .map(name)
+            .filter(|name| primitive.attribute(name).is_none());
+        new.attributes
+            .extend(lower.chain([name(set)]).map(|name| (name, uvs)));
+        Ok(new)
     }
 
     /// Adds copies of the attributes of a list of vertices where vertices were copied or were compressed.
     /// `but` is an attribute that is not needed.
     ///
     /// # Errors
-    /// The reason why an attribute cannot be copied. Too many bytes are an error of the whole.
+    /// The reason why an attribute cannot be copied.
     pub fn copies(
-        &self,
+        &mut self,
         group: &VertexGroup,
-        primitive: &PrimitiveJson,
+        primitive: &Primitive,
         but: &str,
-        additions: &mut Additions,
-    ) -> Result<Result<NewVertices, String>, PatchError> {
-        let mut known = HashMap::new();
-        let mut copy = |accessor: usize| -> Result<Result<Option<usize>, String>, PatchError> {
-            if group.sources.is_empty() && !self.is_compressed(accessor) {
-                return Ok(Ok(None));
-            }
-            if let Some(&new) = known.get(&accessor) {
-                return Ok(Ok(Some(new)));
-            }
-            let new = match self.copied(accessor, group, additions)? {
-                Ok(new) => new,
-                Err(fault) => return Ok(Err(fault)),
-            };
-            known.insert(accessor, new);
-            Ok(Ok(Some(new)))
-        };
+    ) -> Result<NewVertices, String> {
         let mut new = NewVertices::default();
         for (name, accessor) in primitive.attributes.iter().filter(|(name, _)| name != but) {
-            match copy(*accessor)? {
-                Ok(copied) => new.attributes.extend(copied.map(|c| (name.clone(), c))),
-                Err(fault) => return Ok(Err(fault)),
-            }
+            let copy = self.copy(*accessor, group)?;
+            new.attributes.extend(copy.map(|copy| (name.clone(), copy)));
         }
         for (i, target) in primitive.targets.iter().enumerate() {
             for (name, accessor) in target {
-                match copy(*accessor)? {
-                    Ok(copied) => new.targets.extend(copied.map(|c| (i, name.clone(), c))),
-                    Err(fault) => return Ok(Err(fault)),
-                }
+                let copy = self.copy(*accessor, group)?;
+                new.targets.extend(copy.map(|copy| (i, name.clone(), copy)));
             }
         }
-        Ok(Ok(new))
+        Ok(new)
     }
 
     /// Whether the elements of an accessor are compressed with the rest of their primitive.
     fn is_compressed(&self, accessor: usize) -> bool {
-        let known = self.data().root.accessors.get(accessor);
-        let Ok(index) = accessor_index(accessor) else {
-            return false;
-        };
-        known.is_some_and(|a| a.buffer_view.is_none())
-            && matches!(self.data().draco.get(index), Ok(Some(_)))
+        let data = &self.source.data;
+        let known = data.root.accessors.get(accessor);
+        let decoded = accessor_index(accessor).and_then(|index| data.draco.get(index));
+        known.is_some_and(|a| a.buffer_view.is_none()) && matches!(decoded, Ok(Some(_)))
     }
 
-    fn uvs(&self, group: &VertexGroup, additions: &mut Additions) -> Result<usize, PatchError> {
-        let uvs = group.uvs.iter().chain(&group.more_uvs);
-        let count = group.uvs.len() + group.more_uvs.len();
-        additions.spend(8 * count)?;
-        let bytes: Vec<u8> = uvs.flatten().flat_map(|v| v.to_le_bytes()).collect();
-        let view = additions.view(&bytes, &vertex_view(8));
-        Ok(additions.accessor(format!(
-            "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC2\"}}"
-        )))
-    }
-
-    /// Adds an attribute in single precision.
-    ///
-    /// # Errors
-    /// Too many bytes.
-    pub fn attribute(
-        &self,
-        values: &[[f32; 3]],
-        additions: &mut Additions,
-    ) -> Result<usize, PatchError> {
-        let count = values.len();
-        additions.spend(12 * count)?;
-        let bytes: Vec<u8> = values
-            .iter()
-            .flatten()
-            .flat_map(|v| v.to_le_bytes())
-            .collect();
-        let view = additions.view(&bytes, &vertex_view(12));
-        Ok(additions.accessor(format!(
-            "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC3\"}}"
-        )))
-    }
-
-    /// The accessor with the elements of another, and after them those of the copies.
-    fn copied(
-        &self,
-        accessor: usize,
-        group: &VertexGroup,
-        additions: &mut Additions,
-    ) -> Result<Result<usize, String>, PatchError> {
-        let count = group.uvs.len();
-        // No element is larger than a matrix of 4 × 4.
-        let raw = accessor_index(accessor)
-            .and_then(|index| Ok((self.data().width(index)?, index)))
-            .and_then(|(_, index)| self.data().raw(index, count));
-        let (old, kind) = match raw {
-            Ok(raw) => raw,
-            Err(fault) => return Ok(Err(fault)),
-        };
+    /// The accessor with the elements of another, and after them those of the copies; `None` if the other is
+    /// as good.
+    fn copy(&mut self, accessor: usize, group: &VertexGroup) -> Result<Option<usize>, String> {
+        let is_compressed = self.is_compressed(accessor);
+        if group.sources.is_empty() && !is_compressed || self.left.is_none() {
+            return Ok(None);
+        }
+        let count = group.count;
+        let (old, kind) = self.source.data.raw(accessor_index(accessor)?, count)?;
         let size = old.len() / count.max(1);
         let stride = size.next_multiple_of(4);
         let total = count + group.sources.len();
-        additions.spend(stride * total)?;
         let mut bytes = Vec::with_capacity(stride * total);
-        let vertices = (0..count).chain(group.sources.iter().map(|v| *v as usize));
-        for vertex in vertices {
+        for vertex in (0..count).chain(group.sources.iter().map(|v| *v as usize)) {
             bytes.extend_from_slice(&old[vertex * size..][..size]);
             bytes.resize(bytes.len().next_multiple_of(4), 0);
         }
-        let view = additions.view(&bytes, &vertex_view(stride));
-        let members = self.members_of_copy(accessor, kind, &old, size);
-        let entry = format!("{{\"bufferView\":{view},\"count\":{total}{members}}}");
-        Ok(Ok(additions.accessor(entry)))
-    }
-
-    /// The members of an accessor, but for some.
-    fn members(&self, accessor: usize, but: &[&str]) -> String {
-        let text = self.source.text();
-        let members = self
-            .entries
-            .get(accessor)
-            .and_then(|e| scan::members(text, e));
-        let members = members.into_iter().flatten();
-        let kept = members.filter(|m| !but.contains(&m.key.as_str()));
-        kept.map(|m| format!(",{}", &text[m.span])).collect()
-    }
-
-    /// The members of the copy of an accessor. Of a compressed one, type and bounds may differ from those
-    /// declared; bounds that were wrong are not repeated.
-    fn members_of_copy(
-        &self,
-        accessor: usize,
-        kind: ComponentType,
-        bytes: &[u8],
-        size: usize,
-    ) -> String {
-        let json = self.data().root.accessors.get(accessor);
-        let declared =
-            json.and_then(|a| Some([numbers(a.min.as_ref()?), numbers(a.max.as_ref()?)]));
-        let actual = declared.as_ref().map(|_| bounds(kind, bytes, size));
-        let mut but = PLACE.to_vec();
-        let mut entry = String::new();
-        if self.is_compressed(accessor) {
-            but.push("componentType");
-            entry += &format!(",\"componentType\":{}", kind.as_gl_enum());
+        let view = self.view(&bytes, json!({ "byteStride": stride, "target": 34962 }));
+        let entry = self.source.json.entries("accessors").get(accessor);
+        let mut entry = entry.cloned().ok_or("an accessor out of range")?;
+        for key in ["byteOffset", "sparse", "extensions"] {
+            entry.remove(key);
         }
-        if let Some(actual) = actual.filter(|actual| declared.as_ref() != Some(actual))
-            && actual.iter().flatten().all(|v| v.is_finite())
-        {
-            but.extend(["min", "max"]);
-            let [least, most] = actual.map(|numbers| json!(numbers));
-            entry += &format!(",\"min\":{least},\"max\":{most}");
+        entry.key("bufferView").set(view);
+        entry.key("count").set(total);
+        if is_compressed {
+            entry.key("componentType").set(kind.as_gl_enum() as usize);
         }
-        self.members(accessor, &but) + &entry
+        if kind == ComponentType::F32 {
+            correct_bounds(&mut entry, &old, size);
+        }
+        Ok(Some(self.accessor(entry)))
     }
 
     /// The accessor of the corners of a primitive that had others in `old`.
-    ///
-    /// # Errors
-    /// Too many bytes.
-    pub fn corners(
-        &self,
-        corners: &[u32],
-        old: Option<usize>,
-        additions: &mut Additions,
-    ) -> Result<usize, PatchError> {
-        let old = old.and_then(|old| self.data().root.accessors.get(old));
-        let old = old.map(|a| match a.component_type {
-            gltf_json::validation::Checked::Valid(kind) => kind.0,
-            gltf_json::validation::Checked::Invalid => ComponentType::U16,
-        });
+    pub fn corners(&mut self, corners: &[u32], old: Option<usize>) -> usize {
+        let accessor = old.and_then(|old| self.source.json.entries("accessors").get(old));
+        let old = accessor.and_then(|a| a.get("componentType")?.index());
         let most = corners.iter().max().copied().unwrap_or(0);
-        let size = match old {
-            Some(ComponentType::U8) if most <= LARGEST_INDEX[0] => 1,
-            Some(ComponentType::U32) => 4,
-            _ if most <= LARGEST_INDEX[1] => 2,
-            _ => 4,
+        let (size, component) = match old {
+            Some(5121) if most <= LARGEST_INDEX[0] => (1, 5121),
+            Some(5125) => (4, 5125),
+            _ if most <= LARGEST_INDEX[1] => (2, 5123),
+            _ => (4, 5125),
         };
-        additions.spend(size * corners.len())?;
         let bytes = corners
             .iter()
             .flat_map(|v| v.to_le_bytes().into_iter().take(size));
-        let bytes: Vec<u8> = bytes.collect();
-        let view = additions.view(&bytes, ",\"target\":34963");
-        let component = match size {
-            1 => 5121,
-            2 => 5123,
-            _ => 5125,
-        };
-        let count = corners.len();
-        Ok(additions.accessor(format!(
-            "{{\"bufferView\":{view},\"componentType\":{component},\"count\":{count},\"type\":\"SCALAR\"}}"
-        )))
+        let view = self.view(&bytes.collect::<Vec<u8>>(), json!({ "target": 34963 }));
+        let (count, kind) = (corners.len(), "SCALAR");
+        let entry =
+            json!({ "bufferView": view, "componentType": component, "count": count, "type": kind });
+        self.accessor(entry.into())
     }
 }
 
-/// What a view of vertices has beside its place. The stride is needed where accessors share the view.
-fn vertex_view(stride: usize) -> String {
-    format!(",\"byteStride\":{stride},\"target\":34962")
-}
-
-/// Bounds as they are declared, in the precision of the components.
-fn numbers(bound: &Value) -> Vec<f64> {
-    let list = bound.as_array().into_iter().flatten();
-    list.map(|v| v.as_f64().map_or(f64::NAN, |v| f64::from(v as f32)))
-        .collect()
-}
-
-/// Least and largest components.
-fn bounds(kind: ComponentType, bytes: &[u8], size: usize) -> [Vec<f64>; 2] {
-    let width = match kind {
-        ComponentType::I8 | ComponentType::U8 => 1,
-        ComponentType::I16 | ComponentType::U16 => 2,
-        ComponentType::U32 | ComponentType::F32 => 4,
-    };
-    let value = |b: &[u8]| match (kind, b) {
-        (ComponentType::I8, [a]) => f64::from(*a as i8),
-        (ComponentType::U8, [a]) => f64::from(*a),
-        (ComponentType::I16, [a, b]) => i16::from_le_bytes([*a, *b]).into(),
-        (ComponentType::U16, [a, b]) => u16::from_le_bytes([*a, *b]).into(),
-        (ComponentType::U32, [a, b, c, d]) => u32::from_le_bytes([*a, *b, *c, *d]).into(),
-        (ComponentType::F32, [a, b, c, d]) => f32::from_le_bytes([*a, *b, *c, *d]).into(),
-        _ => 0.0,
-    };
-    let components = size / width;
-    let mut least = vec![f64::INFINITY; components];
-    let mut most = vec![f64::NEG_INFINITY; components];
-    for element in bytes.chunks_exact(size.max(1)) {
-        for (k, b) in element.chunks_exact(width).enumerate() {
-            least[k] = least[k].min(value(b));
-            most[k] = most[k].max(value(b));
+/// Corrects the bounds of an accessor that declares some: decompressed positions differ from those that
+/// were compressed.
+fn correct_bounds(accessor: &mut Json, elements: &[u8], size: usize) {
+    let keys = ["min", "max"];
+    let declared = keys.map(|key| {
+        let numbers = accessor.entries(key).iter();
+        numbers
+            .map(|n| n.number().map_or(f32::NAN, |n| n as f32))
+            .collect::<Vec<f32>>()
+    });
+    let mut bounds = [
+        vec![f32::INFINITY; size / 4],
+        vec![f32::NEG_INFINITY; size / 4],
+    ];
+    for element in elements.chunks_exact(size.max(1)) {
+        for (k, bytes) in element.as_chunks::<4>().0.iter().enumerate() {
+            let value = f32::from_le_bytes(*bytes);
+            bounds[0][k] = bounds[0][k].min(value);
+            bounds[1][k] = bounds[1][k].max(value);
         }
     }
-    [least, most]
+    let is_declared = keys.iter().all(|key| accessor.get(key).is_some());
+    if is_declared && declared != bounds && bounds.iter().flatten().all(|v| v.is_finite()) {
+        for (key, bound) in keys.iter().zip(bounds) {
+            accessor.key(key).set(json!(bound));
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::super::origin::{FaceOrigin, ObjectOrigin};
 use super::error::PatchError;
 use super::notes::Notes;
 use super::source::Source;
-use super::splits::PrimitiveFaces;
+use super::splits::{PrimitiveFaces, turned};
 use super::types::{Convention, InstanceMode, LightmapEdit, LightmapUvs, ObjectLayout};
 use std::collections::{HashMap, HashSet};
 
@@ -70,7 +70,7 @@ pub fn assignments<'l>(
     let mut nodes = HashSet::new();
     for (object, (origin, layout)) in origins.iter().zip(edit.objects).enumerate() {
         let Some(layout) = layout else { continue };
-        let Some(mesh) = mesh_of(source, origin.node) else {
+        let Some(mesh) = source.mesh_of(origin.node) else {
             let found = format!("a layout for node {}, which has no mesh", origin.node);
             return Err(source.refused(found));
         };
@@ -89,10 +89,10 @@ pub fn assignments<'l>(
     let mut list: Vec<Assignment> = Vec::new();
     for (object, origin, mesh, parts) in chosen {
         let first = *first_of.entry(mesh).or_insert(list.len());
-        let moved = list.get(first).and_then(|base| {
-            let is_moved = edit.instances != InstanceMode::Copy;
-            is_moved.then(|| moved(&base.parts, &parts)).flatten()
-        });
+        let base = list
+            .get(first)
+            .filter(|_| edit.instances != InstanceMode::Copy);
+        let moved = base.and_then(|base| moved(&base.parts, &parts));
         let entry = match (moved, edit.instances) {
             (Some(placement), InstanceMode::Node) => Entry::Shared(first, placement),
             (Some(placement), _) => Entry::Moved(first, placement),
@@ -117,17 +117,11 @@ pub fn assignments<'l>(
     Ok(list)
 }
 
-/// The mesh of a node.
-pub fn mesh_of(source: &Source, node: usize) -> Option<usize> {
-    let node = source.data.root.nodes.get(node)?;
-    node.mesh.map(|mesh| mesh.value())
-}
-
 /// The meshes of nodes that receive nothing.
-fn meshes_of_nodes_without(source: &Source, receiving: &HashSet<usize>) -> HashSet<usize> {
+pub fn meshes_of_nodes_without(source: &Source, receiving: &HashSet<usize>) -> HashSet<usize> {
     let nodes = 0..source.data.root.nodes.len();
     let others = nodes.filter(|node| !receiving.contains(node));
-    others.filter_map(|node| mesh_of(source, node)).collect()
+    others.filter_map(|node| source.mesh_of(node)).collect()
 }
 
 /// The faces of an object by primitive.
@@ -231,9 +225,7 @@ fn axis(base: &[PrimitiveFaces], other: &[PrimitiveFaces], k: usize) -> Option<(
 fn corners<'p>(parts: &'p [PrimitiveFaces], k: usize) -> impl Iterator<Item = f64> + 'p {
     parts.iter().flat_map(move |part| {
         let mirrored = part.mirrored;
-        part.uvs.iter().flat_map(move |&[a, b, c]| {
-            let ordered = if mirrored { [a, c, b] } else { [a, b, c] };
-            ordered.map(|uv| f64::from(uv[k]))
-        })
+        let of_face = move |uvs: &[[f32; 2]; 3]| turned(*uvs, mirrored).map(|uv| f64::from(uv[k]));
+        part.uvs.iter().flat_map(of_face)
     })
 }

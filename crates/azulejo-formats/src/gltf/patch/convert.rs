@@ -1,14 +1,13 @@
 //! GLB as JSON with files beside it, and the other way round.
 
 use super::super::uri::{self, Uri};
-use super::edits::{Edit, quoted, spliced};
 use super::error::PatchError;
-use super::glb::{Frame, Glb, Parts};
+use super::glb::Parts;
+use super::json::{Json, MOST_LEVELS};
 use super::notes::Notes;
-use super::scan::{self, Span};
 use super::types::{Container, GltfFile, Output, PatchedFile};
-use super::undo;
 use crate::{FileError, Files};
+use serde_json::json;
 
 /// A file and those beside it that were changed or added.
 pub struct Overlay<'a> {
@@ -27,7 +26,7 @@ impl Files for Overlay<'_> {
     }
 }
 
-/// The file in another container; `None` if it is in that already.
+/// The file in another container, with the files beside it; `None` if it is in that already.
 ///
 /// # Errors
 /// Buffers that cannot be read, and more than a GLB can hold.
@@ -37,160 +36,107 @@ pub fn converted(
     notes: &mut Notes,
 ) -> Result<Option<PatchedFile>, PatchError> {
     let parts = Parts::of(file.bytes, file.name)?;
-    let conversion = Conversion {
-        root: scan::whole(parts.text),
-        edit: Edit::default(),
-        parts: &parts,
-        file,
-        notes,
-    };
-    let converted = match (output.container, &parts.frame) {
-        (Container::Glb, Frame::Text(_)) => conversion.glb()?,
-        (Container::Json, Frame::Glb(glb)) => conversion.json(glb, output.stem),
+    let json = || Json::parse(parts.text, MOST_LEVELS).map_err(|f| PatchError::of(file.name, f));
+    let (bytes, files) = match (output.container, &parts.chunks) {
+        (Container::Glb, None) => {
+            let (mut json, chunks) = (json()?, Some(Vec::new()));
+            let bin = embed(&mut json, file, notes)?;
+            let frame = Parts { chunks, ..parts };
+            let bin = Some(bin).filter(|bin| !bin.is_empty());
+            (frame.joined(&json, bin.as_deref(), file.name)?, Vec::new())
+        }
+        (Container::Json, Some(chunks)) => {
+            let mut json = json()?;
+            let files = beside(&mut json, parts.bin(), output.stem);
+            if chunks.len() > files.len() {
+                notes.add("chunks that glTF does not know: left out");
+            }
+            (json.in_lines().into_bytes(), files)
+        }
         _ => return Ok(None),
     };
     notes.add("another container: without its lightmap the file stays in that");
-    Ok(Some(converted))
+    Ok(Some(PatchedFile {
+        bytes,
+        files,
+        ..PatchedFile::default()
+    }))
 }
 
-struct Conversion<'c, 'a> {
-    parts: &'c Parts<'a>,
-    root: Span,
-    edit: Edit,
-    file: &'c GltfFile<'a>,
-    notes: &'c mut Notes,
+fn uri_of(entry: &Json) -> Option<String> {
+    Some(entry.get("uri")?.text()?.into_owned())
 }
 
-impl Conversion<'_, '_> {
-    fn list(&self, key: &str) -> Vec<Span> {
-        let list = scan::member(self.parts.text, &self.root, key);
-        let list = list.and_then(|list| scan::elements(self.parts.text, &list));
-        list.unwrap_or_default()
-    }
+/// Makes a file of the numbers of a GLB.
+fn beside(json: &mut Json, bin: Option<&[u8]>, stem: &str) -> Vec<(String, Vec<u8>)> {
+    let first = json.entries("buffers").first();
+    let Some(bin) = bin.filter(|_| first.is_some_and(|first| uri_of(first).is_none())) else {
+        return Vec::new();
+    };
+    let name = format!("{stem}.bin");
+    let buffer = json.key("buffers").at(0);
+    buffer.key("uri").set(&*uri::escaped(&name));
+    vec![(name, bin.to_vec())]
+}
 
-    fn uri(&self, entry: &Span) -> Option<String> {
-        let uri = scan::member(self.parts.text, entry, "uri")?;
-        scan::string(self.parts.text, &uri)
-    }
-
-    /// The edited text.
-    fn text(&self) -> String {
-        let text = self.parts.text;
-        spliced(text, &self.edit.splices(text, &self.root))
-    }
-
-    fn json(mut self, glb: &Glb, stem: &str) -> PatchedFile {
-        let first = self.list("buffers").into_iter().next();
-        let is_used = first.is_some_and(|first| self.uri(&first).is_none());
-        let mut files = Vec::new();
-        let kept = match glb.bin() {
-            Some(bin) if is_used => {
-                let name = format!("{stem}.bin");
-                let uri = quoted(&uri::escaped(&name));
-                self.edit.key("buffers").index(0).key("uri").set(uri);
-                files.push((name, bin.to_vec()));
-                1
-            }
-            _ => 0,
-        };
-        if glb.chunks.len() > kept {
-            self.notes.add("chunks that glTF does not know: left out");
-        }
-        PatchedFile {
-            bytes: self.text().into_bytes(),
-            files,
-            notes: Vec::new(),
-            leaves_dark: false,
-        }
-    }
-
-    fn glb(mut self) -> Result<PatchedFile, PatchError> {
-        let mut bin = self.buffers()?;
-        let before = bin.as_ref().map_or(0, Vec::len);
-        let mut new = bin.take().unwrap_or_default();
-        self.images(&mut new);
-        if new.len() > before {
-            let buffer = self.edit.key("buffers").index(0);
-            buffer.key("byteLength").set(new.len().to_string());
-        }
-        new.resize(new.len().next_multiple_of(4), 0);
-        let bin = Some(new).filter(|new| !new.is_empty());
-        let frame = Frame::Glb(Glb::default());
-        let bytes = undo::assembled(&frame, &self.text(), bin.as_deref());
-        let too_large = || PatchError::of(self.file.name, "a GLB of more than 4 GiB");
-        Ok(PatchedFile {
-            bytes: bytes.ok_or_else(too_large)?,
-            ..PatchedFile::default()
-        })
-    }
-
-    /// Embeds all buffers: the first, which is returned, as the numbers of the GLB.
-    fn buffers(&mut self) -> Result<Option<Vec<u8>>, PatchError> {
-        let mut first = None;
-        for (i, buffer) in self.list("buffers").iter().enumerate() {
-            let Some(uri) = self.uri(buffer) else {
-                continue;
-            };
-            if i > 0 && uri.starts_with("data:") {
-                continue;
-            }
-            let bytes = self
-                .bytes(&uri)
-                .map_err(|fault| PatchError::of(self.file.name, format!("buffer {i}: {fault}")))?;
-            let change = self.edit.key("buffers").index(i).key("uri");
-            match i {
-                0 => {
-                    change.remove();
-                    first = Some(bytes);
-                }
-                _ => change.set(quoted(&uri::data_uri("application/octet-stream", &bytes))),
-            }
-        }
-        Ok(first)
-    }
-
-    /// Embeds the pictures that are files, after the numbers.
-    fn images(&mut self, bin: &mut Vec<u8>) {
-        let buffers = self.list("buffers");
-        if buffers
-            .first()
-            .is_some_and(|first| self.uri(first).is_none())
-        {
-            // A buffer without bytes keeps none.
-            return;
-        }
-        let mut view = self.list("bufferViews").len();
-        for (i, image) in self.list("images").iter().enumerate() {
-            let Some(uri) = self.uri(image).filter(|uri| !uri.starts_with("data:")) else {
-                continue;
-            };
-            let Ok(bytes) = self.bytes(&uri) else {
-                self.notes.add("picture that cannot be read: stays a file");
-                continue;
-            };
-            let media_type = media_type(&bytes, &uri);
-            bin.resize(bin.len().next_multiple_of(4), 0);
-            let entry = format!(
-                "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}",
-                bin.len(),
-                bytes.len()
-            );
-            bin.extend(bytes);
-            self.edit.key("bufferViews").index(view).set(entry);
-            let change = self.edit.key("images").index(i);
-            change.key("uri").remove();
-            change.key("bufferView").set(view.to_string());
-            change.key("mimeType").set(quoted(media_type));
-            view += 1;
-        }
-    }
-
-    fn bytes(&self, uri: &str) -> Result<Vec<u8>, String> {
+/// Puts all buffers and pictures into the document: the first buffer, and the pictures after it, as the numbers
+/// of a GLB, which are returned.
+fn embed(json: &mut Json, file: &GltfFile, notes: &mut Notes) -> Result<Vec<u8>, PatchError> {
+    let uris = |json: &Json, list: &str| -> Vec<Option<String>> {
+        json.entries(list).iter().map(uri_of).collect()
+    };
+    let bytes_of = |uri: &str| -> Result<Vec<u8>, String> {
         match uri::read(uri)? {
             Uri::Data(bytes) => Ok(bytes),
-            Uri::File(name) => self.file.files.read(&name).map_err(|e| e.to_string()),
+            Uri::File(name) => file.files.read(&name).map_err(|e| e.to_string()),
+        }
+    };
+    let mut bin = Vec::new();
+    let buffers = uris(json, "buffers");
+    for (i, uri) in buffers.iter().enumerate() {
+        let is_file = |uri: &&String| i == 0 || !uri.starts_with("data:");
+        let Some(uri) = uri.as_ref().filter(is_file) else {
+            continue;
+        };
+        let bytes = bytes_of(uri)
+            .map_err(|fault| PatchError::of(file.name, format!("buffer {i}: {fault}")))?;
+        let buffer = json.key("buffers").at(i);
+        if i == 0 {
+            buffer.remove("uri");
+            bin = bytes;
+        } else {
+            let data = uri::data_uri("application/octet-stream", &bytes);
+            buffer.key("uri").set(&*data);
         }
     }
+    if matches!(buffers.first(), Some(None)) {
+        // A buffer without bytes keeps none.
+        return Ok(bin);
+    }
+    let before = bin.len();
+    for (i, uri) in uris(json, "images").into_iter().enumerate() {
+        let Some(uri) = uri.filter(|uri| !uri.starts_with("data:")) else {
+            continue;
+        };
+        let Ok(bytes) = bytes_of(&uri) else {
+            notes.add("picture that cannot be read: stays a file");
+            continue;
+        };
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        let (start, length) = (bin.len(), bytes.len());
+        let view = json!({ "buffer": 0, "byteOffset": start, "byteLength": length });
+        let view = json.key("bufferViews").push(view);
+        let image = json.key("images").at(i);
+        image.remove("uri");
+        image.key("bufferView").set(view);
+        image.key("mimeType").set(media_type(&bytes, &uri));
+        bin.extend(bytes);
+    }
+    if bin.len() > before {
+        json.key("buffers").at(0).key("byteLength").set(bin.len());
+    }
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    Ok(bin)
 }
 
 /// The type of a picture, by its first bytes or else by its name.
@@ -199,21 +145,7 @@ fn media_type(bytes: &[u8], uri: &str) -> &'static str {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => "image/png",
         [0xff, 0xd8, ..] => "image/jpeg",
-        [
-            b'R',
-            b'I',
-            b'F',
-            b'F',
-            _,
-            _,
-            _,
-            _,
-            b'W',
-            b'E',
-            b'B',
-            b'P',
-            ..,
-        ] => "image/webp",
+        [b'R', b'I', b'F', b'F', ..] => "image/webp",
         [0xab, b'K', b'T', b'X', ..] => "image/ktx2",
         [b'D', b'D', b'S', b' ', ..] => "image/vnd-ms.dds",
         _ if ending.eq_ignore_ascii_case("png") => "image/png",

@@ -1,68 +1,90 @@
 //! Lights that were baked, which must not shine a second time.
 
-use super::additions::Additions;
-use super::scan::{elements, find, member};
-use super::source::Source;
+use super::json::Json;
 use super::types::LightsMode;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// The extension with the lights.
 pub const LIGHTS: &str = "KHR_lights_punctual";
 
-/// The steps to the list of lights.
-const LIGHT_LIST: [&str; 3] = ["extensions", LIGHTS, "lights"];
-
-/// The steps to the list of pictures of the surroundings as lights.
-const SURROUNDINGS_LIST: [&str; 3] = ["extensions", "EXT_lights_image_based", "lights"];
-
-/// Lights, and the member of the note with what undoes their change.
-pub const DIMMED: [(&str, [&str; 3]); 2] = [
-    ("baked", LIGHT_LIST),
-    ("baked_surroundings", SURROUNDINGS_LIST),
+/// Lists of lights, and the member of the mark with what they were: for each light that was dimmed its number, and
+/// its intensity, `null` if it had none. Pictures of the surroundings are lights, too.
+const DIMMED: [(&str, &str); 2] = [
+    ("baked", LIGHTS),
+    ("baked_surroundings", "EXT_lights_image_based"),
 ];
 
-/// Dims or removes the lights, and returns what undoes it, by the members of the note: for each light that was
-/// dimmed its number and the text of its intensity, `null` if it had none. Surroundings are dimmed in either case.
-pub fn change(
-    source: &Source,
-    mode: LightsMode,
-    additions: &mut Additions,
-) -> Vec<(&'static str, Vec<Value>)> {
-    let mut dimmed = |(member, steps)| (member, dim(source, &steps, additions));
-    match mode {
-        LightsMode::Keep => Vec::new(),
-        LightsMode::Dim => DIMMED.map(dimmed).into(),
-        LightsMode::Remove => {
-            let surroundings = dimmed(DIMMED[1]);
-            remove(source, additions);
-            vec![surroundings]
+/// Dims or removes the lights, says in the mark what they were, and returns whether some went dark. Surroundings are
+/// dimmed in either case.
+pub fn change<'s>(json: &mut Json<'s>, mode: LightsMode, mark: &mut Json<'s>) -> bool {
+    let dimmed: &[(&str, &str)] = match mode {
+        LightsMode::Keep => &[],
+        LightsMode::Dim => &DIMMED,
+        LightsMode::Remove => &DIMMED[1..],
+    };
+    for (member, extension) in dimmed {
+        let mut baked = Json::List(Vec::new());
+        for_each(json, extension, |i, light| {
+            let old = light.get("intensity").cloned();
+            if old.as_ref().and_then(Json::number) != Some(0.0) {
+                light.key("intensity").set(json!(0));
+                baked.push(Json::List(vec![
+                    i.into(),
+                    old.unwrap_or(Value::Null.into()),
+                ]));
+            }
+        });
+        if !baked.list().is_empty() {
+            mark.key(member).set(baked);
         }
+    }
+    if mode == LightsMode::Remove {
+        for i in 0..json.entries("nodes").len() {
+            if json.entries("nodes")[i]
+                .find(&["extensions", LIGHTS])
+                .is_some()
+            {
+                json.key("nodes").at(i).key("extensions").remove(LIGHTS);
+            }
+        }
+    }
+    mode == LightsMode::Remove || dimmed.iter().any(|(member, _)| mark.get(member).is_some())
+}
+
+/// Gives lights that are still dark their old intensity.
+pub fn brighten(json: &mut Json, mark: &Json) {
+    for (member, extension) in DIMMED {
+        let baked = mark.entries(member);
+        for_each(json, extension, |i, light| {
+            let mut of_light = baked
+                .iter()
+                .filter(|b| b.list().first().and_then(Json::index) == Some(i));
+            let is_dark = light.get("intensity").and_then(Json::number) == Some(0.0);
+            let Some(old) = of_light.next().filter(|_| is_dark) else {
+                return;
+            };
+            // Earlier versions had the number in a text.
+            let old = old.list().get(1);
+            let spelled =
+                old.map(|old| old.text().map_or_else(|| old.to_string(), Cow::into_owned));
+            match spelled.filter(|old| serde_json::from_str::<f64>(old).is_ok()) {
+                Some(old) => light.key("intensity").set(Json::Scalar(old.into())),
+                None => light.remove("intensity"),
+            }
+        });
     }
 }
 
-fn dim(source: &Source, steps: &[&'static str; 3], additions: &mut Additions) -> Vec<Value> {
-    let text = source.text();
-    let list = source.find(steps).and_then(|list| elements(text, &list));
-    let mut baked = Vec::new();
-    for (i, light) in list.into_iter().flatten().enumerate() {
-        let old = member(text, &light, "intensity").map(|span| &text[span]);
-        if old.and_then(|old| old.parse().ok()) == Some(0.0) {
-            continue;
-        }
-        let [extensions, name, list] = *steps;
-        let lights = additions.edit.key(extensions).key(name).key(list);
-        lights.index(i).key("intensity").set("0");
-        baked.push(json!([i, old]));
-    }
-    baked
-}
-
-fn remove(source: &Source, additions: &mut Additions) {
-    for (i, node) in source.list("nodes").iter().enumerate() {
-        let steps = ["extensions", LIGHTS];
-        if find(source.text(), node, &steps).is_some() {
-            let node = additions.edit.key("nodes").index(i);
-            node.key("extensions").key(LIGHTS).remove();
-        }
+fn for_each<'s>(
+    json: &mut Json<'s>,
+    extension: &str,
+    mut change: impl FnMut(usize, &mut Json<'s>),
+) {
+    let steps = ["extensions", extension, "lights"];
+    let count = json.find(&steps).map_or(0, |list| list.list().len());
+    for i in 0..count {
+        let lights = steps.iter().fold(&mut *json, |json, step| json.key(step));
+        change(i, lights.at(i));
     }
 }

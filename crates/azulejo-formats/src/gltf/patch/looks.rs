@@ -2,10 +2,9 @@
 
 use super::super::material::{DEFAULT_REFLECTANCE, LEAST_TRANSMISSION};
 use super::assign::Placement;
-use super::edits::Edit;
-use super::scan::{Span, elements, find, members, string};
+use super::json::Json;
 use super::types::{Convention, LightmapPage};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 /// The lightmap of a material.
@@ -20,247 +19,189 @@ pub struct MaterialLightmap<'l> {
     pub placement: Option<Placement>,
 }
 
-/// A change of a material, and the extensions that it uses.
-type Change = (Edit, Vec<&'static str>);
-
-const UNLIT: &str = "KHR_materials_unlit";
 /// The extension that moves texture coordinates.
 pub const MOVED: &str = "KHR_texture_transform";
+const UNLIT: &str = "KHR_materials_unlit";
+const SPECULAR: &str = "KHR_materials_specular";
+const STRENGTH: &str = "KHR_materials_emissive_strength";
+const MOZ: &str = "MOZ_lightmap";
+const SURFACE: &str = "pbrMetallicRoughness";
 
 impl MaterialLightmap<'_> {
-    /// The change of a material, or of the default one.
+    /// A material, or the default one, with its lightmap, and the extensions that it uses for that.
     ///
     /// # Errors
     /// Why a material gets no lightmap in this way.
-    pub fn change(
+    pub fn lit<'s>(
         &self,
         convention: Convention,
-        text: &str,
-        material: Option<&Span>,
-    ) -> Result<Change, String> {
-        let json = Material { text, material };
-        // The default material comes first, for what is set after it.
-        let (mut change, mut used) = match material {
-            Some(_) => (Edit::default(), Vec::new()),
+        material: Option<&Json<'s>>,
+    ) -> Result<(Json<'s>, Vec<&'static str>), String> {
+        let (mut new, mut used) = match material {
+            Some(material) => (material.clone(), Vec::new()),
             None => grey(convention),
         };
+        match convention {
+            Convention::Moz => self.moz(&mut new),
+            Convention::Emissive => self.emissive(&mut new)?,
+            Convention::Unlit => self.unlit(&mut new)?,
+            Convention::Occlusion => self.occlusion(&mut new)?,
+            Convention::Mx | Convention::Plain => {}
+        }
         used.extend(match convention {
-            Convention::Moz => self.moz(&json, &mut change),
-            Convention::Emissive => self.emissive(&json, &mut change)?,
-            Convention::Unlit => self.unlit(&json, &mut change)?,
-            Convention::Occlusion => self.occlusion(&json, &mut change)?,
-            Convention::Mx | Convention::Plain => Vec::new(),
+            Convention::Moz => Some(MOZ),
+            Convention::Emissive => Some(SPECULAR),
+            Convention::Unlit => Some(UNLIT),
+            _ => None,
         });
-        Ok((change, used))
+        used.extend(self.placement.map(|_| MOVED));
+        if convention == Convention::Emissive && self.page.intensity > 1.0 {
+            used.push(STRENGTH);
+        }
+        Ok((new, used))
     }
 
     /// The reference to the texture.
-    fn texture(&self) -> Edit {
-        let mut info = Edit::default();
-        info.key("index").set(self.texture.to_string());
-        info.key("texCoord").set(self.set.to_string());
-        if let Some(placement) = self.placement {
-            let moved = info.key("extensions").key(MOVED);
-            let [u, v] = placement.offset;
-            moved.key("offset").set(json!([u, v]).to_string());
-            let [u, v] = placement.scale;
-            moved.key("scale").set(json!([u, v]).to_string());
+    fn texture(&self) -> Value {
+        let mut info = json!({ "index": self.texture, "texCoord": self.set });
+        if let Some(Placement { offset, scale }) = self.placement {
+            info["extensions"] = json!({ MOVED: { "offset": offset, "scale": scale } });
         }
         info
     }
 
-    /// The extensions that are used, with that of moved coordinates.
-    fn used<const N: usize>(&self, names: [&'static str; N]) -> Vec<&'static str> {
-        let moved = self.placement.map(|_| MOVED);
-        names.into_iter().chain(moved).collect()
-    }
-
-    fn moz(&self, material: &Material, change: &mut Edit) -> Vec<&'static str> {
-        // Where there is no light, the picture is the colour; elsewhere it is divided by π.
-        let intensity = if material.has_extension(UNLIT) {
-            self.page.intensity / PI
-        } else {
-            self.page.intensity
-        };
+    fn moz(&self, material: &mut Json) {
         let mut info = self.texture();
-        info.key("intensity").set(json!(intensity).to_string());
-        let extension = change.key("extensions").key("MOZ_lightmap");
-        // Another lightmap in its place goes as a whole.
-        extension.set(info.rendered());
-        self.used(["MOZ_lightmap"])
+        // Where there is no light, the picture is the colour; elsewhere it is divided by π.
+        let divisor = if has_extension(material, UNLIT) {
+            PI
+        } else {
+            1.0
+        };
+        info["intensity"] = json!(self.page.intensity / divisor);
+        material.key("extensions").key(MOZ).set(info);
     }
 
-    fn occlusion(
-        &self,
-        material: &Material,
-        change: &mut Edit,
-    ) -> Result<Vec<&'static str>, String> {
-        if material.find(&["occlusionTexture"]).is_some() {
+    fn occlusion(&self, material: &mut Json) -> Result<(), String> {
+        if material.get("occlusionTexture").is_some() {
             return Err("material with a picture of occlusion: keeps it".to_owned());
         }
-        change
-            .key("occlusionTexture")
-            .set(self.texture().rendered());
-        Ok(self.used([]))
+        material.key("occlusionTexture").set(self.texture());
+        Ok(())
     }
 
-    fn emissive(
-        &self,
-        material: &Material,
-        change: &mut Edit,
-    ) -> Result<Vec<&'static str>, String> {
-        material.check_shown()?;
-        if material.has_extension(UNLIT) {
+    fn emissive(&self, material: &mut Json) -> Result<(), String> {
+        check_shown(material)?;
+        if has_extension(material, UNLIT) {
             return Err("unlit material: stays, without lightmap".to_owned());
         }
-        let surface = change.key("pbrMetallicRoughness");
-        if material.is_opaque() {
+        let (is_opaque, alpha) = (is_opaque(material), alpha(material));
+        let surface = material.key(SURFACE);
+        if is_opaque {
             // It is black, whatever it shows; where it has holes, they stay.
-            surface.key("baseColorTexture").remove();
+            surface.remove("baseColorTexture");
         }
-        let alpha = material.alpha();
         surface
             .key("baseColorFactor")
-            .set(format!("[0,0,0,{alpha}]"));
-        surface.key("metallicFactor").set("0");
-        surface.key("roughnessFactor").set("1");
-        surface.key("metallicRoughnessTexture").remove();
-        change.key("emissiveTexture").set(self.texture().rendered());
+            .set(grey_with(json!(0), alpha));
+        surface.key("metallicFactor").set(json!(0));
+        surface.key("roughnessFactor").set(json!(1));
+        surface.remove("metallicRoughnessTexture");
+        material.key("emissiveTexture").set(self.texture());
         let intensity = self.page.intensity;
-        let factor = [intensity.min(1.0); 3];
-        let factor = json!(factor).to_string();
-        change.key("emissiveFactor").set(factor);
-        let extensions = change.key("extensions");
-        let mut used = self.used(["KHR_materials_specular"]);
-        extensions.key("MOZ_lightmap").remove();
-        let matt = "{\"specularFactor\":0}";
-        extensions.key("KHR_materials_specular").set(matt);
-        extensions.key("KHR_materials_emissive_strength").remove();
+        let factor = intensity.min(1.0);
+        material
+            .key("emissiveFactor")
+            .set(json!([factor, factor, factor]));
+        let extensions = material.key("extensions");
+        extensions.remove(MOZ);
+        extensions.key(SPECULAR).set(json!({ "specularFactor": 0 }));
+        extensions.remove(STRENGTH);
         if intensity > 1.0 {
-            let strength = json!({ "emissiveStrength": intensity }).to_string();
-            let name = "KHR_materials_emissive_strength";
-            extensions.key(name).set(strength);
-            used.push(name);
+            extensions
+                .key(STRENGTH)
+                .set(json!({ "emissiveStrength": intensity }));
         }
-        Ok(used)
+        Ok(())
     }
 
-    fn unlit(&self, material: &Material, change: &mut Edit) -> Result<Vec<&'static str>, String> {
-        material.check_shown()?;
-        let steps = ["pbrMetallicRoughness", "baseColorTexture"];
-        let has_picture = material.find(&steps).is_some();
-        if has_picture && !material.is_opaque() {
+    fn unlit(&self, material: &mut Json) -> Result<(), String> {
+        check_shown(material)?;
+        let has_picture = material.find(&[SURFACE, "baseColorTexture"]).is_some();
+        if has_picture && !is_opaque(material) {
             let fault = "material with holes in its picture: stays, without lightmap";
             return Err(fault.to_owned());
         }
-        let surface = change.key("pbrMetallicRoughness");
+        let alpha = alpha(material);
+        let surface = material.key(SURFACE);
         // No colour is above 1.
-        let colour = json!(self.page.intensity.min(1.0)).to_string();
-        let alpha = material.alpha();
-        let factor = format!("[{colour},{colour},{colour},{alpha}]");
-        surface.key("baseColorFactor").set(factor);
-        surface
-            .key("baseColorTexture")
-            .set(self.texture().rendered());
-        let extensions = change.key("extensions");
-        extensions.key(UNLIT).set("{}");
-        extensions.key("MOZ_lightmap").remove();
-        Ok(self.used([UNLIT]))
+        let colour = json!(self.page.intensity.min(1.0));
+        surface.key("baseColorFactor").set(grey_with(colour, alpha));
+        surface.key("baseColorTexture").set(self.texture());
+        let extensions = material.key("extensions");
+        extensions.key(UNLIT).set(json!({}));
+        extensions.remove(MOZ);
+        Ok(())
     }
 }
 
 /// The material of surfaces without one, as the reader takes it: glTF's own default is a white metal, of
 /// which a lightmap shows nothing.
-fn grey(convention: Convention) -> Change {
+fn grey(convention: Convention) -> (Json<'static>, Vec<&'static str>) {
     let [r, g, b] = DEFAULT_REFLECTANCE.to_array();
-    let mut change = Edit::default();
-    change.key("name").set("\"default\"");
-    let surface = change.key("pbrMetallicRoughness");
-    let factor = json!([r, g, b, 1]).to_string();
-    surface.key("baseColorFactor").set(factor);
-    surface.key("metallicFactor").set("0");
+    let surface = json!({ "baseColorFactor": [r, g, b, 1], "metallicFactor": 0 });
+    let mut grey = json!({ "name": "default", SURFACE: surface });
     if convention == Convention::Unlit {
-        return (change, Vec::new());
+        return (grey.into(), Vec::new());
     }
-    let extensions = change.key("extensions");
-    let specular = "KHR_materials_specular";
-    extensions.key(specular).key("specularFactor").set("0");
-    (change, vec![specular])
+    grey["extensions"] = json!({ SPECULAR: { "specularFactor": 0 } });
+    (grey.into(), vec![SPECULAR])
 }
 
-/// A material as the text has it; `None` is the default one.
-struct Material<'t> {
-    text: &'t str,
-    material: Option<&'t Span>,
+fn grey_with(level: Value, alpha: Json) -> Json {
+    let level = Json::from(level);
+    Json::List(vec![level.clone(), level.clone(), level, alpha])
 }
 
-impl Material<'_> {
-    fn find(&self, steps: &[&str]) -> Option<Span> {
-        find(self.text, self.material?, steps)
-    }
+fn has_extension(material: &Json, name: &str) -> bool {
+    material.find(&["extensions", name]).is_some()
+}
 
-    fn string(&self, key: &str) -> Option<String> {
-        string(self.text, &self.find(&[key])?)
-    }
+fn is_opaque(material: &Json) -> bool {
+    let mode = material.get("alphaMode").and_then(Json::text);
+    mode.is_none_or(|mode| mode == "OPAQUE")
+}
 
-    fn has_extension(&self, name: &str) -> bool {
-        let extensions = self.find(&["extensions"]);
-        let extensions = extensions.and_then(|e| members(self.text, &e));
-        extensions.is_some_and(|list| list.iter().any(|m| m.key == name))
-    }
+/// The opacity, as it is spelled.
+fn alpha<'a>(material: &Json<'a>) -> Json<'a> {
+    let colour = material.find(&[SURFACE, "baseColorFactor"]);
+    colour
+        .and_then(|c| c.list().get(3))
+        .cloned()
+        .unwrap_or_else(|| json!(1).into())
+}
 
-    fn numbers(&self, steps: &[&str]) -> Vec<&str> {
-        let list = self.find(steps).and_then(|list| elements(self.text, &list));
-        list.into_iter().flatten().map(|n| &self.text[n]).collect()
-    }
-
-    fn number(&self, steps: &[&str]) -> Option<f64> {
-        self.text[self.find(steps)?].parse().ok()
-    }
-
-    fn is_opaque(&self) -> bool {
-        let mode = self.string("alphaMode");
-        mode.is_none_or(|mode| mode == "OPAQUE")
-    }
-
-    /// Refuses materials whose look is not that of diffusely reflected light.
-    fn check_shown(&self) -> Result<(), String> {
-        let kind = if self.emits() {
-            "material that emits light"
-        } else if self.is_metal() {
-            "metal"
-        } else if self.is_glass() {
-            "glass"
-        } else {
-            return Ok(());
-        };
-        Err(format!("{kind}: stays, without lightmap"))
-    }
-
-    /// Whether nothing is reflected diffusely; metals are what glTF has where nothing is said.
-    fn is_metal(&self) -> bool {
-        let steps = ["pbrMetallicRoughness", "metallicRoughnessTexture"];
-        let factor = self.number(&["pbrMetallicRoughness", "metallicFactor"]);
-        let is_lit = self.material.is_some() && !self.has_extension(UNLIT);
-        is_lit && self.find(&steps).is_none() && factor.unwrap_or(1.0) >= 1.0
-    }
-
-    /// Whether most light passes.
-    fn is_glass(&self) -> bool {
-        let steps = ["extensions", "KHR_materials_transmission"];
-        let factor = self.number(&[steps[0], steps[1], "transmissionFactor"]);
-        factor.is_some_and(|f| f >= LEAST_TRANSMISSION)
-    }
-
-    fn emits(&self) -> bool {
-        let factor = self.numbers(&["emissiveFactor"]);
-        let is_dark = |n: &&str| n.parse::<f64>().is_ok_and(|n| n == 0.0);
-        !factor.iter().all(is_dark)
-    }
-
-    /// The opacity, as the text has it.
-    fn alpha(&self) -> &str {
-        let steps = ["pbrMetallicRoughness", "baseColorFactor"];
-        self.numbers(&steps).get(3).copied().unwrap_or("1")
-    }
+/// Refuses materials whose look is not that of diffusely reflected light.
+fn check_shown(material: &Json) -> Result<(), String> {
+    let number = |steps: &[&str]| material.find(steps).and_then(Json::number);
+    // Nothing is reflected diffusely by metals, which are what glTF has where nothing is said.
+    let picture = material.find(&[SURFACE, "metallicRoughnessTexture"]);
+    let metallic = number(&[SURFACE, "metallicFactor"]).unwrap_or(1.0);
+    let is_metal = picture.is_none() && metallic >= 1.0 && !has_extension(material, UNLIT);
+    let glass = [
+        "extensions",
+        "KHR_materials_transmission",
+        "transmissionFactor",
+    ];
+    let mut emission = material.entries("emissiveFactor").iter();
+    let kind = if emission.any(|n| n.number() != Some(0.0)) {
+        "material that emits light"
+    } else if is_metal {
+        "metal"
+    } else if number(&glass).is_some_and(|f| f >= LEAST_TRANSMISSION) {
+        "glass"
+    } else {
+        return Ok(());
+    };
+    Err(format!("{kind}: stays, without lightmap"))
 }

@@ -3,14 +3,11 @@
 
 use super::additions::Additions;
 use super::assign::Placement;
-use super::edits::Edit;
-use super::error::PatchError;
-use super::looks;
+use super::looks::{MOVED, MaterialLightmap};
 use super::notes::Notes;
-use super::primitives::PrimitiveJson;
-use super::scan::{Span, find};
-use super::source::Source;
+use super::primitives::Primitive;
 use super::types::{Convention, LightmapEdit, LightmapPage, MediaType};
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// The light of a primitive: its page, and how its coordinates are moved, as bits.
@@ -60,63 +57,53 @@ impl<'l> Textures<'l> {
     }
 
     /// A page and the index of its texture.
-    ///
-    /// # Errors
-    /// Too many bytes.
     pub fn of(
         &mut self,
         page: u32,
         additions: &mut Additions,
-    ) -> Result<Option<(&'l LightmapPage, usize)>, PatchError> {
-        let Some(content) = self.pages.get(page as usize) else {
-            return Ok(None);
-        };
+    ) -> Option<(&'l LightmapPage, usize)> {
+        let content = self.pages.get(page as usize)?;
         if let Some(&known) = self.known.get(&page) {
-            return Ok(Some((content, known)));
+            return Some((content, known));
         }
-        let fallback = content.fallback.as_deref().unwrap_or_default();
-        additions.spend(content.picture.len() + fallback.len())?;
         // Clamped, since a page does not go on beyond its edges; mipmaps only if the padding is made for them.
         let least = if self.mipmaps { 9987 } else { 9729 };
-        let sampler = *self.sampler.get_or_insert_with(|| {
-            let entry = format!(
-                "{{\"magFilter\":9729,\"minFilter\":{least},\"wrapS\":33071,\"wrapT\":33071}}"
-            );
-            additions.append("samplers", entry)
-        });
+        let clamped =
+            json!({ "magFilter": 9729, "minFilter": least, "wrapS": 33071, "wrapT": 33071 });
+        let sampler = self.sampler;
+        let sampler = sampler.unwrap_or_else(|| additions.append("samplers", clamped));
+        self.sampler = Some(sampler);
         let texture = texture(content, sampler, additions);
         let texture = additions.append("textures", texture);
         self.known.insert(page, texture);
-        Ok(Some((content, texture)))
+        Some((content, texture))
     }
 }
 
 /// The entry of the texture of a page.
-fn texture(page: &LightmapPage, sampler: usize, additions: &mut Additions) -> String {
+fn texture(page: &LightmapPage, sampler: usize, additions: &mut Additions) -> Value {
     let (kind, ending, extension) = match page.media_type {
         MediaType::Png => ("image/png", "png", None),
         MediaType::Hdr => ("image/vnd.radiance", "hdr", Some("MOZ_texture_rgbe")),
         MediaType::Ktx2 => ("image/ktx2", "ktx2", Some("KHR_texture_basisu")),
     };
-    let mut texture = Edit::default();
-    texture.key("sampler").set(sampler.to_string());
+    let mut texture = json!({ "sampler": sampler });
     let image = additions.image(&page.name, &page.picture, kind, ending);
     match extension {
-        None => texture.key("source").set(image.to_string()),
+        None => texture["source"] = image.into(),
         Some(extension) => {
             if let Some(png) = &page.fallback {
                 let png = additions.image(&page.name, png, "image/png", "png");
-                texture.key("source").set(png.to_string());
+                texture["source"] = png.into();
             }
-            let own = texture.key("extensions").key(extension);
-            own.key("source").set(image.to_string());
+            texture["extensions"] = json!({ extension: { "source": image } });
             additions.use_extension("extensionsUsed", extension);
         }
     }
     if !page.name.is_empty() {
-        texture.key("name").set(super::edits::quoted(&page.name));
+        texture["name"] = page.name.as_str().into();
     }
-    texture.rendered()
+    texture
 }
 
 /// Which materials take the place of others.
@@ -156,7 +143,7 @@ pub struct MaterialUses(BTreeMap<Option<usize>, BTreeSet<Option<Lit>>>);
 
 impl MaterialUses {
     /// Counts the materials of a primitive, of its variants, too.
-    pub fn add(&mut self, primitive: &PrimitiveJson, lit: Option<Lit>) {
+    pub fn add(&mut self, primitive: &Primitive, lit: Option<Lit>) {
         let all = primitive.variants.iter().chain([&primitive.material]);
         for material in all {
             self.0.entry(*material).or_default().insert(lit);
@@ -175,90 +162,71 @@ impl MaterialUses {
     }
 
     /// Gives all materials their light.
-    ///
-    /// # Errors
-    /// Too many bytes.
     pub fn light(
         &self,
-        source: &Source,
         edit: &LightmapEdit,
         set: u32,
         textures: &mut Textures,
         additions: &mut Additions,
         notes: &mut Notes,
-    ) -> Result<Replaced, PatchError> {
-        let entries = source.list("materials");
+    ) -> Replaced {
         let mut replaced = Replaced::default();
         let pages = self.0.values().flatten().flatten().map(|lit| lit.page);
         for page in pages.collect::<BTreeSet<u32>>() {
-            textures.of(page, additions)?;
+            textures.of(page, additions);
         }
         for (&material, uses) in &self.0 {
-            let span = material.and_then(|m| entries.get(m));
-            let mut in_place = span.is_some() && !uses.contains(&None);
+            let old = material.and_then(|m| additions.source.json.entries("materials").get(m));
+            let mut place = material.filter(|_| old.is_some() && !uses.contains(&None));
             for lit in uses.iter().flatten() {
-                let Some((page, texture)) = textures.of(lit.page, additions)? else {
+                let Some((page, texture)) = textures.of(lit.page, additions) else {
                     continue;
                 };
-                let look = looks::MaterialLightmap {
+                let placement = lit.placement();
+                let look = MaterialLightmap {
                     page,
                     texture,
                     set,
-                    placement: lit.placement(),
+                    placement,
                 };
-                let changed = look.change(edit.convention, source.text(), span);
-                let (change, extensions) = match changed {
-                    Ok(changed) => changed,
+                let (new, extensions) = match look.lit(edit.convention, old) {
+                    Ok(lit) => lit,
                     Err(fault) => {
                         notes.add(&fault);
                         replaced.others += 1;
                         continue;
                     }
                 };
-                let occlusion = span.and_then(|s| find(source.text(), s, &["occlusionTexture"]));
-                if edit.convention == Convention::Moz && occlusion.is_some() {
+                let has_occlusion = old.is_some_and(|m| m.get("occlusionTexture").is_some());
+                if edit.convention == Convention::Moz && has_occlusion {
                     notes.add(
                         "material with a picture of occlusion: viewers darken the lightmap by it, which has that \
                          shade already",
                     );
                 }
-                let used = extensions.iter();
-                used.for_each(|e| additions.use_extension("extensionsUsed", e));
-                if lit.placement.is_some() {
-                    // Without the transform the coordinates are those of another place.
-                    additions.use_extension("extensionsRequired", looks::MOVED);
+                for extension in extensions {
+                    additions.use_extension("extensionsUsed", extension);
                 }
-                let new = entry(source, material, span, change, in_place, additions, notes);
-                in_place = false;
+                if placement.is_some() {
+                    // Without the transform the coordinates are those of another place.
+                    additions.use_extension("extensionsRequired", MOVED);
+                }
+                let new = match place.take() {
+                    Some(place) => {
+                        additions.json.key("materials").at(place).set(new);
+                        place
+                    }
+                    None => {
+                        notes.add(match old {
+                            Some(_) => "material whose users have different light: copied",
+                            None => "primitive without material: gets a grey one, as it was lit",
+                        });
+                        additions.append("materials", new)
+                    }
+                };
                 replaced.of.insert((material, *lit), new);
             }
         }
-        Ok(replaced)
-    }
-}
-
-/// The index of a material with a change: its own, or that of a copy.
-fn entry(
-    source: &Source,
-    material: Option<usize>,
-    span: Option<&Span>,
-    change: Edit,
-    in_place: bool,
-    additions: &mut Additions,
-    notes: &mut Notes,
-) -> usize {
-    match (material, span) {
-        (Some(material), _) if in_place => {
-            *additions.edit.key("materials").index(material) = change;
-            material
-        }
-        (_, Some(span)) => {
-            notes.add("material whose users have different light: copied");
-            additions.append("materials", change.applied(source.text(), span))
-        }
-        _ => {
-            notes.add("primitive without material: gets a grey one, as it was lit");
-            additions.append("materials", change.rendered())
-        }
+        replaced
     }
 }

@@ -1,182 +1,172 @@
 //! The changed entries of meshes and nodes.
 
-use super::accessors::NewVertices;
+use super::super::draco::DRACO;
 use super::additions::Additions;
 use super::assign::{Entry, Placement};
-use super::edits::Edit;
-use super::error::PatchError;
+use super::json::Json;
 use super::materials::{Replaced, Textures};
 use super::notes::Notes;
-use super::primitives::{PrimitiveJson, VARIANTS};
-use super::types::{Convention, LightmapUvs};
-use super::uncompress;
+use super::primitives::{MAPPINGS, Primitive};
+use super::types::Convention;
 use super::work::{Split, Work};
 use gltf_json::mesh::Mode;
-use serde_json::{Value, json};
-use std::collections::HashSet;
+use serde_json::json;
 
-impl Work<'_, '_> {
+impl<'w> Work<'w> {
     /// Changes the mesh entries, and adds copies.
     pub fn meshes(
         &self,
         split: &Split,
         replaced: &Replaced,
-        set: u32,
-        additions: &mut Additions,
+        additions: &mut Additions<'w>,
         notes: &mut Notes,
     ) {
         let mut entries: Vec<Option<usize>> = Vec::new();
         for (a, assignment) in self.assignments.iter().enumerate() {
-            let mesh = assignment.mesh;
             let entry = match assignment.entry {
-                Entry::Own => {
-                    let own = self.mesh(a, split, replaced, set, notes);
-                    *additions.edit.key("meshes").index(mesh) = own;
-                    None
-                }
                 Entry::Shared(base, _) => entries[base],
-                Entry::Copy | Entry::Moved(..) => {
-                    let own = self.mesh(a, split, replaced, set, notes);
-                    let text = own.applied(self.source.text(), &self.spans[mesh]);
-                    Some(additions.append("meshes", text))
+                _ => {
+                    let mesh = self.mesh(a, split, replaced, additions, notes);
+                    place_mesh(mesh, assignment.mesh, assignment.entry, additions)
                 }
             };
             if let Some(entry) = entry {
-                let node = additions.edit.key("nodes").index(assignment.node);
-                node.key("mesh").set(entry.to_string());
+                let node = additions.json.key("nodes").at(assignment.node);
+                node.key("mesh").set(entry);
             }
             entries.push(entry);
         }
-        self.drop_draco(split, additions);
+        drop_draco(&self.meshes, &mut additions.json);
     }
 
-    /// The change of the mesh of an assignment.
+    /// The mesh of an assignment, changed.
     fn mesh(
         &self,
         a: usize,
         split: &Split,
         replaced: &Replaced,
-        set: u32,
+        additions: &mut Additions<'w>,
         notes: &mut Notes,
-    ) -> Edit {
+    ) -> Json<'w> {
         let lit = self.lit(split, a);
-        let mesh = &self.meshes[self.assignments[a].mesh];
-        let mut edit = Edit::default();
-        for (i, primitive) in &split.primitives[a] {
-            let (Some(lit), Some(vertices)) = (lit.get(i), &split.vertices[primitive.group]) else {
+        let mesh = self.assignments[a].mesh;
+        let mut json = self.source.json.entries("meshes")[mesh].clone();
+        for (i, part) in &split.primitives[a] {
+            let (Some(lit), Some(vertices)) = (lit.get(i), &split.vertices[part.group]) else {
                 continue;
             };
-            let json = &mesh[*i];
-            let change = edit.key("primitives").index(*i);
-            change_vertices(change, json, vertices, set);
-            let is_unlit = self.edit.convention == Convention::Unlit;
-            if is_unlit && replaced.shows(json.material, *lit) {
-                drop_colours(change, json);
+            let own = &self.meshes[mesh][*i];
+            let primitive = json.key("primitives").at(*i);
+            if self.edit.convention == Convention::Unlit && replaced.shows(own.material, *lit) {
+                drop_colours(primitive, own);
             }
-            if let Some(indices) = split.indices.get(&(a, *i)) {
-                change.key("indices").set(indices.to_string());
+            if !vertices.attributes.is_empty() {
+                vertices.give(primitive);
+                if let Some(corners) = self.corners(own, part, &split.groups[part.group]) {
+                    let indices = additions.corners(&corners, own.indices);
+                    primitive.key("indices").set(indices);
+                }
+                uncompress(primitive, own, notes);
             }
-            if primitive.corners.is_some() && json.mode != Some(Mode::Triangles) {
+            if part.corners.is_some() && own.mode != Some(Mode::Triangles) {
                 notes.add("strip or fan with a seam: becomes a list of triangles");
-                change.key("mode").set("4");
+                primitive.key("mode").set(json!(4));
             }
-            if json.has_draco() && vertices.uvs.is_some() {
-                notes.add("primitive compressed with Draco: is no longer");
-                uncompress::primitive(change, json);
+            if let Some(new) = replaced.of(own.material, *lit) {
+                primitive.key("material").set(new);
             }
-            if let Some(new) = replaced.of(json.material, *lit) {
-                change.key("material").set(new.to_string());
-            }
-            for (k, variant) in json.variants.iter().enumerate() {
+            for (k, variant) in own.variants.iter().enumerate() {
                 if let Some(new) = replaced.of(*variant, *lit) {
-                    let variants = change.key("extensions").key(VARIANTS);
-                    let mapping = variants.key("mappings").index(k);
-                    mapping.key("material").set(new.to_string());
+                    let mappings = MAPPINGS
+                        .iter()
+                        .fold(&mut *primitive, |json, key| json.key(key));
+                    mappings.at(k).key("material").set(new);
                 }
             }
         }
-        edit
-    }
-
-    /// Takes Draco from the lists of extensions if no primitive is compressed any more.
-    fn drop_draco(&self, split: &Split, additions: &mut Additions) {
-        if let LightmapUvs::Existing(_) = self.edit.uvs {
-            return;
-        }
-        let mut changed = HashSet::new();
-        for (a, assignment) in self.assignments.iter().enumerate() {
-            if assignment.entry == Entry::Own {
-                let lit = self.lit(split, a);
-                changed.extend(lit.keys().map(|primitive| (assignment.mesh, *primitive)));
-            }
-        }
-        uncompress::lists(self.source, &self.meshes, &changed, additions);
+        json
     }
 
     /// Gives nodes their lightmap (`MX_lightmap`).
-    pub fn nodes(
-        &self,
-        set: u32,
-        textures: &mut Textures,
-        additions: &mut Additions,
-    ) -> Result<(), PatchError> {
+    pub fn nodes(&self, set: u32, textures: &mut Textures, additions: &mut Additions) {
         for assignment in &self.assignments {
-            let Some(part) = assignment.parts.first() else {
+            let page = assignment.parts.first().map(|part| part.page);
+            let Some((page, texture)) = page.and_then(|page| textures.of(page, additions)) else {
                 continue;
             };
-            let Some((page, texture)) = textures.of(part.page, additions)? else {
-                continue;
-            };
-            let placement = match assignment.entry {
+            let Placement { offset, scale } = match assignment.entry {
                 Entry::Shared(_, placement) => placement,
                 _ => Placement {
                     offset: [0.0; 2],
                     scale: [1.0; 2],
                 },
             };
-            let extension: Value = json!({
+            let node = additions.json.key("nodes").at(assignment.node);
+            node.key("extensions").key("MX_lightmap").set(json!({
                 "lightMapTexture": { "index": texture, "texCoord": set },
-                "offset": placement.offset,
-                "scale": placement.scale,
+                "offset": offset,
+                "scale": scale,
                 "intensity": page.intensity,
-            });
-            let node = additions.edit.key("nodes").index(assignment.node);
-            let node = node.key("extensions").key("MX_lightmap");
-            node.set(extension.to_string());
+            }));
             additions.use_extension("extensionsUsed", "MX_lightmap");
         }
-        Ok(())
     }
 }
 
-/// Gives a primitive its new accessors.
-fn change_vertices(change: &mut Edit, json: &PrimitiveJson, new: &NewVertices, set: u32) {
-    for (name, accessor) in &new.attributes {
-        change.key("attributes").key(name).set(accessor.to_string());
+/// Puts the changed mesh in its place, or adds it as a copy, whose index is returned.
+pub fn place_mesh<'s>(
+    mesh: Json<'s>,
+    place: usize,
+    entry: Entry,
+    additions: &mut Additions<'s>,
+) -> Option<usize> {
+    if entry == Entry::Own {
+        additions.json.key("meshes").at(place).set(mesh);
+        return None;
     }
-    let Some(uvs) = new.uvs else {
+    Some(additions.append("meshes", mesh))
+}
+
+/// Takes the compressed data from a primitive, which has others now.
+pub fn uncompress(primitive: &mut Json, own: &Primitive, notes: &mut Notes) {
+    if own.has_draco {
+        notes.add("primitive compressed with Draco: is no longer");
+        primitive.prune(&["extensions", DRACO]);
+    }
+}
+
+/// Takes Draco from the lists of extensions if no primitive is compressed any more.
+pub fn drop_draco(before: &[Vec<Primitive>], json: &mut Json) {
+    let steps = ["extensions", DRACO];
+    let mut primitives = json
+        .entries("meshes")
+        .iter()
+        .flat_map(|m| m.entries("primitives"));
+    let is_left = primitives.any(|p| p.find(&steps).is_some());
+    if is_left || !before.iter().flatten().any(|p| p.has_draco) {
         return;
-    };
-    // Names are numbered without gaps (glTF 2.0, 3.7.2.1).
-    for lower in 0..set {
-        let name = format!("TEXCOORD_{lower}");
-        if json.attribute(&name).is_none() {
-            change.key("attributes").key(&name).set(uvs.to_string());
-        }
     }
-    let name = format!("TEXCOORD_{set}");
-    change.key("attributes").key(&name).set(uvs.to_string());
-    for (target, name, accessor) in &new.targets {
-        let target = change.key("targets").index(*target);
-        target.key(name).set(accessor.to_string());
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        drop_extension(json, list, DRACO);
+    }
+}
+
+/// Takes a name from a list of extensions, which may not be empty.
+pub fn drop_extension(json: &mut Json, list: &str, name: &str) {
+    if let Some(Json::List(mut names)) = json.get(list).cloned() {
+        names.retain(|known| known.text().as_deref() != Some(name));
+        match names.is_empty() {
+            true => json.remove(list),
+            false => json.key(list).set(Json::List(names)),
+        }
     }
 }
 
 /// Colours of vertices are in the picture of an unlit surface already.
-fn drop_colours(change: &mut Edit, json: &PrimitiveJson) {
-    for (name, _) in &json.attributes {
-        if name.starts_with("COLOR_") {
-            change.key("attributes").key(name).remove();
-        }
-    }
+fn drop_colours(primitive: &mut Json, own: &Primitive) {
+    let colours = own
+        .attributes
+        .iter()
+        .filter(|(name, _)| name.starts_with("COLOR_"));
+    colours.for_each(|(name, _)| primitive.key("attributes").remove(name));
 }

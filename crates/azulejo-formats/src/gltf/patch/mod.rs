@@ -1,49 +1,45 @@
-//! Edits of glTF files that keep every other byte of them.
+//! Edits of glTF files that keep everything else in them.
 //!
-//! The JSON is edited as text: entries are added at the end of lists, a few values are replaced, and the
-//! rest stays as it is, numbers and blanks included, and also what azulejo does not know. New numbers
-//! follow the old ones. What undoes an edit is noted in the file, so that [`strip`] gives back its
-//! bytes.
+//! The JSON is edited as a document that keeps the order of members and the spelling of numbers: entries are added at
+//! the end of lists, a few values are replaced, and the rest stays as it is, also what azulejo does not know. New
+//! numbers follow the old ones. A [mark](mark) in the file says what was there before, so that [`strip`] gives it back.
 //!
 //! | module | purpose |
 //! |---|---|
 //! | `types`, `error`, `notes` | what goes in and out |
-//! | `scan`, `edits`, `glb` | places in text, changes of text, parts of a file |
+//! | `json`, `glb` | documents, parts of a file |
 //! | `source`, `primitives` | a file that is edited |
 //! | `additions`, `accessors` | new entries and bytes |
-//! | `assign`, `splits`, `free_set` | texture coordinates of objects as those of vertices |
+//! | `assign`, `splits` | texture coordinates of objects as those of vertices |
 //! | `work`, `meshes` | the meshes of a file with them |
 //! | `looks`, `materials`, `lights` | what shows them |
-//! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
-//! | `uncompress`, `convert` | Draco, other containers |
-//! | `vertex_light` | light of vertices |
+//! | `lightmap`, `vertex_light` | the edits as a whole |
+//! | `mark`, `strip` | what was there before |
+//! | `convert` | other containers |
 //! | `existing` | the lightmap that a file has |
 
 mod accessors;
 mod additions;
 mod assign;
 mod convert;
-mod edits;
 mod error;
 mod existing;
-mod free_set;
 mod glb;
+mod json;
 mod lightmap;
 mod lights;
 mod looks;
+mod mark;
 mod materials;
 mod meshes;
 mod notes;
 mod primitives;
-mod scan;
 mod source;
 mod splits;
 mod strip;
 #[cfg(test)]
 mod tests;
 mod types;
-mod uncompress;
-mod undo;
 mod vertex_light;
 mod work;
 
@@ -58,8 +54,8 @@ use super::origin::ObjectOrigin;
 use super::uri::{self, Uri};
 use azulejo_scene::Scene;
 use glb::Parts;
+use json::{Json, MOST_LEVELS};
 use notes::Notes;
-use serde_json::Value;
 
 /// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
 /// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
@@ -75,7 +71,8 @@ pub fn with_lightmap(
     let mut notes = Notes::default();
     let parts = Parts::of(original.bytes, original.name)?;
     let mut bytes = None;
-    if undo::found(&parts).is_some() {
+    let json = Json::parse(parts.text, MOST_LEVELS);
+    if json.is_ok_and(|json| json.find(&mark::MARK).is_some()) {
         notes.add("the file had a lightmap, or light on its vertices: removed");
         bytes = Some(strip(original.bytes, original.name)?.bytes);
     }
@@ -99,7 +96,7 @@ pub fn found_lightmap(
     origins: &[ObjectOrigin],
     set: Option<u32>,
 ) -> Result<FoundLightmap, PatchError> {
-    existing::found(file, origins, set)
+    existing::read(file, origins, set, true)
 }
 
 /// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
@@ -112,7 +109,7 @@ pub fn coordinates(
     origins: &[ObjectOrigin],
     set: u32,
 ) -> Result<FoundLightmap, PatchError> {
-    existing::coordinates(file, origins, set)
+    existing::read(file, origins, Some(set), false)
 }
 
 /// The names of the files that a file names, relative to its own: buffers and images.
@@ -121,14 +118,15 @@ pub fn coordinates(
 /// Files that cannot be read or are not UTF-8 JSON.
 pub fn named_files(bytes: &[u8], name: &str) -> Result<Vec<String>, PatchError> {
     let parts = Parts::of(bytes, name)?;
-    let root: Value = serde_json::from_str(parts.text)
-        .map_err(|e| PatchError::of(name, format!("what is no JSON: {e}")))?;
+    let json = Json::parse(parts.text, MOST_LEVELS).map_err(|found| PatchError::of(name, found))?;
     let mut names = Vec::new();
-    for list in ["buffers", "images"] {
-        for entry in root[list].as_array().into_iter().flatten() {
-            if let Some(Ok(Uri::File(file))) = entry["uri"].as_str().map(uri::read) {
-                names.push(file.into_owned());
-            }
+    for entry in ["buffers", "images"]
+        .iter()
+        .flat_map(|list| json.entries(list))
+    {
+        let uri = entry.get("uri").and_then(Json::text);
+        if let Some(Ok(Uri::File(file))) = uri.as_deref().map(uri::read) {
+            names.push(file.into_owned());
         }
     }
     Ok(names)
@@ -137,8 +135,8 @@ pub fn named_files(bytes: &[u8], name: &str) -> Result<Vec<String>, PatchError> 
 /// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the
 /// extras that [`read`](super::read) and [`write()`](super::write()) know. Everything else stays, a
 /// lightmap, too. The objects of the scene have the faces that were read, with `origins`; those
-/// without irradiance stay as they are. Nodes that share a mesh get entries of their own. [`strip`] undoes it,
-/// unless the file has been edited before: only the first edit can be undone, and no longer exactly.
+/// without irradiance stay as they are. Nodes that share a mesh get entries of their own. [`strip`] undoes it; if the
+/// file has been edited before, both edits at once.
 ///
 /// # Errors
 /// As [`with_lightmap`].
@@ -180,9 +178,10 @@ fn in_container(
 /// Removes the lightmap of azulejo's from a file, or light that was put on its vertices. `name` is used in
 /// messages.
 ///
-/// The file is again what it was, byte for byte; it is then in the container in which it was written last. If
-/// another program has written it since, extensions and lights are restored in the file as it is now, and
-/// the result says so.
+/// The file is again what it was: the same JSON, with its order and the spelling of its numbers, but for blanks,
+/// and the same buffers, byte for byte; in the container in which it was written last. If another program has
+/// written it since, or an earlier version of azulejo, extensions and lights are restored in the file as it is
+/// now, and the result says so.
 ///
 /// # Errors
 /// Files that are not glTF, or have no such lightmap.

@@ -1,23 +1,25 @@
-//! Primitives as the text of a file has them.
+//! Primitives as the document of a file has them.
 
 use super::super::draco::DRACO;
-use super::scan::{Span, elements, find, member, members, number};
+use super::json::{Json, unescaped};
 use super::source::Source;
 use gltf_json::Index;
 use gltf_json::mesh::Mode;
+use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// Names and accessors of attributes.
 pub type Attributes = Vec<(String, usize)>;
 
 /// A primitive of a mesh.
 #[derive(Debug)]
-pub struct PrimitiveJson<'t> {
+pub struct Primitive {
     /// Its attributes.
     pub attributes: Attributes,
     /// Those of its morph targets.
     pub targets: Vec<Attributes>,
-    /// The texts of both: primitives with the same have the same vertices.
-    pub key: (&'t str, &'t str),
+    /// Primitives with the same number have the same attributes and targets, so the same vertices.
+    pub vertices: usize,
     /// The accessor of its indices.
     pub indices: Option<usize>,
     /// How its indices form triangles; `None` for points and lines.
@@ -26,39 +28,34 @@ pub struct PrimitiveJson<'t> {
     pub material: Option<usize>,
     /// The materials of its mappings (`KHR_materials_variants`).
     pub variants: Vec<Option<usize>>,
-    /// Names of its extensions.
-    pub extensions: Vec<String>,
+    /// Whether it is compressed with Draco.
+    pub has_draco: bool,
 }
 
-/// The name of the extension with other materials.
-pub const VARIANTS: &str = "KHR_materials_variants";
+/// The steps to the mappings of materials in a primitive.
+pub const MAPPINGS: [&str; 3] = ["extensions", "KHR_materials_variants", "mappings"];
 
-impl<'t> PrimitiveJson<'t> {
-    /// The primitives of a mesh.
-    pub fn of_mesh(text: &'t str, mesh: &Span) -> Vec<PrimitiveJson<'t>> {
-        let list = member(text, mesh, "primitives").and_then(|list| elements(text, &list));
-        let list = list.unwrap_or_default();
-        list.iter()
-            .map(|span| PrimitiveJson::of(text, span))
-            .collect()
-    }
+/// The primitives of all meshes.
+pub fn of_meshes(json: &Json) -> Vec<Vec<Primitive>> {
+    let mut known = HashMap::new();
+    let mut of_mesh = |mesh: &Json| {
+        let list = mesh.entries("primitives").iter();
+        list.map(|p| Primitive::of(p, &mut known)).collect()
+    };
+    json.entries("meshes").iter().map(&mut of_mesh).collect()
+}
 
-    fn of(text: &'t str, span: &Span) -> PrimitiveJson<'t> {
-        let value = |key: &str| member(text, span, key);
-        let index = |key: &str| value(key).and_then(|v| number(text, &v));
-        let own = value("attributes");
-        let targets = value("targets");
-        let target_list = targets.as_ref().and_then(|list| elements(text, list));
-        let slice = |span: &Option<Span>| span.clone().map_or("", |s| &text[s]);
-        let extensions = value("extensions").and_then(|e| members(text, &e));
-        PrimitiveJson {
-            key: (slice(&own), slice(&targets)),
-            attributes: own.map_or(Vec::new(), |own| accessors(text, &own)),
-            targets: target_list
-                .iter()
-                .flatten()
-                .map(|target| accessors(text, target))
-                .collect(),
+impl Primitive {
+    fn of(json: &Json, known: &mut HashMap<(Attributes, Vec<Attributes>), usize>) -> Primitive {
+        let index = |key: &str| json.get(key).and_then(Json::index);
+        let attributes = json.get("attributes").map_or(Vec::new(), accessors);
+        let targets: Vec<Attributes> = json.entries("targets").iter().map(accessors).collect();
+        let next = known.len();
+        let mappings = json.find(&MAPPINGS).map_or(&[][..], Json::list).iter();
+        Primitive {
+            vertices: *(known.entry((attributes.clone(), targets.clone()))).or_insert(next),
+            attributes,
+            targets,
             indices: index("indices"),
             mode: match index("mode") {
                 None | Some(4) => Some(Mode::Triangles),
@@ -67,20 +64,15 @@ impl<'t> PrimitiveJson<'t> {
                 _ => None,
             },
             material: index("material"),
-            variants: variants(text, span),
-            extensions: extensions.into_iter().flatten().map(|m| m.key).collect(),
+            variants: mappings.map(|m| m.get("material")?.index()).collect(),
+            has_draco: json.find(&["extensions", DRACO]).is_some(),
         }
     }
 
     /// The accessor of an attribute.
     pub fn attribute(&self, name: &str) -> Option<usize> {
-        let found = self.attributes.iter().rev().find(|(key, _)| key == name);
-        found.map(|(_, accessor)| *accessor)
-    }
-
-    /// Whether it is compressed.
-    pub fn has_draco(&self) -> bool {
-        self.extensions.iter().any(|name| name == DRACO)
+        let mut attributes = self.attributes.iter().rev();
+        Some(attributes.find(|(key, _)| key == name)?.1)
     }
 
     /// The number of vertices.
@@ -95,8 +87,7 @@ impl<'t> PrimitiveJson<'t> {
             return Ok((0..count as u32).collect());
         };
         let indices = accessor_index(indices)?;
-        let length = source.data.count(indices)?;
-        source.data.indices(indices, length)
+        source.data.indices(indices, source.data.count(indices)?)
     }
 }
 
@@ -106,16 +97,9 @@ pub fn accessor_index<T>(index: usize) -> Result<Index<T>, String> {
     Ok(Index::new(index))
 }
 
-fn accessors(text: &str, span: &Span) -> Attributes {
-    let list = members(text, span).into_iter().flatten();
-    list.filter_map(|m| Some((m.key, number(text, &m.value)?)))
-        .collect()
-}
-
-fn variants(text: &str, primitive: &Span) -> Vec<Option<usize>> {
-    let steps = ["extensions", VARIANTS, "mappings"];
-    let list = find(text, primitive, &steps).and_then(|list| elements(text, &list));
-    let list = list.into_iter().flatten();
-    list.map(|m| member(text, &m, "material").and_then(|v| number(text, &v)))
-        .collect()
+fn accessors(json: &Json) -> Attributes {
+    let members = json.members().iter();
+    let named =
+        |(key, value): &(Cow<str>, Json)| Some((unescaped(key)?.into_owned(), value.index()?));
+    members.filter_map(named).collect()
 }

@@ -1,4 +1,4 @@
-//! A file that is edited: its parts, its text, and the numbers in it.
+//! A file that is edited: its parts, its document, and the numbers in it.
 
 use super::super::accessor::Data;
 use super::super::buffers::Buffers;
@@ -7,8 +7,8 @@ use super::super::document;
 use super::super::draco::DracoAccessors;
 use super::super::messages::GltfMessages;
 use super::error::PatchError;
-use super::glb::{Frame, Parts};
-use super::scan::{self, Span};
+use super::glb::Parts;
+use super::json::{Json, MOST_LEVELS};
 use super::types::GltfFile;
 use gltf_json::Root;
 
@@ -16,7 +16,7 @@ use gltf_json::Root;
 pub fn parsed(parts: &Parts, file: &GltfFile) -> Result<Root, PatchError> {
     let container = Container {
         json: parts.text.as_bytes(),
-        json_start: matches!(parts.frame, Frame::Glb(_)).then_some(20),
+        json_start: parts.chunks.is_some().then_some(20),
         bin: parts.bin(),
     };
     let mut messages = GltfMessages::default();
@@ -27,8 +27,8 @@ pub fn parsed(parts: &Parts, file: &GltfFile) -> Result<Root, PatchError> {
 pub struct Source<'a> {
     /// Its parts.
     pub parts: Parts<'a>,
-    /// The bytes of the JSON value in the text.
-    pub root: Span,
+    /// Its document.
+    pub json: Json<'a>,
     /// Its JSON and its numbers, as the reader has them.
     pub data: Data<'a>,
     /// Its name.
@@ -37,10 +37,18 @@ pub struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// Loads the numbers of a file.
-    pub fn new(parts: Parts<'a>, root: &'a Root, file: &GltfFile<'a>) -> Source<'a> {
+    ///
+    /// # Errors
+    /// Text that is no JSON, or nested too deep.
+    pub fn new(
+        parts: Parts<'a>,
+        root: &'a Root,
+        file: &GltfFile<'a>,
+    ) -> Result<Source<'a>, PatchError> {
         let buffers = Buffers::load(root, parts.bin(), file.files, file.options);
-        Source {
-            root: scan::whole(parts.text),
+        let json = Json::parse(parts.text, MOST_LEVELS);
+        Ok(Source {
+            json: json.map_err(|found| PatchError::of(file.name, found))?,
             parts,
             data: Data {
                 root,
@@ -48,28 +56,17 @@ impl<'a> Source<'a> {
                 buffers,
             },
             name: file.name,
-        }
-    }
-
-    /// The JSON text.
-    pub fn text(&self) -> &'a str {
-        self.parts.text
-    }
-
-    /// The value at the end of some steps from the root.
-    pub fn find(&self, steps: &[&str]) -> Option<Span> {
-        scan::find(self.text(), &self.root, steps)
-    }
-
-    /// The elements of a list at the root.
-    pub fn list(&self, key: &str) -> Vec<Span> {
-        let list = self.find(&[key]);
-        list.and_then(|list| scan::elements(self.text(), &list))
-            .unwrap_or_default()
+        })
     }
 
     /// The error with this in the way.
     pub fn refused(&self, found: impl Into<String>) -> PatchError {
         PatchError::of(self.name, found)
+    }
+
+    /// The mesh of a node.
+    pub fn mesh_of(&self, node: usize) -> Option<usize> {
+        let node = self.data.root.nodes.get(node)?;
+        node.mesh.map(|mesh| mesh.value())
     }
 }

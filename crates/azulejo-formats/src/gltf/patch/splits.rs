@@ -5,21 +5,20 @@
 
 use super::super::origin::FaceOrigin;
 use super::super::topology;
-use super::primitives::PrimitiveJson;
+use super::primitives::Primitive;
 use super::source::Source;
 use gltf_json::mesh::Mode;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// A list of vertices that gets texture coordinates.
 #[derive(Debug, Default)]
 pub struct VertexGroup {
-    /// Coordinates of the vertices, as far as a face uses them.
-    pub uvs: Vec<[f32; 2]>,
-    has_uv: Vec<bool>,
+    /// The number of vertices before.
+    pub count: usize,
+    /// Coordinates of the vertices, as far as a face uses them, and then those of the copies.
+    pub uvs: Vec<Option<[f32; 2]>>,
     /// Which vertex each copy is of.
     pub sources: Vec<u32>,
-    /// The coordinates of the copies.
-    pub more_uvs: Vec<[f32; 2]>,
     /// Copies by their vertex and the bits of their coordinates.
     copies: HashMap<(u32, [u32; 2]), u32>,
 }
@@ -56,11 +55,11 @@ pub struct PrimitiveFaces<'l> {
 
 /// All lists of vertices.
 #[derive(Debug, Default)]
-pub struct Splits<'t> {
+pub struct Splits {
     /// The lists.
     pub groups: Vec<VertexGroup>,
-    /// The latest list of the vertices of these attributes that other meshes may use, too.
-    open: HashMap<(&'t str, &'t str), usize>,
+    /// The latest list of vertices that other meshes may use, too, by [`Primitive::vertices`].
+    open: HashMap<usize, usize>,
 }
 
 /// A primitive with the triangles that receive something.
@@ -71,7 +70,7 @@ struct Wanted<'l> {
     count: usize,
 }
 
-impl<'t> Splits<'t> {
+impl Splits {
     /// Gives the primitives of a mesh their coordinates. `is_shared` says whether they may share vertices
     /// with other meshes, where these use others of them.
     ///
@@ -80,67 +79,45 @@ impl<'t> Splits<'t> {
     pub fn add(
         &mut self,
         source: &Source,
-        mesh: &[PrimitiveJson<'t>],
+        mesh: &[Primitive],
         parts: &[PrimitiveFaces],
         is_shared: bool,
     ) -> Result<Vec<(usize, SplitPrimitive)>, String> {
-        let mut wanted = Vec::new();
-        let mut users: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
+        let mut users: BTreeMap<usize, Vec<Wanted>> = BTreeMap::new();
         for &part in parts {
             let primitive = mesh.get(part.primitive).ok_or("a primitive out of range")?;
-            users.entry(primitive.key).or_default().push(wanted.len());
-            wanted.push((primitive.key, Wanted::of(source, primitive, part)?));
+            let own = Wanted::of(source, primitive, part)?;
+            users.entry(primitive.vertices).or_default().push(own);
         }
-        let mut chosen: HashMap<(&str, &str), usize> = HashMap::new();
         let mut list = Vec::new();
-        for (key, own) in &wanted {
-            let group = match chosen.get(key) {
-                Some(&group) => group,
-                None => {
-                    let users = users.get(key).into_iter().flatten();
-                    let users = users.filter_map(|user| Some(&wanted.get(*user)?.1));
-                    let group = self.group(*key, own.count, users, is_shared);
-                    chosen.insert(*key, group);
-                    group
-                }
-            };
-            let split = SplitPrimitive {
-                group,
-                page: own.faces.page,
-                corners: self.groups[group].place(own)?,
-            };
-            list.push((own.faces.primitive, split));
+        for (vertices, users) in users {
+            let open = self.open.get(&vertices).copied().filter(|_| is_shared);
+            let is_free = |open: &usize| !users.iter().any(|own| own.meets(&self.groups[*open]));
+            let group = open.filter(is_free).unwrap_or_else(|| {
+                self.groups.push(VertexGroup::new(users[0].count));
+                self.groups.len() - 1
+            });
+            if is_shared {
+                self.open.insert(vertices, group);
+            }
+            for own in users {
+                let split = SplitPrimitive {
+                    group,
+                    page: own.faces.page,
+                    corners: self.groups[group].place(&own)?,
+                };
+                list.push((own.faces.primitive, split));
+            }
         }
+        list.sort_by_key(|(primitive, _)| *primitive);
         Ok(list)
-    }
-
-    /// The list for vertices of these attributes, of which some are used.
-    fn group<'w, 'l: 'w>(
-        &mut self,
-        key: (&'t str, &'t str),
-        count: usize,
-        mut users: impl Iterator<Item = &'w Wanted<'l>>,
-        is_shared: bool,
-    ) -> usize {
-        let open = self.open.get(&key).copied().filter(|_| is_shared);
-        if let Some(open) = open
-            && users.all(|wanted| !wanted.meets(&self.groups[open]))
-        {
-            return open;
-        }
-        self.groups.push(VertexGroup::new(count));
-        let new = self.groups.len() - 1;
-        if is_shared {
-            self.open.insert(key, new);
-        }
-        new
     }
 }
 
 impl<'l> Wanted<'l> {
     fn of(
         source: &Source,
-        primitive: &PrimitiveJson,
+        primitive: &Primitive,
         faces: PrimitiveFaces<'l>,
     ) -> Result<Wanted<'l>, String> {
         let mode = primitive
@@ -174,7 +151,16 @@ impl<'l> Wanted<'l> {
 
     /// Whether a list has coordinates for one of the vertices already.
     fn meets(&self, group: &VertexGroup) -> bool {
-        self.triangles().flatten().any(|v| group.has_uv[v as usize])
+        let mut vertices = self.triangles().flatten();
+        vertices.any(|v| group.uvs[v as usize].is_some())
+    }
+}
+
+/// Corners in the order of the file, or those of the file in the order of a face.
+pub fn turned<T>([a, b, c]: [T; 3], mirrored: bool) -> [T; 3] {
+    match mirrored {
+        true => [a, c, b],
+        false => [a, b, c],
     }
 }
 
@@ -182,15 +168,10 @@ impl VertexGroup {
     /// So many vertices, without copies.
     pub fn new(count: usize) -> VertexGroup {
         VertexGroup {
-            uvs: vec![[0.0; 2]; count],
-            has_uv: vec![false; count],
+            count,
+            uvs: vec![None; count],
             ..VertexGroup::default()
         }
-    }
-
-    /// The number of vertices before and after.
-    pub fn counts(&self) -> [usize; 2] {
-        [self.uvs.len(), self.uvs.len() + self.sources.len()]
     }
 
     /// Gives the corners of faces their coordinates; the new corners of the primitive if some changed.
@@ -198,14 +179,8 @@ impl VertexGroup {
         let mut changed: Vec<(usize, [u32; 3])> = Vec::new();
         let faces = wanted.faces.faces.iter().zip(wanted.faces.uvs);
         for ((face, uvs), vertices) in faces.zip(wanted.triangles()) {
-            let [a, b, c] = *uvs;
-            let uvs = if wanted.faces.mirrored {
-                [a, c, b]
-            } else {
-                [a, b, c]
-            };
             let mut placed = vertices;
-            for (vertex, uv) in placed.iter_mut().zip(uvs) {
+            for (vertex, uv) in placed.iter_mut().zip(turned(*uvs, wanted.faces.mirrored)) {
                 *vertex = self.vertex(*vertex, uv)?;
             }
             if placed != vertices {
@@ -216,13 +191,8 @@ impl VertexGroup {
             return Ok(None);
         }
         let all = topology::triangles(wanted.mode, &wanted.corners);
-        let there = |v: u32| {
-            if (v as usize) < wanted.count {
-                v
-            } else {
-                MISSING
-            }
-        };
+        let is_there = |v: &u32| (*v as usize) < wanted.count;
+        let there = |v: u32| Some(v).filter(is_there).unwrap_or(MISSING);
         let corners = (0..all.count()).flat_map(|i| all.get(i).map(there));
         let mut corners: Vec<u32> = corners.collect();
         for (triangle, placed) in changed {
@@ -233,26 +203,21 @@ impl VertexGroup {
 
     /// The vertex with these coordinates: itself, or a copy.
     fn vertex(&mut self, vertex: u32, uv: [f32; 2]) -> Result<u32, String> {
-        let own = vertex as usize;
-        if !self.has_uv[own] {
-            self.has_uv[own] = true;
-            self.uvs[own] = uv;
-        }
         let bits = uv.map(f32::to_bits);
-        if self.uvs[own].map(f32::to_bits) == bits {
+        let own = self.uvs[vertex as usize].get_or_insert(uv);
+        if own.map(f32::to_bits) == bits {
             return Ok(vertex);
         }
         if let Some(&copy) = self.copies.get(&(vertex, bits)) {
             return Ok(copy);
         }
-        let copy = u32::try_from(self.uvs.len() + self.sources.len());
         // The largest index restarts primitives.
-        let copy = copy
-            .ok()
+        let next = u32::try_from(self.uvs.len()).ok();
+        let copy = next
             .filter(|c| *c < u32::MAX - 1)
             .ok_or("too many vertices")?;
         self.sources.push(vertex);
-        self.more_uvs.push(uv);
+        self.uvs.push(Some(uv));
         self.copies.insert((vertex, bits), copy);
         Ok(copy)
     }

@@ -212,8 +212,9 @@ pub struct StrippedFile {
     /// Whether it had light on its vertices by
     /// [`with_vertex_light`](super::with_vertex_light), not a lightmap.
     pub is_of_vertices: bool,
-    /// Whether these are the bytes of the file as it was before. If another program has written the file
-    /// since, the lightmap is removed from it as it is now.
+    /// Whether this is the file as it was before: the same bytes of buffers, and the same JSON with its order and
+    /// its numbers as they were spelled, but for blanks. If another program has written the file since, or it is of
+    /// an earlier version of azulejo, the lightmap is removed from it as it is now.
     pub is_exact: bool,
     /// Files that were written beside the file and that it no longer names.
     pub unused_files: Vec<String>,

@@ -1,7 +1,10 @@
 //! Materials, lights, conventions and instances of edited files.
 
 use super::super::super::container::tests::glb_of;
+use super::super::glb::Parts;
+use super::super::json::{Json, MOST_LEVELS};
 use super::craft::{Craft, json_of};
+use super::kept::check_same;
 use super::{Case, Charts, check, layouts, pages, usual};
 use crate::gltf::patch::{
     Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode,
@@ -98,7 +101,8 @@ fn edit(
     let patched = with_lightmap(&file, &origins, &edit)?;
     if edit.output.container == Container::Same {
         let stripped = strip(&patched.bytes, "a.glb").unwrap();
-        assert!(stripped.is_exact && stripped.bytes == bytes);
+        assert!(stripped.is_exact);
+        check_same("a.glb", bytes, &stripped.bytes);
     }
     Ok(patched)
 }
@@ -221,7 +225,7 @@ fn lights_do_not_shine_twice() {
     let patched = edit(&bytes, &[Some(0)], |_| {}).unwrap();
     assert_eq!(dimmed(&patched), [Some(0.0); 3]);
     let baked = &json_of(&patched)["asset"]["extras"]["azulejo"]["lightmap"]["baked"];
-    assert_eq!(baked, &json!([[0, "1e2"], [1, null]]));
+    assert_eq!(baked, &json!([[0, 100.0], [1, null]]));
     let kept = edit(&bytes, &[Some(0)], |e| e.lights = LightsMode::Keep).unwrap();
     assert_eq!(dimmed(&kept), [Some(100.0), None, Some(0.0)]);
     let plain = edit(&bytes, &[Some(0)], |e| e.convention = Convention::Plain).unwrap();
@@ -235,32 +239,59 @@ fn another_program_in_between() {
                   {\"type\":\"point\"}]}},\"extensionsUsed\":[\"KHR_lights_punctual\"]";
     let bytes = file(&[Some(0), None], &[0, 1], "{\"name\":\"a\"}", lights);
     let patched = edit(&bytes, &[Some(0); 2], |_| {}).unwrap();
+    // Blanks are no change, another order is.
+    let pretty = Json::parse(Parts::of(&patched.bytes, "a").unwrap().text, MOST_LEVELS).unwrap();
+    let bin = Parts::of(&patched.bytes, "a").unwrap().bin().unwrap();
+    let pretty = glb_of(&[(b"JSON", pretty.in_lines().as_bytes()), (b"BIN\0", bin)]);
+    assert!(strip(&pretty, "a.glb").unwrap().is_exact);
     let text = serde_json::to_string(&json_of(&patched)).unwrap();
     let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
-    assert!(!stripped.is_exact && !stripped.notes.is_empty());
+    assert!(!stripped.is_exact && stripped.notes[0].contains("another program"));
     let json: Value = serde_json::from_slice(&stripped.bytes).unwrap();
     assert_eq!(json["asset"], json!({ "version": "2.0" }));
     assert_eq!(json["materials"][0], json!({ "name": "a" }));
     let list = &json["extensions"]["KHR_lights_punctual"]["lights"];
     assert_eq!(list[0]["intensity"], 100.0);
     assert!(list[1].get("intensity").is_none());
-    assert_eq!(
-        json["extensionsUsed"],
-        json!(["KHR_lights_punctual", "KHR_materials_specular"])
-    );
+    let used = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
+    assert_eq!(json["extensionsUsed"], used);
     assert!(strip(&stripped.bytes, "a.gltf").is_err());
-    // A note that says nothing sensible.
-    for note in [
-        "{}",
-        "{\"undo\":[1],\"baked\":[[9,\"x\"],7]}",
-        "{\"undo\":[9e9,1,\"\"],\"hash\":\"\"}",
-    ] {
+}
+
+/// Marks that say nothing sensible, and those of earlier versions.
+#[test]
+fn marks_of_others() {
+    let lights = "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"intensity\":0},{\"intensity\":0}]}}";
+    let check = |mark: &str, intensities: &str, note: &str| {
         let text = format!(
-            "{{\"asset\":{{\"version\":\"2.0\",\"extras\":{{\"azulejo\":{{\"lightmap\":{note}}}}}}}}}"
+            "{{\"asset\":{{\"version\":\"2.0\",\"extras\":{{\"azulejo\":{{\"lightmap\":{mark}}}}}}},{lights}}}"
         );
         let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
-        assert_eq!(stripped.bytes, b"{\"asset\":{\"version\":\"2.0\"}}");
-    }
+        assert!(stripped.notes[0].contains(note), "{:?}", stripped.notes);
+        let json: Value = serde_json::from_slice(&stripped.bytes).unwrap();
+        assert_eq!(json["asset"], json!({ "version": "2.0" }));
+        let lights = &json["extensions"]["KHR_lights_punctual"]["lights"];
+        assert_eq!(lights.to_string(), intensities);
+    };
+    let dark = "[{\"intensity\":0},{\"intensity\":0}]";
+    check("{}", dark, "another program");
+    check("7", dark, "another program");
+    check(
+        "{\"before\":{\"asset\":[]},\"hash\":\"\"}",
+        dark,
+        "another program",
+    );
+    check(
+        "{\"baked\":[[9,1],[1,\"x\"],7]}",
+        "[{\"intensity\":0},{}]",
+        "another program",
+    );
+    let old = "{\"undo\":[1,2,\"\"],\"hash\":\"0\",\"baked\":[[0,\"1e2\"],[1,null]]}";
+    check(
+        old,
+        "[{\"intensity\":100.0},{}]",
+        "an earlier version of azulejo",
+    );
 }
 
 #[test]
@@ -400,7 +431,11 @@ fn instances_that_are_moved() {
     near(&placement["scale"], [0.5, -0.25]);
     assert_eq!(info["index"], 1);
     assert_eq!(json["extensionsRequired"], json!(["KHR_texture_transform"]));
-    assert_eq!(strip(&patched.bytes, "a.glb").unwrap().bytes, bytes);
+    check_same(
+        "a.glb",
+        &bytes,
+        &strip(&patched.bytes, "a.glb").unwrap().bytes,
+    );
     // At the node, with one mesh for both.
     change.instances = InstanceMode::Node;
     assert!(with_lightmap(&file, &origins, &change).is_err());
@@ -420,7 +455,11 @@ fn instances_that_are_moved() {
         json!([1.0, 1.0])
     );
     assert_eq!(json["materials"], json!([{}]));
-    assert_eq!(strip(&patched.bytes, "a.glb").unwrap().bytes, bytes);
+    check_same(
+        "a.glb",
+        &bytes,
+        &strip(&patched.bytes, "a.glb").unwrap().bytes,
+    );
 }
 
 #[test]
