@@ -13,7 +13,6 @@
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
 //! | [`model`] | all of this together: properties and conditions in, networks and temperatures out |
 //! | [`files`] | files of other programs |
-//! | [`truth`] | enclosures with known answers, to judge solvers by |
 
 pub mod archive;
 pub mod bands;
@@ -23,7 +22,6 @@ pub mod model;
 pub mod network;
 pub mod store;
 pub mod tables;
-pub mod truth;
 
 pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{
