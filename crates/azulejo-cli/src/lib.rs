@@ -27,6 +27,7 @@ mod input;
 mod interrupt;
 mod inventory;
 mod kept_gltf;
+mod known;
 mod layers;
 mod lettering;
 mod machine_info;

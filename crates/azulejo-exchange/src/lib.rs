@@ -9,13 +9,11 @@
 //! | [`archive`] | the same as an `.npz` |
 //! | [`files`] | files of other programs |
 //! | [`thermal`] | networks, temperatures and fluxes, which nothing above needs |
-//! | [`truth`] | enclosures with known answers, to judge solvers by |
 
 pub mod archive;
 pub mod enclosure;
 pub mod files;
 pub mod thermal;
-pub mod truth;
 
 pub use enclosure::{
     CellMesh, ClusterError, ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight, RowTable,

@@ -5,14 +5,18 @@
 // Printing is what a bench is for.
 #![allow(clippy::print_stdout)]
 
+// The cases of `azulejo validate`; of their reader, benches need but a part.
+#[allow(dead_code, unused_imports)]
+#[path = "../../azulejo-cli/src/known/factors/mod.rs"]
+mod cases;
 mod usage;
 
 use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
-use azulejo_factors::truth::{CaseKind, cases};
 use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::furnished_room;
 use azulejo_trace::{Progress, Tracer};
+use cases::{CaseKind, cases};
 use std::time::Instant;
 use usage::{cpu_seconds, peak_mebibytes};
 

@@ -10,11 +10,11 @@ mod drawing;
 #[path = "usage/mod.rs"]
 mod usage;
 
-use azulejo_factors::truth::formulas::{on_common_edge, opposed};
 use azulejo_factors::{
     Closure, Engine, FormFactorOptions, FormFactors, GroupBy, Hemicube, PatchSize, form_factors,
 };
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo_testing::closed_forms::{on_common_edge, opposed};
 use azulejo_trace::item_buffer::Processor;
 use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;

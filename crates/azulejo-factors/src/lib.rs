@@ -33,7 +33,6 @@
 //! | [`form_factors`](mod@form_factors) | the matrix: merging, closure, grouping, truncation |
 //! | [`hierarchy`] | the same for 100,000 patches and more, as blocks between clusters |
 //! | [`sparse`], [`cholesky`] | compressed rows for solvers, and a solver of small systems |
-//! | [`truth`] | scenes with known answers, to judge every engine by |
 
 pub mod analytic;
 mod analytic_engine;
@@ -55,7 +54,6 @@ pub mod row;
 pub mod samples;
 mod shadow_rays;
 pub mod sparse;
-pub mod truth;
 
 pub use choice::EngineChoice;
 pub use engine::{Engine, EngineUsed, Hemicube, HemicubeBackend};

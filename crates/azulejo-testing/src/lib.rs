@@ -1,4 +1,5 @@
-//! What tests need from the machine they run on, and a count of the tests that did without.
+//! What tests need: of the machine they run on, with a count of the tests that did without, and closed forms
+//! to compare with.
 //!
 //! A test that needs reference data, a graphics driver, a display, Embree, an installed font,
 //! Python or MPI asks this crate for it. Where it is missing, the test returns early, and the crate records a skip:
@@ -23,6 +24,7 @@
 //! | `AZULEJO_PYTHON` | a Python with NumPy and SciPy, instead of `python3` |
 //! | `AZULEJO_VIEWERS` | a folder with the npm packages `three`, `babylonjs` and `babylonjs-loaders` |
 
+pub mod closed_forms;
 mod exit;
 mod need;
 mod record;

@@ -7,9 +7,9 @@ use crate::clock::{Clock, peak_memory};
 use crate::content_key::{self, ContentHasher};
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
+use crate::known::factors::{Case, cases};
 use crate::matrix_metrics::{self as metrics, PatchSurfaces};
 use crate::pass;
-use azulejo_factors::truth::{Case, cases};
 use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
 use azulejo_radiosity::{FirstPass, radiosity};
 use azulejo_scene::{Rgb, Scene, synthetic};
@@ -311,9 +311,9 @@ fn answered(
         engine: setting.name.clone(),
         setting: setting.to_string(),
         ran: factors.engine_used.name,
-        case: case.id.to_string(),
+        case: case.id.clone(),
         words: case.description.clone(),
-        source: case.source.to_owned(),
+        source: case.source.clone(),
         kind: format!("{:?}", case.kind).to_lowercase(),
         value: answer.value,
         truth: case.truth.value,

@@ -18,15 +18,15 @@ pub struct ValidateArgs {
     pub only: Option<String>,
     /// Compare instead the results of N random scenes and commands with those of the same scenes in another
     /// place, unit, order, division or file format: writes poses.csv and poses.json
-    #[arg(long, value_name = "N", conflicts_with_all = ["engine", "quick"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["engine", "full"])]
     pub poses: Option<u64>,
     /// Run only this pose, and keep its files: its number, or SCENE:COMMAND:CHANGE+CHANGE. May be given
     /// several times
-    #[arg(long, value_name = "POSE", conflicts_with_all = ["engine", "quick", "only"])]
+    #[arg(long, value_name = "POSE", conflicts_with_all = ["engine", "full", "only"])]
     pub pose: Vec<String>,
-    /// Use fewer rays, pixels and repetitions
+    /// Use all rays, pixels and repetitions: eight times as many rays, in ten times the time
     #[arg(long)]
-    pub quick: bool,
+    pub full: bool,
     /// Seed of the random numbers; the same seed gives the same report, except for times
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -36,7 +36,8 @@ pub struct ValidateArgs {
 pub const EXAMPLES: &str = "\
 Examples:
   azulejo validate -o report
-  azulejo validate -o report --quick --engine rays,analytic
+  azulejo validate -o report --full
+  azulejo validate -o report --engine rays,analytic
   azulejo validate -o report --only \"error bars\"
   azulejo validate -o report --poses 300 --seed 7
   azulejo validate -o report --seed 7 --pose 41

@@ -5,9 +5,9 @@ use super::record::{CheckOutcome, CheckRecord, ValidationPart};
 use super::{ErrorCurve, Validator};
 use crate::clock::Clock;
 use crate::failure::Failure;
+use crate::known::factors::{Answer, Case, CaseKind, cases, series};
 use crate::pass;
 use azulejo_factors::form_factors::Closure;
-use azulejo_factors::truth::{Answer, Case, CaseKind, Provenance, cases, catalogue};
 use azulejo_factors::{Engine, FormFactorOptions, Hemicube};
 
 const PART: ValidationPart = ValidationPart::ClosedForms;
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// All cases: those that test one capability each, and series over ranges of parameters.
 fn all() -> Vec<Case> {
-    [cases(), catalogue()].concat()
+    [cases(), series()].concat()
 }
 
 /// Checks all cases by all engines.
@@ -73,7 +73,7 @@ fn answered(
     if is_estimate && record.outcome == CheckOutcome::Failed {
         record.outcome = CheckOutcome::Outlying;
     }
-    record.source = source(case);
+    record.source = case.provenance();
     record.expected_error = case.truth.error;
     record.standard_error = Some(answer.error).filter(|e| e.is_finite() && *e > 0.0);
     record.note = factors.engine_used.notes.join("; ");
@@ -105,16 +105,6 @@ fn bound(family: EngineFamily, case: &Case, answer: &Answer) -> (f64, bool) {
             let facets = if is_faceted { FACETS * truth } else { 0.0 };
             let estimate = (FAR * answer.error).max(ROUNDING);
             (estimate + case.truth.error + facets, true)
-        }
-    }
-}
-
-fn source(case: &Case) -> String {
-    match case.truth.provenance {
-        Provenance::Formula => case.source.to_owned(),
-        Provenance::Quadrature => format!("{}, by quadrature", case.source),
-        Provenance::Constant { digits, origin } => {
-            format!("{}: {digits} digits, {origin}", case.source)
         }
     }
 }

@@ -4,13 +4,13 @@ use super::record::{CheckRecord, ValidationPart};
 use super::{CoverageCurve, Validator};
 use crate::clock::Clock;
 use crate::failure::Failure;
+use crate::known::factors::{Case, CaseKind, Question, cases};
 use crate::pass;
 use azulejo_exchange::{
     Enclosure, ExchangeError, GroupBy, HeatProblem, RowCondition, SpectralRange, SurfaceBand,
     exchange_factors, heat_balance,
 };
 use azulejo_factors::form_factors::{Closure, Plan};
-use azulejo_factors::truth::{Case, CaseKind, Question, cases};
 use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::cube_room;
 use azulejo_trace::Tracer;

@@ -4,7 +4,7 @@ use super::Validator;
 use super::record::{CheckRecord, ValidationPart};
 use crate::clock::Clock;
 use crate::failure::Failure;
-use azulejo_exchange::truth::{ExchangeCase, ExchangeQuantity, exchange_cases};
+use crate::known::exchange::exchange_cases;
 
 const PART: ValidationPart = ValidationPart::Exchange;
 
@@ -12,26 +12,19 @@ const PART: ValidationPart = ValidationPart::Exchange;
 pub fn check(validator: &Validator) -> Result<Vec<CheckRecord>, Failure> {
     let mut records = Vec::new();
     for case in exchange_cases() {
-        if !validator.wants(PART, case.id) {
+        let asked = &case.asked;
+        if !validator.wants(PART, &asked.id) {
             continue;
         }
         let clock = Clock::start();
-        let found = case.ask().map_err(Failure::failed)?;
-        let values = [found, case.truth, bound(&case)];
+        let answer = case.ask().map_err(Failure::failed)?;
+        let values = [answer, asked.truth, case.tolerance()];
         records.push(CheckRecord {
-            source: case.source.to_owned(),
-            unit: case.quantity.unit(),
+            source: asked.source.clone(),
+            unit: asked.question.unit(),
             seconds: clock.wall(),
-            ..CheckRecord::new(PART, case.id, values).of("", case.description.clone())
+            ..CheckRecord::new(PART, &*asked.id, values).of("", case.description())
         });
     }
     Ok(records)
-}
-
-/// The tolerance in the unit of the answer.
-fn bound(case: &ExchangeCase) -> f64 {
-    match case.quantity {
-        ExchangeQuantity::Temperature => case.tolerance,
-        _ => case.tolerance * case.truth.abs(),
-    }
 }

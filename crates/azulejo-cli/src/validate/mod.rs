@@ -55,7 +55,7 @@ const FULL: ValidationEffort = ValidationEffort {
     convergence_step: 1,
 };
 
-const QUICK: ValidationEffort = ValidationEffort {
+const USUAL: ValidationEffort = ValidationEffort {
     rays: 1 << 16,
     resolution: 32,
     seeds: 40,
@@ -149,7 +149,7 @@ pub fn run(
     if args.poses.is_some() || !args.pose.is_empty() {
         return poses::run(args, session);
     }
-    let effort = if args.quick { QUICK } else { FULL };
+    let effort = if args.full { FULL } else { USUAL };
     let engines = CheckedEngines::new(&args.engine, effort.resolution)?;
     // Before the work, not after it.
     let folder = &args.output;

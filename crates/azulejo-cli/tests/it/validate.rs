@@ -9,7 +9,7 @@ fn text(folder: &Folder, name: &str) -> String {
 #[test]
 fn the_report_has_page_plots_and_numbers() {
     let folder = Folder::new();
-    let found = folder.json("validate -o report --quick --engine rays,analytic --only wedge");
+    let found = folder.json("validate -o report --engine rays,analytic --only wedge");
     let (checks, failed) = (found["checks"].as_u64().unwrap(), found["failed"].as_u64());
     assert!(checks > 6 && failed == Some(0), "{found}");
     let page = text(&folder, "report/index.html");
@@ -40,7 +40,7 @@ fn the_report_has_page_plots_and_numbers() {
 fn digests_are_comparable() {
     let folder = Folder::new();
     let digest = |options: &str| {
-        let only = "--only table --engine analytic --quick";
+        let only = "--only table --engine analytic";
         folder.ok(&format!("validate -o report {only} {options}"));
         let table = text(&folder, "report/results.csv");
         let line = table
@@ -56,13 +56,9 @@ fn digests_are_comparable() {
 #[test]
 fn nothing_is_checked_by_mistake() {
     let folder = Folder::new();
-    folder.fails(
-        "validate -o report --quick --only nonsense",
-        2,
-        "closed forms",
-    );
+    folder.fails("validate -o report --only nonsense", 2, "closed forms");
     folder.fails("validate -o report --engine particles", 2, "hemicube");
     folder.fails("validate", 2, "--output");
     folder.write("file", "");
-    folder.fails("validate -o file --quick --only wedge", 1, "file");
+    folder.fails("validate -o file --only wedge", 1, "file");
 }

@@ -1,8 +1,8 @@
 //! Matrices by the analytic engine.
 
+use crate::cases::{CaseKind, cases};
 use crate::scenes;
 use azulejo_factors::form_factors::Closure;
-use azulejo_factors::truth::{CaseKind, cases};
 use azulejo_factors::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
 use azulejo_scene::{Mesh, Object, Scene, Shape};

@@ -1,9 +1,9 @@
 //! Pairs of polygons, with occluders and mirrors, against known answers.
 
+use crate::cases::{Case, CaseKind, cases};
 use crate::polygons::polygon;
 use azulejo_factors::analytic::{form_factor, mirrored_form_factor, visible_form_factor};
-use azulejo_factors::truth::formulas::element_parallel;
-use azulejo_factors::truth::{Case, CaseKind, cases};
+use azulejo_testing::closed_forms::element_parallel;
 use glam::DVec3;
 
 /// The requested accuracy; the result is far better.

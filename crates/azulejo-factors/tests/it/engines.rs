@@ -1,10 +1,10 @@
-//! One set of tests for all engines: the cases of `truth`, and properties of every engine.
+//! One set of tests for all engines: the cases with known answers, and properties of every engine.
 
+use crate::cases::{Answer, Case, CaseKind, Question, cases};
+use crate::posed_cases::Pose;
 use azulejo_factors::form_factors::Closure;
-use azulejo_factors::truth::{Answer, Case, CaseKind, Pose, Question, cases};
 use azulejo_factors::{Engine, FormFactorOptions, Hemicube, Patches};
 use azulejo_trace::{Progress, Tracer};
-use std::collections::HashSet;
 use std::fmt::Write;
 
 /// Values of the reference table by id, with half a unit of their last digit.
@@ -42,25 +42,6 @@ fn truths_agree_with_the_reference_table() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-}
-
-#[test]
-fn cases_are_complete_and_named_once() {
-    let cases = cases();
-    let ids: HashSet<&str> = cases.iter().map(|c| &*c.id).collect();
-    assert_eq!(ids.len(), cases.len());
-    for case in &cases {
-        case.scene
-            .validate()
-            .unwrap_or_else(|e| panic!("{}: {e:?}", case.id));
-        assert!(
-            case.truth.error < 1e-6 * case.truth.value,
-            "{}: {:?}",
-            case.id,
-            case.truth
-        );
-        assert!(!case.description.is_empty() && !case.source.is_empty());
-    }
 }
 
 /// Least rays of all rows of a case together; a row has at most 65,536 of them.

@@ -1,10 +1,10 @@
 //! Form factors from points against closed forms.
 
 use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors};
-use azulejo_factors::truth::formulas::{element_parallel, element_to_unit_sphere};
 use azulejo_factors::{FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::cube_room;
 use azulejo_scene::{Faces, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape};
+use azulejo_testing::closed_forms::{element_parallel, element_to_unit_sphere};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3};
 

@@ -1,9 +1,9 @@
 //! Exact form factors against closed forms, symmetry and the reference table.
 
+use crate::cases::{CaseKind, Question, cases, series};
 use crate::polygons::polygon;
 use azulejo_factors::analytic::{exchange_area, form_factor, form_factor_fast};
-use azulejo_factors::truth::formulas::{on_common_edge, opposed};
-use azulejo_factors::truth::{CaseKind, Question, cases};
+use azulejo_testing::closed_forms::{on_common_edge, opposed};
 use azulejo_trace::lambert::mirror_polygon;
 use glam::{DQuat, DVec3, dvec3};
 use proptest::prelude::*;
@@ -279,7 +279,8 @@ fn almost_touching_is_almost_touching() {
 #[test]
 fn truths_of_polygons() {
     let mut checked = 0;
-    for case in cases().iter().filter(|c| c.kind == CaseKind::Polygons) {
+    let cases = cases().into_iter().chain(series());
+    for case in cases.filter(|c| c.kind == CaseKind::Polygons) {
         let Question::Factor { from, to } = &case.question else {
             continue;
         };
@@ -290,7 +291,7 @@ fn truths_of_polygons() {
         assert!(off <= most, "{}: {off:e} over {most:e}", case.id);
         checked += 1;
     }
-    assert_eq!(checked, 24, "cases of two polygons and nothing about them");
+    assert_eq!(checked, 67, "cases of two polygons and nothing about them");
 }
 
 #[test]

@@ -4,13 +4,13 @@ use crate::scenes::{add_sheet, surface};
 use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, side};
 use azulejo_factors::samples::{RowSamples, SampleCounts};
-use azulejo_factors::truth::formulas::{on_common_edge, opposed, unit_spheres};
 use azulejo_factors::{
     Closure, Engine, FormFactorOptions, FormFactors, GroupBy, Hemicube, PatchSize, Patches,
     form_factors,
 };
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Object, Primitive, Scene, Shape};
+use azulejo_testing::closed_forms::{on_common_edge, opposed, unit_spheres};
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 

@@ -5,6 +5,10 @@
 
 mod analytic_engine;
 mod analytic_pairs;
+// The cases of `azulejo validate`; of their reader, tests need but a part.
+#[allow(dead_code)]
+#[path = "../../../azulejo-cli/src/known/factors/mod.rs"]
+mod cases;
 mod compressed_factors;
 mod engines;
 mod form_factor_matrix;
@@ -14,8 +18,10 @@ mod form_factors;
 mod group_plans;
 mod hemicube_errors;
 mod hemicubes;
+mod known_values;
 mod matrix_operations;
 mod polygons;
+mod posed_cases;
 mod poses;
 mod rays;
 mod rounded_worlds;

@@ -242,7 +242,7 @@ fn boxes_that_hide_parts_of_each_other_are_lit_by_rays() {
 /// of the mirrors saw the images of what is before them: a fifth of a row too much.
 #[test]
 fn backs_of_mirrors_see_nothing_in_them() {
-    let cases = azulejo_factors::truth::cases();
+    let cases = crate::cases::cases();
     let between = ["corridor_0.5"];
     let cases = cases
         .into_iter()

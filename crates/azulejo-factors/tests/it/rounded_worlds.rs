@@ -3,12 +3,12 @@
 
 use crate::poses::{Digits, pose, posed, room};
 use azulejo_factors::form_factors::Closure;
-use azulejo_factors::truth::formulas::{on_common_edge, opposed};
 use azulejo_factors::{
     Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, PatchSize, Patches,
     form_factors,
 };
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape, Up};
+use azulejo_testing::closed_forms::{on_common_edge, opposed};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
 

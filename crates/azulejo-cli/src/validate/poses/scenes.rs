@@ -1,9 +1,10 @@
 //! The scenes that are changed.
 
 use super::dice::Dice;
+use crate::known::factors::cases;
 use azulejo::models;
 use azulejo_factors::form_factors::Plan;
-use azulejo_factors::{FormFactorOptions, PatchSize, truth};
+use azulejo_factors::{FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::{self, CornellVariant};
 use azulejo_scene::{
     Light, LightKind, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units,
@@ -104,8 +105,8 @@ fn made() -> SceneFamily {
 
 /// The cases whose form factors are known.
 fn known() -> SceneFamily {
-    let cases = truth::cases().into_iter();
-    let scenes = cases.map(|case| PosedScene::new(format!("truth {}", case.id), case.scene));
+    let scenes = cases().into_iter();
+    let scenes = scenes.map(|case| PosedScene::new(format!("truth {}", case.id), case.scene));
     scenes.filter(|s| s.traits().faces <= MODEL_FACES).collect()
 }
 

@@ -42,7 +42,7 @@ pub fn write(
 fn json(args: &ValidateArgs, results: &ValidationResults, machine: &MachineInfo) -> String {
     let value = serde_json::json!({
         "machine": machine.json(),
-        "quick": args.quick,
+        "quick": !args.full,
         "seed": args.seed,
         "seconds": results.seconds,
         "checks": results.records,

@@ -67,14 +67,14 @@ impl ValidationPage<'_> {
             ),
         };
         let outlying = if failed == 0 { outlying } else { String::new() };
-        let quick = if self.args.quick {
-            " With <code>--quick</code>: fewer rays, pixels and repetitions than usual."
-        } else {
+        let effort = if self.args.full {
             ""
+        } else {
+            " <code>--full</code> has eight times the rays, and more pixels and repetitions."
         };
         writeln!(
             out,
-            "<p>{words}{outlying}. It took {}.{quick} The numbers are also in \
+            "<p>{words}{outlying}. It took {}.{effort} The numbers are also in \
              <a href=\"results.csv\">results.csv</a> and <a href=\"results.json\">results.json</a>.</p>",
             seconds(self.results.seconds)
         )

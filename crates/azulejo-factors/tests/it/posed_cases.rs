@@ -1,7 +1,7 @@
 //! The same cases in other poses: answers do not depend on how a scene stands, nor on the last digits of its
 //! coordinates.
 
-use super::{Case, Question, Truth};
+use crate::cases::{Case, Question};
 use azulejo_scene::{PositionHistory, Scene, Shape};
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -43,17 +43,12 @@ impl Case {
         let turn = DQuat::from_axis_angle(DVec3::new(0.48, -0.64, 0.6), 1.1);
         let size = extent(&self.scene);
         let map = DAffine3::from_rotation_translation(turn, size * DVec3::new(2.3, -1.7, 0.9));
-        let mut case = Case {
-            scene: self.scene.clone().transformed(&map),
-            ..self.clone()
-        };
+        let mut case = self.clone();
+        case.scene = case.scene.transformed(&map);
         if pose == Pose::Rounded {
             let decimals = (-(ROUNDING * shortest_edge(&self.scene)?).log10()).ceil() as i32;
             round(&mut case.scene, 10f64.powi(decimals));
-            case.truth = Truth {
-                error: self.truth.error + SENSITIVITY * ROUNDING * self.truth.value.abs(),
-                ..self.truth
-            };
+            case.truth.error += SENSITIVITY * ROUNDING * case.truth.value.abs();
         }
         Some(case)
     }

@@ -3,8 +3,12 @@
 //! Numbers such as C-11 are those of Howell, *A Catalog of Radiation Heat Transfer Configuration
 //! Factors*, 3rd ed. Where a formula is a double sum over corners, polygons may touch.
 
-use super::quadrature::gauss;
+mod quadrature;
+#[cfg(test)]
+mod tests;
+
 use glam::DVec3;
+use quadrature::gauss;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// An interval of one coordinate.
@@ -312,71 +316,4 @@ pub fn diffuse_pane(n: f64) -> f64 {
         let along = (n * c - inside) / (n * c + inside);
         c * (passed(across) + passed(along))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn check(value: f64, expected: f64) {
-        assert!(
-            (value - expected).abs() < 1e-13 * (1.0 + expected),
-            "{value} is not {expected}"
-        );
-    }
-
-    /// What two formulas say of one pair must agree.
-    #[test]
-    fn general_formulas_hold_the_special_ones() {
-        check(
-            parallel([0.0, 2.0], [0.0, 1.0], [0.0, 2.0], [0.0, 1.0], 0.5),
-            opposed(2.0, 1.0, 0.5),
-        );
-        check(
-            perpendicular([0.0, 1.0], [0.0, 2.0], [0.0, 2.0], [0.0, 3.0]),
-            on_common_edge(2.0, 1.0, 3.0),
-        );
-        check(wedge(FRAC_PI_2), on_common_edge(1.0, 1.0, 1.0));
-        let up = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
-        let square = [
-            up(0.0, 0.0, 0.0),
-            up(1.0, 0.0, 0.0),
-            up(1.0, 1.0, 0.0),
-            up(0.0, 1.0, 0.0),
-        ];
-        let other = [
-            up(0.0, 0.0, 1.0),
-            up(0.0, 1.0, 1.0),
-            up(1.0, 1.0, 1.0),
-            up(1.0, 0.0, 1.0),
-        ];
-        check(double_contour(&square, &other), opposed(1.0, 1.0, 1.0));
-        check(
-            element(DVec3::ZERO, DVec3::Z, &other),
-            element_parallel(1.0, 1.0, 1.0),
-        );
-        // Far away a sphere is a disk that faces the element.
-        check(
-            element_to_unit_sphere(2.0, 0.5),
-            element_to_unit_sphere(2.0, 0.5 + 1e-14),
-        );
-        assert_eq!(element_to_unit_sphere(2.0, -0.5), 0.0);
-    }
-
-    #[test]
-    fn shares_of_closed_rooms_add_up() {
-        check(2.0 * wedge(PI / 3.0) + 2.0 * triangle_ends(), 1.0);
-        check(
-            opposed(1.0, 1.0, 1.0) + 4.0 * on_common_edge(1.0, 1.0, 1.0),
-            1.0,
-        );
-        check(coaxial_disks(1.0, 1e9, 1.0), 1.0);
-    }
-
-    /// From a side of the equilateral prism of height 1 to one of its ends.
-    fn triangle_ends() -> f64 {
-        // An end sees the other end and three sides; the table's value for the ends.
-        let ends = 0.105_605_828_980_41;
-        (1.0 - ends) / 3.0 * (0.75f64.sqrt() / 2.0)
-    }
 }

@@ -1,9 +1,7 @@
 //! From the form factors of a scene to the answer of its question, with a standard error.
 
 use super::{Case, EnclosureSurface, PatchGroup, Question};
-use crate::error::FactorsError;
-use crate::form_factors::{FormFactorOptions, FormFactors, form_factors};
-use crate::patch::Patches;
+use azulejo_factors::{FactorsError, FormFactorOptions, FormFactors, Patches, form_factors};
 use azulejo_trace::{Progress, Tracer};
 use std::f64::consts::TAU;
 
@@ -33,7 +31,7 @@ impl Answer {
 impl Case {
     /// Whether the question involves backs of patches.
     pub fn is_two_sided(&self) -> bool {
-        self.question.groups().iter().any(|g| g.back)
+        self.question.groups().iter().any(|g| g.inside)
     }
 
     /// Computes the form factors with `options`, except for division and sides, which the case
@@ -100,7 +98,7 @@ impl PatchGroup {
     fn rows(&self, patches: &Patches, two_sided: bool) -> Vec<usize> {
         let row = |p: usize| {
             if two_sided {
-                2 * p + usize::from(self.back)
+                2 * p + usize::from(self.inside)
             } else {
                 p
             }
@@ -206,7 +204,7 @@ fn sum(from: &[usize], to: &[usize], same: bool, factors: &FormFactors) -> (f64,
 }
 
 /// Solves a small system by Gaussian elimination with pivoting.
-pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
         let largest = (k..n).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()));
@@ -231,11 +229,9 @@ pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
     fn small_systems_are_solved() {
-        let x = solve(vec![vec![0.0, 2.0], vec![4.0, 1.0]], vec![6.0, 11.0]);
+        let x = super::solve(vec![vec![0.0, 2.0], vec![4.0, 1.0]], vec![6.0, 11.0]);
         assert_eq!(x, [2.0, 3.0]);
     }
 }

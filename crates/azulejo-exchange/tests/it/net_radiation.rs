@@ -16,12 +16,28 @@
 //!
 //! The crate's solver uses neither: it has one symmetric system in radiosities, for Cholesky's method.
 
-use super::GreyPaint;
-use super::expected::SIGMA;
-use crate::thermal::network::RowCondition;
+use crate::expected::SIGMA;
+use azulejo_exchange::RowCondition;
 
 /// Shares below which a row counts as closed.
 const CLOSED: f64 = 1e-12;
+
+/// Emissivities and mirror reflectances of rows, 0..1; what is left of 1 is reflected diffusely.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GreyPaint {
+    pub emissivity: Vec<f64>,
+    pub mirror: Vec<f64>,
+}
+
+impl GreyPaint {
+    /// Without mirrors.
+    pub fn matt(emissivity: &[f64]) -> GreyPaint {
+        GreyPaint {
+            emissivity: emissivity.to_vec(),
+            mirror: vec![0.0; emissivity.len()],
+        }
+    }
+}
 
 /// A grey enclosure as textbooks have it; what rows lack goes to black space of 0 K.
 #[derive(Clone, Debug)]

@@ -1,9 +1,8 @@
-//! Enclosures with form factors of catalogues, for truths. Mirrors are unfolded axis by axis.
+//! Enclosures with form factors of catalogues. Mirrors are unfolded axis by axis.
 
-use super::GreyPaint;
-use super::expected::{disks, of_triangle, opposed_strips};
-use super::net_radiation::NetRadiation;
-use azulejo_factors::truth::formulas::{on_common_edge, opposed, parallel, perpendicular};
+use crate::expected::{disks, of_triangle, opposed_strips};
+use crate::net_radiation::{GreyPaint, NetRadiation};
+use azulejo_testing::closed_forms::{on_common_edge, opposed, parallel, perpendicular};
 use std::f64::consts::PI;
 
 /// Weights of images below which they are left out.
