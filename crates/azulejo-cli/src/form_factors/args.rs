@@ -19,8 +19,6 @@ use std::sync::LazyLock;
 /// `form-factors`
 #[derive(Debug, Args)]
 pub struct FormFactorArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output file: .npz (for scipy.sparse.load_npz), .zarr (a folder of chunks), .csv, View3D's .txt and .vf (text or binary as
     /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
     /// a case for OpenFOAM; `-` writes CSV to standard output
@@ -33,8 +31,6 @@ pub struct FormFactorArgs {
     /// of the model's materials
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: Option<PathBuf>,
-    #[command(flatten)]
-    pub computation: ComputationArgs,
     /// Write no journal next to the output; an interrupted computation then starts over
     #[arg(long)]
     pub no_journal: bool,
@@ -43,13 +39,18 @@ pub struct FormFactorArgs {
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "no_journal")]
     pub shard: Option<Shard>,
     #[command(flatten)]
+    pub computation: ComputationArgs,
+    #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]
     pub programs: ProgramArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// How factors are computed.
 #[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Computation")]
 pub struct ComputationArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
