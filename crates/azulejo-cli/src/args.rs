@@ -9,12 +9,14 @@ use super::lettering::{
 };
 use super::parts::{self, MergeArgs, PartArgs};
 use super::placement::{self, PlaceArg, Placement};
+use super::short_help;
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
 use super::{exchange, form_factors, validate};
 use azulejo_formats::{Lod, ReadOptions};
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
+use clap::builder::Resettable;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
 use globset::GlobMatcher;
@@ -62,25 +64,31 @@ pub enum Command {
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(ConvertArgs),
     /// Solve the light: compute the irradiance at the vertices (first pass)
-    #[command(after_help = SOLVE_EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::SOLVE), after_help = short_help::ending(SOLVE_EXAMPLES),
+              after_long_help = SOLVE_EXAMPLES)]
     Solve(SolveArgs),
     /// Bake a lightmap: irradiance in the texels of a second set of texture coordinates
-    #[command(after_help = bake::args::EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::BAKE), after_help = short_help::ending(bake::args::EXAMPLES),
+              after_long_help = bake::args::EXAMPLES)]
     Bake(bake::args::BakeArgs),
     /// Render an image (second pass); solves the light first if the scene has no irradiance yet
-    #[command(after_help = RENDER_EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::RENDER), after_help = short_help::ending(RENDER_EXAMPLES),
+              after_long_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
     /// Measure irradiance at points, or radiance or hits along rays
-    #[command(after_help = PROBE_EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::PROBE), after_help = short_help::ending(PROBE_EXAMPLES),
+              after_long_help = PROBE_EXAMPLES)]
     Probe(ProbeArgs),
     /// Compute the matrix of form factors between patches
-    #[command(after_help = form_factors::args::EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::FORM_FACTORS), after_help = short_help::ending(form_factors::args::EXAMPLES),
+              after_long_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
     /// Put together the parts of a work that several runs of a command divided
     #[command(after_help = parts::EXAMPLES)]
     Merge(MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
-    #[command(after_help = exchange::args::EXAMPLES)]
+    #[command(mut_args = short_help::of(short_help::EXCHANGE), after_help = short_help::ending(exchange::args::EXAMPLES),
+              after_long_help = exchange::args::EXAMPLES)]
     Exchange(exchange::args::ExchangeArgs),
     /// Compare form factor engines: run a suite of scenes and settings and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
@@ -155,10 +163,12 @@ pub struct WorkbenchArgs {
 #[derive(Debug, Args)]
 pub struct InputArgs {
     /// Model files, merged into one scene if several; `-` is standard input
-    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
+    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath,
+          help_heading = Resettable::Reset)]
     pub scenes: Vec<PathBuf>,
     /// Add the point lights of a camera file (.json)
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
+          help_heading = "Light from outside")]
     pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -224,8 +234,6 @@ pub struct ReadingArgs {
 /// `info`
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Print one row for each model instead: size, objects, materials, vertices, faces, size as GRF and
     /// their ratio, as Table 1 of the paper on GRF
     #[arg(long, conflicts_with = "lights")]
@@ -238,6 +246,8 @@ pub struct InfoArgs {
         requires = "table"
     )]
     pub format: TableFormat,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// `info --format`
@@ -254,8 +264,6 @@ pub enum TableFormat {
 /// `convert`
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
     /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; with .gz behind it compressed, if it is
     /// one file; `-` writes GRF to standard output
@@ -272,6 +280,8 @@ pub struct ConvertArgs {
     /// values need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// The subdivision into patches.
@@ -399,8 +409,6 @@ pub enum SidesArg {
 /// `solve`
 #[derive(Debug, Args)]
 pub struct SolveArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output file for the scene with its irradiance, its format chosen by extension: .grf, .glb,
     /// .gltf or .ply; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
@@ -423,6 +431,8 @@ pub struct SolveArgs {
     pub part: PartArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// Tone mapping curves.
@@ -458,8 +468,6 @@ pub struct CameraArgs {
 /// `render`
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output image, its format chosen by extension: .png (tone mapped), .exr or .hdr (linear
     /// radiance); `-` writes PNG to standard output
     #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
@@ -478,9 +486,11 @@ pub struct RenderArgs {
           help_heading = "Camera")]
     pub cameras: Option<String>,
     #[command(flatten)]
-    pub look: RtraceArgs,
+    pub input: InputArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
+    #[command(flatten)]
+    pub look: RtraceArgs,
 }
 
 /// What the image shows.
@@ -656,8 +666,6 @@ pub struct ProbeSources {
 #[derive(Debug, Args)]
 pub struct ProbeArgs {
     #[command(flatten)]
-    pub input: InputArgs,
-    #[command(flatten)]
     pub probes: ProbeSources,
     /// Normals of the points: .npy (n x 3)
     #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
@@ -670,6 +678,8 @@ pub struct ProbeArgs {
     pub part: PartArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// `experiment`

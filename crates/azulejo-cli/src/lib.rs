@@ -45,7 +45,7 @@ mod report;
 mod rtrace;
 mod runner;
 mod session;
-
+mod short_help;
 mod solve;
 mod surroundings;
 mod validate;
@@ -67,6 +67,12 @@ pub mod parsers {
     pub use crate::experiment::parse_suite;
     pub use crate::points::{parse_points, parse_rays};
     pub use azulejo_formats::numpy::npy::{Array, read as parse_npy};
+
+    /// The definition of the command line.
+    #[must_use]
+    pub fn command_line() -> clap::Command {
+        <crate::args::Cli as clap::CommandFactory>::command()
+    }
 }
 
 /// Parses the command line, runs the command, and prints why it failed, if it did.

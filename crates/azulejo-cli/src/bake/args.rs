@@ -26,8 +26,6 @@ are written as glTF.";
 /// `bake`
 #[derive(Debug, Args)]
 pub struct BakeArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output file: .glb, .gltf (with its pictures beside it), or .html, a page that shows the model with
     /// its light in any browser
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
@@ -50,6 +48,8 @@ pub struct BakeArgs {
     pub texels: TexelArgs,
     #[command(flatten)]
     pub files: LightmapFileArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }

@@ -10,8 +10,6 @@ use std::path::PathBuf;
 /// `exchange`
 #[derive(Debug, Args)]
 pub struct ExchangeArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Table of emissivities: CSV, TSV or TOML with name, eps, and where needed rho_s, alpha,
     /// eps@8-14 (micrometres)
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
@@ -45,6 +43,8 @@ pub struct ExchangeArgs {
     pub truncate: Option<f64>,
     #[command(flatten)]
     pub computation: ComputationArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// Nodes of a network.

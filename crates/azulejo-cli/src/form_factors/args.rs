@@ -18,8 +18,6 @@ use std::sync::LazyLock;
 /// `form-factors`
 #[derive(Debug, Args)]
 pub struct FormFactorArgs {
-    #[command(flatten)]
-    pub input: InputArgs,
     /// Output file: .npz (for scipy.sparse.load_npz), .csv, View3D's .txt and .vf (text or binary as
     /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
     /// a case for OpenFOAM; `-` writes CSV to standard output
@@ -32,21 +30,24 @@ pub struct FormFactorArgs {
     /// of the model's materials
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: Option<PathBuf>,
-    #[command(flatten)]
-    pub computation: ComputationArgs,
     /// Write no journal next to the output; an interrupted computation then starts over
     #[arg(long, conflicts_with = "part")]
     pub no_journal: bool,
     #[command(flatten)]
     pub part: PartArgs,
     #[command(flatten)]
+    pub computation: ComputationArgs,
+    #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]
     pub programs: ProgramArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
 }
 
 /// How factors are computed.
 #[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Computation")]
 pub struct ComputationArgs {
     #[command(flatten)]
     pub division: DivisionArgs,

@@ -1,11 +1,11 @@
 //! Exchange with known answers: enclosures with a question, to judge the solvers of
-//! [`network`](azulejo_exchange::network) and those of other programs by.
+//! [`network`](azulejo_exchange::thermal::network) and those of other programs by.
 //!
 //! [`exchange_cases`] returns 156 of them. Truths are what textbooks say: closed formulas, or, where there are
 //! three surfaces or more, the textbooks' own equations. [`ExchangeCase::ask`] asks the solver, with the
 //! extended form factors F^s of the enclosure, which are data, too.
 
-use azulejo_exchange::network::{
+use azulejo_exchange::thermal::network::{
     ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, STEFAN_BOLTZMANN, SurfaceBand,
     exchange_factors, heat_balance,
 };

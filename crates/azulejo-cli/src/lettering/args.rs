@@ -200,6 +200,7 @@ pub struct FontSheetArgs {
 
 /// The part of a font file to use.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Glyphs")]
 pub struct FontPart {
     /// Characters: ascii, latin1, all, or hexadecimal codes as in 20-7e,20ac; ignored for .ppf,
     /// which is always used completely

@@ -138,3 +138,68 @@ fn links_of_pages_lead_somewhere() {
         }
     }
 }
+
+/// Parts of the names of files that pages show how to add.
+const TO_BE_ADDED: [&str; 2] = ["mesh_grid", "plain.rs"];
+
+#[test]
+fn paths_of_pages_exist() {
+    let mut all = pages(&root());
+    all.extend(pages(&root().join("docs")));
+    let crates = names(&root().join("crates"));
+    let mut checked = 0;
+    for (page, text) in all
+        .iter()
+        .filter(|(page, _)| !page.ends_with("CHANGELOG.md"))
+    {
+        let folder = page.parent().expect("a folder");
+        for path in spans(text).filter(|span| is_path(span, &crates)) {
+            let is_to_be_added = TO_BE_ADDED.iter().any(|part| path.contains(part));
+            let exists = is_to_be_added || stands(path, folder, &crates);
+            assert!(exists, "{}: no {path}", page.display());
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "only {checked} paths are found");
+}
+
+/// What stands between backticks in the sentences and tables of a page.
+fn spans(page: &str) -> impl Iterator<Item = &str> {
+    let prose = page.split("```").step_by(2);
+    prose.flat_map(|text| text.split('`').skip(1).step_by(2))
+}
+
+/// Whether a piece of code is a path of the repository, from its root or from a crate.
+fn is_path(code: &str, crates: &BTreeSet<String>) -> bool {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
+    let Some((first, _)) = code.split_once('/').filter(|_| code.chars().all(is_plain)) else {
+        return false;
+    };
+    let is_known = first == "src" || crates.contains(first) || root().join(first).exists();
+    code.ends_with(".rs") || !first.is_empty() && !first.starts_with('.') && is_known
+}
+
+/// Whether a path leads somewhere from the root, from the folder of a page, or from a crate.
+fn stands(path: &str, folder: &Path, crates: &BTreeSet<String>) -> bool {
+    let places = ["", "src", "tests"].map(|part| {
+        let mut homes = crates
+            .iter()
+            .map(|name| root().join("crates").join(name).join(part));
+        homes.any(|home| home.join(path).exists())
+    });
+    let outer = [root(), root().join("crates"), folder.to_owned()];
+    places.contains(&true) || outer.iter().any(|home| home.join(path).exists())
+}
+
+/// The names of what is in a folder.
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).expect("a readable folder");
+    let name = |entry: std::io::Result<fs::DirEntry>| {
+        entry
+            .expect("a readable entry")
+            .file_name()
+            .to_string_lossy()
+            .into_owned()
+    };
+    entries.map(name).collect()
+}
