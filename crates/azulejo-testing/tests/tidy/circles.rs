@@ -163,7 +163,7 @@ fn add_names(path: &Path, names: &mut BTreeSet<String>) {
 }
 
 /// A file without comments, and without the tests at its end.
-fn shipped(text: &str) -> String {
+pub fn shipped(text: &str) -> String {
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
     let lines = text
         .lines()

@@ -1,6 +1,7 @@
 //! What holds for the sources as a whole: layers, module order, names, and pages that quote code.
 
 mod arrows;
+mod budgets;
 mod circles;
 mod names;
 mod pages;
