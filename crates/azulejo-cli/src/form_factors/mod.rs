@@ -38,10 +38,11 @@ pub fn run(
     session: &mut Session,
 ) -> Result<Report, Failure> {
     if let Some(tolerance) = args.matrix.compress {
-        if runner.is_merged() || runner.is_part() {
-            return Err(Failure::misuse(
-                "--compress: the blocks of a part are not those of the whole; compress the model in one piece",
-            ));
+        let merge = runner.is_merged().then_some("merge");
+        if let Some(by) = runner.shared_by().or(merge) {
+            return Err(Failure::misuse(format_args!(
+                "--compress and {by}: the blocks of a part are not those of the whole; compress the model in one piece"
+            )));
         }
         return compress::run(args, tolerance, session);
     }
