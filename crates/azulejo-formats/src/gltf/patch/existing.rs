@@ -22,9 +22,35 @@ const USUAL_SET: u32 = 1;
 /// Extensions of textures whose picture takes the place of the usual one.
 const PICTURES: [&str; 2] = ["MOZ_texture_rgbe", "KHR_texture_basisu"];
 
-/// Reads the lightmap of a file, or one set of its coordinates alone; see
-/// [`found_lightmap`](super::found_lightmap).
-pub fn read(
+/// The lightmap that a file has, by `MOZ_lightmap` or `MX_lightmap`, whoever made it; if it has none, the texture
+/// coordinates that could be used for one. `origins` are those of its objects; `set` is the set of
+/// coordinates, by default the one that lightmaps name, else 1.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn found_lightmap(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: Option<u32>,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, set, true)
+}
+
+/// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
+/// [`found_lightmap`] has it.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn coordinates(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: u32,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, Some(set), false)
+}
+
+/// Reads the lightmap of a file, or one set of its coordinates alone.
+fn read(
     file: &GltfFile,
     origins: &[ObjectOrigin],
     set: Option<u32>,
