@@ -5,11 +5,10 @@ use super::super::origin::ObjectOrigin;
 use super::super::topology;
 use super::super::uri::{self, Uri};
 use super::error::PatchError;
-use super::glb::Parts;
 use super::json::Json;
 use super::mark::MARK;
 use super::primitives::{self, Primitive, accessor_index};
-use super::source::{Source, parsed};
+use super::source::{Source, with_source};
 use super::splits::turned;
 use super::strip;
 use super::types::{FoundLightmap, FoundPage, GltfFile, NO_PAGE, ObjectLayout};
@@ -62,38 +61,18 @@ fn read(
         let found = format!("{faces} faces with those of all nodes that share a mesh");
         return Err(PatchError::of(file.name, found));
     }
-    let parts = Parts::of(file.bytes, file.name)?;
-    let root = parsed(&parts, file)?;
-    let source = Source::new(parts, &root, file)?;
-    let mut reader = LightmapReader {
-        meshes: primitives::of_meshes(&source.json),
-        set,
-        follows_lightmaps,
-        sets: Vec::new(),
-        numbers: HashMap::new(),
-        pages: Vec::new(),
-        file,
-        source: &source,
-    };
-    let is_named = reader.has_lightmap();
-    let objects = origins
-        .iter()
-        .map(|origin| reader.object(origin, is_named))
-        .collect();
-    let mark = source.json.find(&MARK);
-    Ok(FoundLightmap {
-        is_named,
-        is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
-        set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
-        is_one_set: reader.sets.len() <= 1,
-        objects,
-        pages: reader.pages,
+    with_source(file, |source| {
+        Ok(LightmapReader::read(
+            source,
+            origins,
+            set,
+            follows_lightmaps,
+        ))
     })
 }
 
 /// Reads what materials and nodes say of lightmaps.
 struct LightmapReader<'r, 's> {
-    file: &'r GltfFile<'r>,
     source: &'r Source<'s>,
     meshes: Vec<Vec<Primitive>>,
     /// The set that is asked for.
@@ -107,6 +86,38 @@ struct LightmapReader<'r, 's> {
 }
 
 impl LightmapReader<'_, '_> {
+    /// All of it, for the objects of a scene.
+    fn read(
+        source: &Source,
+        origins: &[ObjectOrigin],
+        set: Option<u32>,
+        follows_lightmaps: bool,
+    ) -> FoundLightmap {
+        let mut reader = LightmapReader {
+            meshes: primitives::of_meshes(&source.json),
+            set,
+            follows_lightmaps,
+            sets: Vec::new(),
+            numbers: HashMap::new(),
+            pages: Vec::new(),
+            source,
+        };
+        let is_named = reader.has_lightmap();
+        let objects = origins
+            .iter()
+            .map(|origin| reader.object(origin, is_named))
+            .collect();
+        let mark = source.json.find(&MARK);
+        FoundLightmap {
+            is_named,
+            is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
+            set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
+            is_one_set: reader.sets.len() <= 1,
+            objects,
+            pages: reader.pages,
+        }
+    }
+
     /// Whether a material or a node has a lightmap.
     fn has_lightmap(&self) -> bool {
         let has_one = |list: &str, name: &str| {
@@ -233,7 +244,12 @@ impl LightmapReader<'_, '_> {
             (Some(view), _) => Ok(self.source.data.buffers.view(view)?.to_vec()),
             (None, Some(uri)) => match uri::read(uri)? {
                 Uri::Data(bytes) => Ok(bytes),
-                Uri::File(name) => self.file.files.read(&name).map_err(|e| e.to_string()),
+                Uri::File(name) => self
+                    .source
+                    .file
+                    .files
+                    .read(&name)
+                    .map_err(|e| e.to_string()),
             },
             (None, None) => Err("an image without a uri".to_owned()),
         }

@@ -58,6 +58,7 @@ use azulejo_scene::Scene;
 use glb::Parts;
 use json::{Json, MOST_LEVELS};
 use notes::Notes;
+use source::{Source, with_source};
 
 /// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
 /// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
@@ -82,8 +83,8 @@ pub fn with_lightmap(
         bytes: bytes.as_deref().unwrap_or(original.bytes),
         ..*original
     };
-    in_container(&file, &edit.output, notes, |file, notes| {
-        lightmap::edited(file, origins, edit, notes)
+    in_container(&file, &edit.output, notes, |source, notes| {
+        lightmap::edited(source, origins, edit, notes)
     })
 }
 
@@ -121,8 +122,8 @@ pub fn with_vertex_light(
     scene: &Scene,
     output: Output,
 ) -> Result<PatchedFile, PatchError> {
-    in_container(original, &output, Notes::default(), |file, notes| {
-        vertex_light::edited(file, origins, scene, output, notes)
+    in_container(original, &output, Notes::default(), |source, notes| {
+        vertex_light::edited(source, origins, scene, output, notes)
     })
 }
 
@@ -131,10 +132,10 @@ fn in_container(
     file: &GltfFile,
     output: &Output,
     mut notes: Notes,
-    edited: impl Fn(&GltfFile, Notes) -> Result<PatchedFile, PatchError>,
+    edited: impl Fn(&Source, Notes) -> Result<PatchedFile, PatchError>,
 ) -> Result<PatchedFile, PatchError> {
     let Some(other) = convert::converted(file, output, &mut notes)? else {
-        return edited(file, notes);
+        return with_source(file, |source| edited(source, notes));
     };
     let files = convert::Overlay {
         old: file.files,
@@ -145,7 +146,7 @@ fn in_container(
         files: &files,
         ..*file
     };
-    let mut patched = edited(&other_file, notes)?;
+    let mut patched = with_source(&other_file, |source| edited(source, notes))?;
     patched.files.splice(0..0, other.files.iter().cloned());
     Ok(patched)
 }
