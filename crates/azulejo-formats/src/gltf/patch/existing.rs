@@ -62,12 +62,27 @@ fn read(
         return Err(PatchError::of(file.name, found));
     }
     with_source(file, |source| {
-        Ok(LightmapReader::read(
-            source,
-            origins,
+        let mut reader = LightmapReader {
+            meshes: primitives::of_meshes(&source.json),
             set,
             follows_lightmaps,
-        ))
+            sets: Vec::new(),
+            numbers: HashMap::new(),
+            pages: Vec::new(),
+            source,
+        };
+        let is_named = reader.has_lightmap();
+        let mut object = |origin| reader.object(origin, is_named);
+        let objects = origins.iter().map(&mut object).collect();
+        let mark = source.json.find(&MARK);
+        Ok(FoundLightmap {
+            is_named,
+            is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
+            set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
+            is_one_set: reader.sets.len() <= 1,
+            objects,
+            pages: reader.pages,
+        })
     })
 }
 
@@ -86,38 +101,6 @@ struct LightmapReader<'r, 's> {
 }
 
 impl LightmapReader<'_, '_> {
-    /// All of it, for the objects of a scene.
-    fn read(
-        source: &Source,
-        origins: &[ObjectOrigin],
-        set: Option<u32>,
-        follows_lightmaps: bool,
-    ) -> FoundLightmap {
-        let mut reader = LightmapReader {
-            meshes: primitives::of_meshes(&source.json),
-            set,
-            follows_lightmaps,
-            sets: Vec::new(),
-            numbers: HashMap::new(),
-            pages: Vec::new(),
-            source,
-        };
-        let is_named = reader.has_lightmap();
-        let objects = origins
-            .iter()
-            .map(|origin| reader.object(origin, is_named))
-            .collect();
-        let mark = source.json.find(&MARK);
-        FoundLightmap {
-            is_named,
-            is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
-            set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
-            is_one_set: reader.sets.len() <= 1,
-            objects,
-            pages: reader.pages,
-        }
-    }
-
     /// Whether a material or a node has a lightmap.
     fn has_lightmap(&self) -> bool {
         let has_one = |list: &str, name: &str| {

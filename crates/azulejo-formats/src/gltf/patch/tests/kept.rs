@@ -4,31 +4,9 @@ use super::super::super::origin::ObjectOrigin;
 use super::super::glb::Parts;
 use super::super::json::{Json, MOST_LEVELS};
 use super::super::mark::MARK;
-use super::super::{GltfFile, ObjectLayout, PatchedFile, coordinates};
-use crate::{FileError, Files, Memory};
+use super::super::{GltfFile, ObjectLayout, coordinates};
 use azulejo_scene::{Attribute, Mesh, Scene};
 use serde_json::Value;
-
-/// The files beside a file before and after an edit.
-pub struct Both<'a> {
-    old: &'a dyn Files,
-    new: Memory,
-}
-
-impl<'a> Both<'a> {
-    /// Those of an edited file.
-    pub fn new(old: &'a dyn Files, edited: &PatchedFile) -> Both<'a> {
-        let add = |all: Memory, (name, bytes): &(String, Vec<u8>)| all.with(name, bytes.clone());
-        let new = edited.files.iter().fold(Memory::new(), add);
-        Both { old, new }
-    }
-}
-
-impl Files for Both<'_> {
-    fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
-        self.new.read(name).or_else(|_| self.old.read(name))
-    }
-}
 
 /// Places of values that an edit may replace.
 const REPLACED: [&str; 15] = [

@@ -1,6 +1,7 @@
 //! Materials, lights, conventions and instances of edited files.
 
 use super::super::super::container::tests::glb_of;
+use super::super::convert::Overlay;
 use super::super::glb::Parts;
 use super::craft::{SQUARES, json_of, squares, two_squares};
 use super::kept::{self, check_same};
@@ -401,7 +402,10 @@ fn other_containers() {
             options: &options,
         };
         let patched = with_lightmap(&file, &origins, &edit).unwrap();
-        let all = kept::Both::new(&files, &patched);
+        let all = Overlay {
+            old: &files,
+            new: &patched.files,
+        };
         let (again, found) = read_with_origins(&patched.bytes, "a", &all, &options).unwrap();
         kept::check_scene(&loaded.scene, &again.scene);
         let file = GltfFile {

@@ -9,6 +9,7 @@ mod materials;
 mod vertex_light;
 
 use super::super::origin::ObjectOrigin;
+use super::convert::Overlay;
 use super::*;
 use crate::{ReadOptions, gltf};
 use azulejo_scene::Scene;
@@ -149,7 +150,10 @@ pub fn check(
     assert!(stripped.unused_files.iter().eq(names.clone()));
     let distinct: std::collections::HashSet<&String> = names.collect();
     assert_eq!(distinct.len(), patched.files.len());
-    let files = kept::Both::new(case.files, &patched);
+    let files = Overlay {
+        old: case.files,
+        new: &patched.files,
+    };
     let (again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
     kept::check_values(case.bytes, &patched.bytes);
     kept::check_scene(&loaded.scene, &again.scene);

@@ -1,8 +1,9 @@
 //! Light of vertices in edited files.
 
+use super::super::convert::Overlay;
 use super::super::strip;
 use super::craft::{SQUARES, json_of, two_squares};
-use super::kept::{self, Both};
+use super::kept;
 use super::{Case, Container, GltfFile, Output, PatchedFile, corpus, mixed, with_vertex_light};
 use crate::gltf::read_with_origins;
 use crate::gltf::tests::draco;
@@ -48,7 +49,10 @@ fn check(case: &Case) -> Option<PatchedFile> {
     let patched = with_vertex_light(&file, &origins, &loaded.scene, OUTPUT);
     let patched = patched.unwrap_or_else(|e| panic!("{e}"));
     kept::check_values(case.bytes, &patched.bytes);
-    let files = Both::new(case.files, &patched);
+    let files = Overlay {
+        old: case.files,
+        new: &patched.files,
+    };
     let (mut again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
     kept::check_origins(&origins, &new_origins);
     again.scene.unfold();
