@@ -20,8 +20,8 @@ Examples:
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
 
-A glTF file keeps every byte that does not have to change; `--strip` restores it. Other models \
-are written as glTF.";
+A glTF file keeps everything that does not have to change; `--strip` restores it. Other models are \
+written as glTF.";
 
 /// `bake`
 #[derive(Debug, Args)]

@@ -213,7 +213,7 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     }
     stripped.notes.iter().for_each(|note| session.note(note));
     if !stripped.is_exact {
-        session.note("another program has written the file since: it is not what it was before");
+        session.note("the file is not what it was before");
     }
     output.write(session.progress(), |out| out.write_all(&stripped.bytes))?;
     let mut report = Report::default();

@@ -118,7 +118,7 @@ fn a_lightmap_is_saved() {
     assert_eq!(app.errors, 1);
 }
 
-/// A glTF file that was not edited keeps every byte; what was edited is written anew.
+/// A glTF file that was not edited keeps what it has; what was edited is written anew.
 #[test]
 fn a_gltf_file_stays_what_it_is() {
     let folder = TestFolder::new("lightmap-gltf");

@@ -151,27 +151,23 @@ impl Additions<'_> {
 /// Corrects the bounds of an accessor that declares some: decompressed positions differ from those that
 /// were compressed.
 fn correct_bounds(accessor: &mut Json, elements: &[u8], size: usize) {
-    let keys = ["min", "max"];
-    let declared = keys.map(|key| {
-        let numbers = accessor.entries(key).iter();
-        numbers
-            .map(|n| n.number().map_or(f32::NAN, |n| n as f32))
-            .collect::<Vec<f32>>()
-    });
-    let mut bounds = [
-        vec![f32::INFINITY; size / 4],
-        vec![f32::NEG_INFINITY; size / 4],
-    ];
-    for element in elements.chunks_exact(size.max(1)) {
-        for (k, bytes) in element.as_chunks::<4>().0.iter().enumerate() {
-            let value = f32::from_le_bytes(*bytes);
-            bounds[0][k] = bounds[0][k].min(value);
-            bounds[1][k] = bounds[1][k].max(value);
+    let ends = [("min", f32::INFINITY), ("max", f32::NEG_INFINITY)];
+    for (key, start) in ends {
+        if accessor.get(key).is_none() {
+            continue;
         }
-    }
-    let is_declared = keys.iter().all(|key| accessor.get(key).is_some());
-    if is_declared && declared != bounds && bounds.iter().flatten().all(|v| v.is_finite()) {
-        for (key, bound) in keys.iter().zip(bounds) {
+        let mut bound = vec![start; size / 4];
+        for element in elements.chunks_exact(size.max(1)) {
+            for (bound, bytes) in bound.iter_mut().zip(element.as_chunks::<4>().0) {
+                let value = f32::from_le_bytes(*bytes);
+                *bound = if key == "min" {
+                    bound.min(value)
+                } else {
+                    bound.max(value)
+                };
+            }
+        }
+        if bound.iter().all(|v| v.is_finite()) {
             accessor.key(key).set(json!(bound));
         }
     }

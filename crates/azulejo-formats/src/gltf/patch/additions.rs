@@ -46,14 +46,8 @@ fn reaches_beyond(source: &Source) -> bool {
 }
 
 impl<'s> Additions<'s> {
-    /// Nothing yet. At most `left` bytes are added; files beside the file begin with `stem`, and say `what`
-    /// they are for.
-    pub fn new(
-        source: &'s Source<'s>,
-        stem: &'s str,
-        what: &'static str,
-        left: u64,
-    ) -> Additions<'s> {
+    /// Nothing yet. Files beside the file begin with `stem`, and say `what` they are for.
+    pub fn new(source: &'s Source<'s>, stem: &'s str, what: &'static str) -> Additions<'s> {
         let buffers = &source.data.root.buffers;
         let of_bin = buffers.first().is_none_or(|b| b.uri.is_none()) && !reaches_beyond(source);
         let place = match (&source.parts.chunks, source.parts.bin()) {
@@ -71,7 +65,7 @@ impl<'s> Additions<'s> {
             place,
             views: HashMap::new(),
             accessors: HashMap::new(),
-            left: Some(left),
+            left: Some(source.file.options.most_unpacked),
         }
     }
 

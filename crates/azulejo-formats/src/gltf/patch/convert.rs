@@ -51,7 +51,7 @@ pub fn converted(
             if chunks.len() > files.len() {
                 notes.add("chunks that glTF does not know: left out");
             }
-            (json.in_lines().into_bytes(), files)
+            (json.to_string().into_bytes(), files)
         }
         _ => return Ok(None),
     };

@@ -5,11 +5,10 @@ use super::super::origin::ObjectOrigin;
 use super::super::topology;
 use super::super::uri::{self, Uri};
 use super::error::PatchError;
-use super::glb::Parts;
 use super::json::Json;
 use super::mark::MARK;
 use super::primitives::{self, Primitive, accessor_index};
-use super::source::{Source, parsed};
+use super::source::{Source, with_source};
 use super::splits::turned;
 use super::strip;
 use super::types::{FoundLightmap, FoundPage, GltfFile, NO_PAGE, ObjectLayout};
@@ -22,9 +21,35 @@ const USUAL_SET: u32 = 1;
 /// Extensions of textures whose picture takes the place of the usual one.
 const PICTURES: [&str; 2] = ["MOZ_texture_rgbe", "KHR_texture_basisu"];
 
-/// Reads the lightmap of a file, or one set of its coordinates alone; see
-/// [`found_lightmap`](super::found_lightmap).
-pub fn read(
+/// The lightmap that a file has, by `MOZ_lightmap` or `MX_lightmap`, whoever made it; if it has none, the texture
+/// coordinates that could be used for one. `origins` are those of its objects; `set` is the set of
+/// coordinates, by default the one that lightmaps name, else 1.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn found_lightmap(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: Option<u32>,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, set, true)
+}
+
+/// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
+/// [`found_lightmap`] has it.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn coordinates(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: u32,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, Some(set), false)
+}
+
+/// Reads the lightmap of a file, or one set of its coordinates alone.
+fn read(
     file: &GltfFile,
     origins: &[ObjectOrigin],
     set: Option<u32>,
@@ -36,38 +61,33 @@ pub fn read(
         let found = format!("{faces} faces with those of all nodes that share a mesh");
         return Err(PatchError::of(file.name, found));
     }
-    let parts = Parts::of(file.bytes, file.name)?;
-    let root = parsed(&parts, file)?;
-    let source = Source::new(parts, &root, file)?;
-    let mut reader = LightmapReader {
-        meshes: primitives::of_meshes(&source.json),
-        set,
-        follows_lightmaps,
-        sets: Vec::new(),
-        numbers: HashMap::new(),
-        pages: Vec::new(),
-        file,
-        source: &source,
-    };
-    let is_named = reader.has_lightmap();
-    let objects = origins
-        .iter()
-        .map(|origin| reader.object(origin, is_named))
-        .collect();
-    let mark = source.json.find(&MARK);
-    Ok(FoundLightmap {
-        is_named,
-        is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
-        set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
-        is_one_set: reader.sets.len() <= 1,
-        objects,
-        pages: reader.pages,
+    with_source(file, |source| {
+        let mut reader = LightmapReader {
+            meshes: primitives::of_meshes(&source.json),
+            set,
+            follows_lightmaps,
+            sets: Vec::new(),
+            numbers: HashMap::new(),
+            pages: Vec::new(),
+            source,
+        };
+        let is_named = reader.has_lightmap();
+        let mut object = |origin| reader.object(origin, is_named);
+        let objects = origins.iter().map(&mut object).collect();
+        let mark = source.json.find(&MARK);
+        Ok(FoundLightmap {
+            is_named,
+            is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
+            set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
+            is_one_set: reader.sets.len() <= 1,
+            objects,
+            pages: reader.pages,
+        })
     })
 }
 
 /// Reads what materials and nodes say of lightmaps.
 struct LightmapReader<'r, 's> {
-    file: &'r GltfFile<'r>,
     source: &'r Source<'s>,
     meshes: Vec<Vec<Primitive>>,
     /// The set that is asked for.
@@ -207,7 +227,12 @@ impl LightmapReader<'_, '_> {
             (Some(view), _) => Ok(self.source.data.buffers.view(view)?.to_vec()),
             (None, Some(uri)) => match uri::read(uri)? {
                 Uri::Data(bytes) => Ok(bytes),
-                Uri::File(name) => self.file.files.read(&name).map_err(|e| e.to_string()),
+                Uri::File(name) => self
+                    .source
+                    .file
+                    .files
+                    .read(&name)
+                    .map_err(|e| e.to_string()),
             },
             (None, None) => Err("an image without a uri".to_owned()),
         }

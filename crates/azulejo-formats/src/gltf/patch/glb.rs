@@ -54,7 +54,7 @@ impl<'a> Parts<'a> {
         name: &str,
     ) -> Result<Vec<u8>, PatchError> {
         let Some(chunks) = &self.chunks else {
-            return Ok(json.in_lines().into_bytes());
+            return Ok(json.to_string().into_bytes());
         };
         let mut text = json.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');

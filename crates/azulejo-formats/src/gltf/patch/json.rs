@@ -154,20 +154,6 @@ impl<'a> Json<'a> {
             self.remove(key);
         }
     }
-
-    /// The document with a line for each member, and for each entry of its lists.
-    pub fn in_lines(&self) -> String {
-        let lines = |parts: Vec<String>| parts.join(",\n");
-        let member = |(key, value): &(Cow<str>, Json)| match value {
-            Json::List(list) if !list.is_empty() => {
-                let list = list.iter().map(Json::to_string).collect();
-                format!("\"{key}\":[\n{}\n]", lines(list))
-            }
-            _ => format!("\"{key}\":{value}"),
-        };
-        let members = self.members().iter().map(member).collect();
-        format!("{{\n{}\n}}\n", lines(members))
-    }
 }
 
 impl fmt::Display for Json<'_> {
@@ -247,7 +233,7 @@ impl<'a> Parser<'a> {
     fn peek(&mut self) -> Option<u8> {
         let rest = self.text.as_bytes().get(self.at..)?;
         let is_between = |b: &u8| matches!(b, b' ' | b'\t' | b'\r' | b'\n' | b',' | b':');
-        self.at += rest.iter().take_while(|b| is_between(*b)).count();
+        self.at += rest.iter().take_while(|b| is_between(b)).count();
         self.text.as_bytes().get(self.at).copied()
     }
 
@@ -308,7 +294,7 @@ mod tests {
         let compact =
             "{\"a\":[1.0,-0.0,{\"]\":\"}\\\"\"},[],1e-3],\"\\u0062\":{},\"b\":\"\u{e9},:\"}";
         assert_eq!(json.to_string(), compact);
-        assert_eq!(Json::parse(&json.in_lines(), 4).unwrap(), json);
+        assert_eq!(Json::parse(compact, 4).unwrap(), json);
         assert_eq!(json.entries("a")[0].index(), Some(1));
         assert_eq!(json.entries("a")[4].index(), None);
         let deep = json.entries("a")[2].get("]").unwrap();

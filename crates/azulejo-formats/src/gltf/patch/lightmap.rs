@@ -4,14 +4,13 @@ use super::super::origin::ObjectOrigin;
 use super::additions::Additions;
 use super::assign::assignments;
 use super::error::PatchError;
-use super::glb::Parts;
 use super::lights;
 use super::mark;
 use super::materials::{MaterialUses, Replaced, Textures};
 use super::notes::Notes;
 use super::primitives;
-use super::source::{Source, parsed};
-use super::types::{Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, PatchedFile};
+use super::source::Source;
+use super::types::{Convention, InstanceMode, LightmapEdit, LightsMode, PatchedFile};
 use super::work::Work;
 use serde_json::json;
 
@@ -20,24 +19,20 @@ const MX_LIGHTMAP: &str = "MX_lightmap";
 
 /// Puts a lightmap into a file that has none of azulejo's.
 pub fn edited(
-    file: &GltfFile,
+    source: &Source,
     origins: &[ObjectOrigin],
     edit: &LightmapEdit,
     mut notes: Notes,
 ) -> Result<PatchedFile, PatchError> {
-    let parts = Parts::of(file.bytes, file.name)?;
-    let root = parsed(&parts, file)?;
-    let source = Source::new(parts, &root, file)?;
-    check_edit(&source, edit)?;
+    check_edit(source, edit)?;
     let work = Work {
-        source: &source,
+        source,
         edit,
-        assignments: assignments(&source, origins, edit, &mut notes)?,
+        assignments: assignments(source, origins, edit, &mut notes)?,
         meshes: primitives::of_meshes(&source.json),
     };
     let set = work.set(&mut notes)?;
-    let left = file.options.most_unpacked;
-    let mut additions = Additions::new(&source, edit.output.stem, "lightmap", left);
+    let mut additions = Additions::new(source, edit.output.stem, "lightmap");
     let split = work.split(set, &mut additions, &mut notes)?;
     let mut textures = Textures::new(edit);
     let uses = work.uses(&split);

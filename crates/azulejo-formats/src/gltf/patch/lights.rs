@@ -4,6 +4,7 @@ use super::json::Json;
 use super::types::LightsMode;
 use serde_json::{Value, json};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// The extension with the lights.
 pub const LIGHTS: &str = "KHR_lights_punctual";
@@ -55,17 +56,15 @@ pub fn change<'s>(json: &mut Json<'s>, mode: LightsMode, mark: &mut Json<'s>) ->
 /// Gives lights that are still dark their old intensity.
 pub fn brighten(json: &mut Json, mark: &Json) {
     for (member, extension) in DIMMED {
-        let baked = mark.entries(member);
+        let baked = mark.entries(member).iter().map(Json::list);
+        let baked = baked.filter_map(|b| Some((b.first()?.index()?, b.get(1))));
+        let baked: HashMap<usize, Option<&Json>> = baked.collect();
         for_each(json, extension, |i, light| {
-            let mut of_light = baked
-                .iter()
-                .filter(|b| b.list().first().and_then(Json::index) == Some(i));
             let is_dark = light.get("intensity").and_then(Json::number) == Some(0.0);
-            let Some(old) = of_light.next().filter(|_| is_dark) else {
+            let Some(old) = baked.get(&i).filter(|_| is_dark) else {
                 return;
             };
             // Earlier versions had the number in a text.
-            let old = old.list().get(1);
             let spelled =
                 old.map(|old| old.text().map_or_else(|| old.to_string(), Cow::into_owned));
             match spelled.filter(|old| serde_json::from_str::<f64>(old).is_ok()) {

@@ -56,7 +56,9 @@ pub fn finished<'s>(
         extra(json.key("asset"), "lightmap").key("hash").set(&*hash);
     }
     Ok(PatchedFile {
-        bytes: source.parts.joined(&json, bin.as_deref(), source.name)?,
+        bytes: source
+            .parts
+            .joined(&json, bin.as_deref(), source.file.name)?,
         files: additions.files,
         notes: notes.finish(),
         leaves_dark: false,

@@ -155,9 +155,10 @@ pub fn drop_draco(before: &[Vec<Primitive>], json: &mut Json) {
 pub fn drop_extension(json: &mut Json, list: &str, name: &str) {
     if let Some(Json::List(mut names)) = json.get(list).cloned() {
         names.retain(|known| known.text().as_deref() != Some(name));
-        match names.is_empty() {
-            true => json.remove(list),
-            false => json.key(list).set(Json::List(names)),
+        if names.is_empty() {
+            json.remove(list);
+        } else {
+            json.key(list).set(Json::List(names));
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The JSON is edited as a document that keeps the order of members and the spelling of numbers: entries are added at
 //! the end of lists, a few values are replaced, and the rest stays as it is, also what azulejo does not know. New
-//! numbers follow the old ones. A [mark](mark) in the file says what was there before, so that [`strip`] gives it back.
+//! numbers follow the old ones. A `mark` in the file says what was there before, so that [`strip`] gives it back.
 //!
 //! | module | purpose |
 //! |---|---|
@@ -44,6 +44,8 @@ mod vertex_light;
 mod work;
 
 pub use error::PatchError;
+pub use existing::{coordinates, found_lightmap};
+pub use strip::strip;
 pub use types::{
     Container, Convention, FoundLightmap, FoundPage, GltfFile, InstanceMode, LightmapEdit,
     LightmapPage, LightmapUvs, LightsMode, MediaType, NO_PAGE, ObjectLayout, Output, PatchedFile,
@@ -56,6 +58,7 @@ use azulejo_scene::Scene;
 use glb::Parts;
 use json::{Json, MOST_LEVELS};
 use notes::Notes;
+use source::{Source, with_source};
 
 /// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
 /// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
@@ -80,36 +83,9 @@ pub fn with_lightmap(
         bytes: bytes.as_deref().unwrap_or(original.bytes),
         ..*original
     };
-    in_container(&file, &edit.output, notes, |file, notes| {
-        lightmap::edited(file, origins, edit, notes)
+    in_container(&file, &edit.output, notes, |source, notes| {
+        lightmap::edited(source, origins, edit, notes)
     })
-}
-
-/// The lightmap that a file has, by `MOZ_lightmap` or `MX_lightmap`, whoever made it; if it has none, the texture
-/// coordinates that could be used for one. `origins` are those of its objects; `set` is the set of
-/// coordinates, by default the one that lightmaps name, else 1.
-///
-/// # Errors
-/// Files that cannot be read or are not UTF-8.
-pub fn found_lightmap(
-    file: &GltfFile,
-    origins: &[ObjectOrigin],
-    set: Option<u32>,
-) -> Result<FoundLightmap, PatchError> {
-    existing::read(file, origins, set, true)
-}
-
-/// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
-/// [`found_lightmap`] has it.
-///
-/// # Errors
-/// Files that cannot be read or are not UTF-8.
-pub fn coordinates(
-    file: &GltfFile,
-    origins: &[ObjectOrigin],
-    set: u32,
-) -> Result<FoundLightmap, PatchError> {
-    existing::read(file, origins, Some(set), false)
 }
 
 /// The names of the files that a file names, relative to its own: buffers and images.
@@ -146,8 +122,8 @@ pub fn with_vertex_light(
     scene: &Scene,
     output: Output,
 ) -> Result<PatchedFile, PatchError> {
-    in_container(original, &output, Notes::default(), |file, notes| {
-        vertex_light::edited(file, origins, scene, output, notes)
+    in_container(original, &output, Notes::default(), |source, notes| {
+        vertex_light::edited(source, origins, scene, output, notes)
     })
 }
 
@@ -156,10 +132,10 @@ fn in_container(
     file: &GltfFile,
     output: &Output,
     mut notes: Notes,
-    edited: impl Fn(&GltfFile, Notes) -> Result<PatchedFile, PatchError>,
+    edited: impl Fn(&Source, Notes) -> Result<PatchedFile, PatchError>,
 ) -> Result<PatchedFile, PatchError> {
     let Some(other) = convert::converted(file, output, &mut notes)? else {
-        return edited(file, notes);
+        return with_source(file, |source| edited(source, notes));
     };
     let files = convert::Overlay {
         old: file.files,
@@ -170,21 +146,7 @@ fn in_container(
         files: &files,
         ..*file
     };
-    let mut patched = edited(&other_file, notes)?;
+    let mut patched = with_source(&other_file, |source| edited(source, notes))?;
     patched.files.splice(0..0, other.files.iter().cloned());
     Ok(patched)
-}
-
-/// Removes the lightmap of azulejo's from a file, or light that was put on its vertices. `name` is used in
-/// messages.
-///
-/// The file is again what it was: the same JSON, with its order and the spelling of its numbers, but for blanks,
-/// and the same buffers, byte for byte; in the container in which it was written last. If another program has
-/// written it since, or an earlier version of azulejo, extensions and lights are restored in the file as it is
-/// now, and the result says so.
-///
-/// # Errors
-/// Files that are not glTF, or have no such lightmap.
-pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
-    strip::stripped(bytes, name)
 }

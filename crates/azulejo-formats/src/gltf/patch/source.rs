@@ -10,58 +10,52 @@ use super::error::PatchError;
 use super::glb::Parts;
 use super::json::{Json, MOST_LEVELS};
 use super::types::GltfFile;
-use gltf_json::Root;
-
-/// The JSON of a file, parsed as the reader does.
-pub fn parsed(parts: &Parts, file: &GltfFile) -> Result<Root, PatchError> {
-    let container = Container {
-        json: parts.text.as_bytes(),
-        json_start: parts.chunks.is_some().then_some(20),
-        bin: parts.bin(),
-    };
-    let mut messages = GltfMessages::default();
-    Ok(document::parse(&container, file.name, &mut messages)?)
-}
 
 /// A file that is edited.
 pub struct Source<'a> {
+    /// The file.
+    pub file: &'a GltfFile<'a>,
     /// Its parts.
     pub parts: Parts<'a>,
     /// Its document.
     pub json: Json<'a>,
     /// Its JSON and its numbers, as the reader has them.
     pub data: Data<'a>,
-    /// Its name.
-    pub name: &'a str,
 }
 
-impl<'a> Source<'a> {
-    /// Loads the numbers of a file.
-    ///
-    /// # Errors
-    /// Text that is no JSON, or nested too deep.
-    pub fn new(
-        parts: Parts<'a>,
-        root: &'a Root,
-        file: &GltfFile<'a>,
-    ) -> Result<Source<'a>, PatchError> {
-        let buffers = Buffers::load(root, parts.bin(), file.files, file.options);
-        let json = Json::parse(parts.text, MOST_LEVELS);
-        Ok(Source {
-            json: json.map_err(|found| PatchError::of(file.name, found))?,
-            parts,
-            data: Data {
-                root,
-                draco: DracoAccessors::load(root, &buffers, file.options.most_unpacked),
-                buffers,
-            },
-            name: file.name,
-        })
-    }
+/// Works with a file.
+///
+/// # Errors
+/// Files that cannot be read or are nested too deep, and those of the work.
+pub fn with_source<T>(
+    file: &GltfFile,
+    work: impl FnOnce(&Source) -> Result<T, PatchError>,
+) -> Result<T, PatchError> {
+    let parts = Parts::of(file.bytes, file.name)?;
+    let container = Container {
+        json: parts.text.as_bytes(),
+        json_start: parts.chunks.is_some().then_some(20),
+        bin: parts.bin(),
+    };
+    let root = document::parse(&container, file.name, &mut GltfMessages::default())?;
+    let buffers = Buffers::load(&root, parts.bin(), file.files, file.options);
+    let json = Json::parse(parts.text, MOST_LEVELS);
+    work(&Source {
+        file,
+        json: json.map_err(|found| PatchError::of(file.name, found))?,
+        parts,
+        data: Data {
+            root: &root,
+            draco: DracoAccessors::load(&root, &buffers, file.options.most_unpacked),
+            buffers,
+        },
+    })
+}
 
+impl Source<'_> {
     /// The error with this in the way.
     pub fn refused(&self, found: impl Into<String>) -> PatchError {
-        PatchError::of(self.name, found)
+        PatchError::of(self.file.name, found)
     }
 
     /// The mesh of a node.

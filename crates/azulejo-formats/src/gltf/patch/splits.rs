@@ -158,10 +158,7 @@ impl<'l> Wanted<'l> {
 
 /// Corners in the order of the file, or those of the file in the order of a face.
 pub fn turned<T>([a, b, c]: [T; 3], mirrored: bool) -> [T; 3] {
-    match mirrored {
-        true => [a, c, b],
-        false => [a, b, c],
-    }
+    if mirrored { [a, c, b] } else { [a, b, c] }
 }
 
 impl VertexGroup {

@@ -11,8 +11,17 @@ use super::types::StrippedFile;
 /// Extensions with a lightmap, by the list of the entries that have them.
 const LIGHTMAPS: [(&str, &str); 2] = [("materials", "MOZ_lightmap"), ("nodes", "MX_lightmap")];
 
-/// The file without its lightmap.
-pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
+/// Removes the lightmap of azulejo's from a file, or light that was put on its vertices. `name` is used in
+/// messages.
+///
+/// The file is again what it was: the same JSON, with its order and the spelling of its numbers, but for blanks,
+/// and the same buffers, byte for byte; in the container in which it was written last. If another program has
+/// written it since, or an earlier version of azulejo, extensions and lights are restored in the file as it is
+/// now, and the result says so.
+///
+/// # Errors
+/// Files that are not glTF, or have no such lightmap.
+pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
     let parts = Parts::of(bytes, name)?;
     let json = Json::parse(parts.text, 2 * MOST_LEVELS);
     let json = json.map_err(|found| PatchError::of(name, found))?;
@@ -35,9 +44,10 @@ pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
         Some(_) => "an earlier version of azulejo (bake the original again instead)",
         None => "another program",
     };
-    let left = match is_of_vertices {
-        true => "the light on vertices stays",
-        false => "coordinates, pictures and copies stay",
+    let left = if is_of_vertices {
+        "the light on vertices stays"
+    } else {
+        "coordinates, pictures and copies stay"
     };
     let mut notes = vec![format!("{writer} has written the file: {left}")];
     let convention = mark.get("convention").and_then(Json::text);

@@ -6,17 +6,16 @@ use super::super::topology;
 use super::additions::Additions;
 use super::assign::{Assignment, assignments};
 use super::error::PatchError;
-use super::glb::Parts;
 use super::json::Json;
 use super::mark;
 use super::meshes::{drop_draco, place_mesh, uncompress};
 use super::notes::Notes;
 use super::primitives::{self, Primitive};
-use super::source::{Source, parsed};
+use super::source::Source;
 use super::splits::{VertexGroup, turned};
 use super::types::{
-    Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout,
-    Output, PatchedFile,
+    Convention, InstanceMode, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout, Output,
+    PatchedFile,
 };
 use azulejo_scene::{Rgb, Scene};
 use serde_json::json;
@@ -24,15 +23,12 @@ use std::collections::HashMap;
 
 /// Puts the irradiance of the vertices of a scene into its file.
 pub fn edited(
-    file: &GltfFile,
+    source: &Source,
     origins: &[ObjectOrigin],
     scene: &Scene,
     output: Output,
     mut notes: Notes,
 ) -> Result<PatchedFile, PatchError> {
-    let parts = Parts::of(file.bytes, file.name)?;
-    let root = parsed(&parts, file)?;
-    let source = Source::new(parts, &root, file)?;
     let layouts = layouts(scene, origins).map_err(|fault| source.refused(fault))?;
     let edit = LightmapEdit {
         objects: &layouts,
@@ -45,13 +41,13 @@ pub fn edited(
         output,
     };
     let meshes = primitives::of_meshes(&source.json);
-    let mut additions = Additions::new(&source, output.stem, "light", file.options.most_unpacked);
+    let mut additions = Additions::new(source, output.stem, "light");
     let scale = irradiance::scale(scene);
-    for assignment in assignments(&source, origins, &edit, &mut notes)? {
+    for assignment in assignments(source, origins, &edit, &mut notes)? {
         let own = &meshes[assignment.mesh];
         let node = assignment.node;
         let fault = |fault| source.refused(format!("node {node}: {fault}"));
-        let (source, assignment) = (&source, &assignment);
+        let assignment = &assignment;
         let light = VertexLight {
             source,
             scene,

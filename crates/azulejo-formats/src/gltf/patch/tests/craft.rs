@@ -114,6 +114,22 @@ impl Craft {
     }
 }
 
+/// The members of a primitive of [`two_squares`].
+pub const SQUARES: &str = r#""attributes":{"POSITION":0},"indices":1"#;
+
+/// A file of two squares: accessor 0 are their positions, accessor 1 their triangles.
+pub fn two_squares() -> Craft {
+    let mut craft = Craft::default();
+    craft.positions(2);
+    craft.triangles(2, 2);
+    craft
+}
+
+/// A GLB of two squares. In the JSON, `@` stands for [`SQUARES`].
+pub fn squares(rest: &str) -> Vec<u8> {
+    two_squares().glb(&rest.replace('@', SQUARES))
+}
+
 /// The JSON of an edited file.
 pub fn json_of(file: &PatchedFile) -> Value {
     let parts = Parts::of(&file.bytes, "a").unwrap();

@@ -1,73 +1,65 @@
 //! Files made to be difficult.
 
 use super::super::super::container::tests::glb_of;
-use super::craft::{Craft, json_of};
+use super::craft::{Craft, SQUARES, json_of, squares, two_squares};
 use super::{Case, Charts, check};
 use crate::Memory;
 use crate::gltf::patch::{InstanceMode, LightsMode, PatchedFile, strip};
 use crate::gltf::tests::draco;
 use proptest::prelude::*;
+use serde_json::Value;
 
 /// Checks a file with several kinds of charts, and returns what the last edit gave.
 fn check_all(bytes: &[u8], name: &str, files: &Memory) -> PatchedFile {
     let case = Case { bytes, name, files };
-    let mut last = None;
-    for charts in [
+    let all = [
         Charts::One,
         Charts::Random(3),
         Charts::Random(4),
         Charts::Faces,
-    ] {
-        last = check(&case, charts, |_| {});
+    ];
+    let edited = all.map(|charts| {
         check(&case, charts, |edit| {
             edit.instances = InstanceMode::Transform;
             edit.lights = LightsMode::Remove;
         });
-    }
+        check(&case, charts, |_| {})
+    });
+    let [.., last] = edited;
     last.expect("a file that can be read")
+}
+
+/// The JSON of a file that is edited once.
+fn json_with(bytes: &[u8], charts: Charts) -> Value {
+    let (name, files) = ("a.glb", &Memory::new());
+    json_of(&check(&Case { bytes, name, files }, charts, |_| {}).unwrap())
 }
 
 /// Meshes of these primitives, one node each.
 fn nodes_of(meshes: &[&str]) -> String {
-    let nodes: Vec<String> = (0..meshes.len())
-        .map(|m| format!("{{\"mesh\":{m}}}"))
-        .collect();
-    let meshes: Vec<String> = meshes
-        .iter()
-        .map(|p| format!("{{\"primitives\":[{p}]}}"))
-        .collect();
-    format!(
-        "\"nodes\":[{}],\"meshes\":[{}]",
-        nodes.join(","),
-        meshes.join(",")
-    )
-}
-
-fn glb_case(craft: &Craft, rest: &str) -> PatchedFile {
-    check_all(&craft.glb(rest), "a.glb", &Memory::new())
+    let list = |entry: &dyn Fn(usize) -> String| {
+        let entries: Vec<String> = (0..meshes.len()).map(entry).collect();
+        entries.join(",")
+    };
+    let nodes = list(&|m| format!("{{\"mesh\":{m}}}"));
+    let meshes = list(&|m| format!("{{\"primitives\":[{}]}}", meshes[m]));
+    format!("\"nodes\":[{nodes}],\"meshes\":[{meshes}]")
 }
 
 #[test]
 fn texts_that_look_like_others() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let odd = "\"name\":\"\\u0061\\\"],}{[\\\\\",\"extras\":{\"numbers\":[0.725,1e0,-0.0,1E+2,100000000000000000000],\
-               \"text\":\"{\\\"lightmap\\\":[}\",\"\\u0065mpty\":{ }},\"extensions\":{\"EXT_unknown\":{\"a\":[ ]}}";
-    let rest = format!(
-        "\"materials\":[{{{odd},\"pbrMetallicRoughness\":{{\"metallicFactor\":0.0,{odd}}}}}],\
-         \"m\\u0065shes\":[{{{odd},\"primitives\":[{{{odd},\"attributes\":{{\"POSITION\":{p}}},\
-         \"indices\":{i},\"material\":0}}]}}],\"nodes\":[{{{odd},\"mesh\":0}}],{odd},\
-         \"extensionsUsed\" : [\"EXT_unknown\" ]"
-    );
-    let patched = glb_case(&craft, &rest);
-    let text = String::from_utf8_lossy(&patched.bytes).into_owned();
-    assert_eq!(
-        text.matches("[0.725,1e0,-0.0,1E+2,100000000000000000000]")
-            .count(),
-        6
-    );
+    let odd = r#""name":"\u0061\"],}{[\\","extras":{"numbers":[0.725,1e0,-0.0,1E+2,100000000000000000000],"text":"{\"lightmap\":[}","\u0065mpty":{ }},"extensions":{"EXT_unknown":{"a":[ ]}}"#;
+    let rest = r#""materials":[{ODD,"pbrMetallicRoughness":{"metallicFactor":0.0,ODD}}],"m\u0065shes":[{ODD,"primitives":[{ODD,@,"material":0}]}],"nodes":[{ODD,"mesh":0}],ODD,"extensionsUsed" : ["EXT_unknown" ]"#;
+    let rest = rest.replace("ODD", odd);
+    let patched = check_all(&squares(&rest), "a.glb", &Memory::new());
+    let text = String::from_utf8_lossy(&patched.bytes);
+    let numbers = "[0.725,1e0,-0.0,1E+2,100000000000000000000]";
+    assert_eq!(text.matches(numbers).count(), 6);
+    assert!(text.contains("\"m\\u0065shes\":[{\"name\":\"\\u0061"));
     // As text, with marks, blanks and line ends.
+    let craft = two_squares();
     let files = Memory::new().with("b c.bin", craft.bin.clone());
+    let rest = rest.replace('@', SQUARES);
     for (before, after) in [("", ""), ("\u{feff}", "\r\n"), ("\n\t ", "  \n")] {
         let json = before.to_owned() + &craft.json("\"uri\":\"b%20c.bin\",", &rest) + after;
         let patched = check_all(json.as_bytes(), "a.gltf", &files);
@@ -78,25 +70,20 @@ fn texts_that_look_like_others() {
 
 #[test]
 fn extras_of_any_kind() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let rest = nodes_of(&[&format!(
-        "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
-    )]);
-    let all = [
-        "\"text\"",
+    let craft = two_squares();
+    let json = craft.json("", &nodes_of(&[&format!("{{{SQUARES}}}")]));
+    for extras in [
+        r#""text""#,
         "7",
         "null",
-        "[1,{\"azulejo\":2}]",
+        r#"[1,{"azulejo":2}]"#,
         "{}",
-        "{\"azulejo\":7}",
-        "{\"azulejo\":null}",
-        "{\"azulejo\":{}}",
-        "{\"azulejo\":{\"photometric\":true}}",
-        "{\"a\":1,\"azulejo\" : [ ]}",
-    ];
-    for extras in all {
-        let json = craft.json("", &rest);
+        r#"{"azulejo":7}"#,
+        r#"{"azulejo":null}"#,
+        r#"{"azulejo":{}}"#,
+        r#"{"azulejo":{"photometric":true}}"#,
+        r#"{"a":1,"azulejo" : [ ]}"#,
+    ] {
         let json = json.replace("\"2.0\"", &format!("\"2.0\",\"extras\": {extras} "));
         let file = glb_of(&[(b"JSON", json.as_bytes()), (b"BIN\0", &craft.bin)]);
         check_all(&file, "a.glb", &Memory::new());
@@ -107,98 +94,70 @@ fn extras_of_any_kind() {
 fn chunks_of_others() {
     let mut craft = Craft::default();
     let (p, i) = (craft.positions(2), craft.triangles(2, 1));
-    let rest = nodes_of(&[&format!(
-        "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
-    )]);
-    let json = craft.json("", &rest);
-    let json = json.as_bytes();
-    let odd = [json, b"\0 \0"].concat();
-    let mut files = vec![
-        glb_of(&[
-            (b"JSON", json),
-            (b"abc\0", b"123"),
-            (b"BIN\0", &craft.bin),
-            (b"BIN\0", b"x"),
-        ]),
-        glb_of(&[(b"JSON", &odd), (b"BIN\0", &craft.bin), (b"zzzz", b"")]),
-    ];
-    let mut tail = files[0].clone();
-    tail.extend(*b"1234567");
-    tail[8] ^= 1;
-    files.push(tail);
-    for file in &files {
-        check_all(file, "a.glb", &Memory::new());
-    }
-    // A primitive whose indices reach beyond the numbers must not find new ones there.
-    let size = craft.bin.len();
-    craft.accessors.push(format!(
-        "{{\"bufferView\":{},\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"}}",
-        craft.views.len()
-    ));
-    craft.views.push(format!(
-        "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":8}}",
-        size - 4
-    ));
-    let far = craft.accessors.len() - 1;
     let primitive = |i: usize| format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}");
-    let damaged = nodes_of(&[&[primitive(i), primitive(far)].join(",")]);
-    check_all(&craft.glb(&damaged), "a.glb", &Memory::new());
+    let rest = nodes_of(&[&primitive(i)]);
+    let json = craft.json("", &rest);
+    let odd = [json.as_bytes(), b"\0 \0"].concat();
+    let bin: (&[u8; 4], &[u8]) = (b"BIN\0", &craft.bin);
+    let mut first = glb_of(&[
+        (b"JSON", json.as_bytes()),
+        (b"abc\0", b"123"),
+        bin,
+        (b"BIN\0", b"x"),
+    ]);
+    check_all(&first, "a.glb", &Memory::new());
+    first.extend(*b"1234567");
+    first[8] ^= 1;
+    check_all(&first, "a.glb", &Memory::new());
+    let second = glb_of(&[(b"JSON", &odd), bin, (b"zzzz", b"")]);
+    check_all(&second, "a.glb", &Memory::new());
     // Numbers of a GLB in another file: new ones cannot be in it.
     let json = craft.json("\"uri\":\"a.bin\",", &rest);
     let files = Memory::new().with("a.bin", craft.bin.clone());
-    let patched = check_all(&glb_of(&[(b"JSON", json.as_bytes())]), "a.glb", &files);
-    assert!(patched.files.is_empty());
-    check_all(
-        &glb_of(&[(b"JSON", json.as_bytes()), (b"BIN\0", b"left")]),
-        "a.glb",
-        &files,
+    let json: (&[u8; 4], &[u8]) = (b"JSON", json.as_bytes());
+    assert!(
+        check_all(&glb_of(&[json]), "a.glb", &files)
+            .files
+            .is_empty()
     );
+    check_all(&glb_of(&[json, (b"BIN\0", b"left")]), "a.glb", &files);
+    // A primitive whose indices reach beyond the numbers must not find new ones there.
+    let (view, start) = (craft.views.len(), craft.bin.len() - 4);
+    let far =
+        format!("{{\"bufferView\":{view},\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"}}");
+    craft.accessors.push(far);
+    let view = format!("{{\"buffer\":0,\"byteOffset\":{start},\"byteLength\":8}}");
+    craft.views.push(view);
+    let damaged = nodes_of(&[&[primitive(i), primitive(2)].join(",")]);
+    check_all(&craft.glb(&damaged), "a.glb", &Memory::new());
 }
 
 #[test]
 fn files_without_anything() {
-    let least = "{\"asset\":{\"version\":\"2.0\"}}";
-    check_all(least.as_bytes(), "a.gltf", &Memory::new());
-    check_all(
-        &glb_of(&[(b"JSON", least.as_bytes())]),
-        "a.glb",
-        &Memory::new(),
-    );
-    let bin: (&[u8; 4], &[u8]) = (b"BIN\0", b"");
-    check_all(
-        &glb_of(&[(b"JSON", least.as_bytes()), bin]),
-        "a.glb",
-        &Memory::new(),
-    );
-    assert!(strip(least.as_bytes(), "a.gltf").is_err());
+    let least = b"{\"asset\":{\"version\":\"2.0\"}}";
+    check_all(least, "a.gltf", &Memory::new());
+    let chunks: [(&[u8; 4], &[u8]); 2] = [(b"JSON", least), (b"BIN\0", b"")];
+    check_all(&glb_of(&chunks[..1]), "a.glb", &Memory::new());
+    check_all(&glb_of(&chunks), "a.glb", &Memory::new());
+    assert!(strip(least, "a.gltf").is_err());
 }
 
 #[test]
 fn attributes_of_all_kinds() {
     let mut craft = Craft::default();
-    let count = 6;
     let bytes = |n: usize| (0..n).map(|i| (i * 37 % 251) as u8).collect::<Vec<u8>>();
-    let short: Vec<u8> = (0..count)
-        .flat_map(|i: u16| [i / 2, i % 2, 0, 99].map(|v| v * 300))
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let short = (0..6u16).flat_map(|i| [i / 2, i % 2, 0, 99].map(|v| v * 300));
+    let short: Vec<u8> = short.flat_map(u16::to_le_bytes).collect();
     let view = craft.view(&short, ",\"byteStride\":8");
     craft.accessors.push(format!(
-        "{{\"bufferView\":{view},\"componentType\":5123,\"count\":{count},\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[600,300,0]}}"
+        "{{\"bufferView\":{view},\"componentType\":5123,\"count\":6,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[600,300,0]}}"
     ));
-    let p = craft.accessors.len() - 1;
-    let normals: Vec<u8> = [0, 0, 127, 0].repeat(count.into());
-    let n = craft.accessor(&normals, 5120, count.into(), "VEC3", ",\"normalized\":true");
+    let normalized = ",\"normalized\":true,\"name\":\"c\"";
+    let n = craft.accessor(&[0, 0, 127, 0].repeat(6), 5120, 6, "VEC3", normalized);
     let view = craft.views.len() - 1;
     craft.views[view] = craft.views[view].replace("}", ",\"byteStride\":4}");
-    let c = craft.accessor(
-        &bytes(24),
-        5121,
-        6,
-        "VEC4",
-        ",\"normalized\":true,\"name\":\"c\"",
-    );
-    let uv = craft.accessor(&bytes(24), 5123, 6, "VEC2", ",\"normalized\":true");
+    let c = craft.accessor(&bytes(24), 5121, 6, "VEC4", normalized);
+    let uv = craft.accessor(&bytes(24), 5123, 6, "VEC2", normalized);
     let uv1 = craft.floats(&[0.5; 12], "VEC2");
     let joints = craft.accessor(&[0; 24], 5121, 6, "VEC4", "");
     let weights = craft.floats(&[0.25; 24], "VEC4");
@@ -215,26 +174,23 @@ fn attributes_of_all_kinds() {
     let moves = craft.floats(&[0.5; 18], "VEC3");
     let i = craft.triangles(2, 1);
     let all = format!(
-        "\"POSITION\":{p},\"NORMAL\":{n},\"COLOR_0\":{c},\"TEXCOORD_0\":{uv},\"TEXCOORD_1\":{uv1},\
-         \"JOINTS_0\":{joints},\"WEIGHTS_0\":{weights},\"_CUSTOM\":{custom},\"_MATRIX\":{matrix},\"_SPARSE\":{sparse}"
+        "\"attributes\":{{\"POSITION\":0,\"NORMAL\":{n},\"COLOR_0\":{c},\"TEXCOORD_0\":{uv},\"TEXCOORD_1\":{uv1},\
+         \"JOINTS_0\":{joints},\"WEIGHTS_0\":{weights},\"_CUSTOM\":{custom},\"_MATRIX\":{matrix},\"_SPARSE\":{sparse}}},\
+         \"indices\":{i}"
     );
     let primitive = format!(
-        "{{\"attributes\":{{{all}}},\"indices\":{i},\"targets\":[{{\"POSITION\":{moves}}},{{\"NORMAL\":{moves},\"POSITION\":{moves}}}]}}"
+        "{{{all},\"targets\":[{{\"POSITION\":{moves}}},{{\"NORMAL\":{moves},\"POSITION\":{moves}}}]}}"
     );
-    let other = format!("{{\"attributes\":{{{all}}},\"indices\":{i},\"material\":0}}");
+    let other = format!("{{{all},\"material\":0}}");
     let rest = nodes_of(&[&primitive, &format!("{other},{other}")])
-        + ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":1}}],\"textures\":[{}],\
-           \"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"]";
-    let patched = glb_case(&craft, &rest);
-    assert!(
-        patched.notes.iter().any(|n| n.contains("TEXCOORD_2")),
-        "{:?}",
-        patched.notes
-    );
+        + r#","materials":[{"emissiveTexture":{"index":0,"texCoord":1}}],"textures":[{}],"extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"]"#;
+    let patched = check_all(&craft.glb(&rest), "a.glb", &Memory::new());
+    let notes = &patched.notes;
+    assert!(notes.iter().any(|n| n.contains("TEXCOORD_2")), "{notes:?}");
     let json = json_of(&patched);
-    let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
+    let primitive = &json["meshes"][0]["primitives"][0];
     let copied = |name: &str| {
-        let index = attributes[name].as_u64().unwrap() as usize;
+        let index = primitive["attributes"][name].as_u64().unwrap() as usize;
         assert!(index >= craft.accessors.len(), "{name}");
         &json["accessors"][index]
     };
@@ -244,10 +200,8 @@ fn attributes_of_all_kinds() {
     assert_eq!(copied("NORMAL")["normalized"], true);
     assert_eq!(copied("POSITION")["max"][0], 600);
     assert!(copied("_SPARSE").get("sparse").is_none());
-    assert_eq!(
-        json["meshes"][0]["primitives"][0]["targets"][1]["NORMAL"],
-        json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"]
-    );
+    let targets = &primitive["targets"];
+    assert_eq!(targets[1]["NORMAL"], targets[0]["POSITION"]);
 }
 
 #[test]
@@ -261,92 +215,57 @@ fn indices_grow_when_they_must() {
         (10_923, 2, 5125),
     ] {
         let mut craft = Craft::default();
-        let (p, i) = (craft.positions(quads), craft.triangles(quads, size));
-        let rest = nodes_of(&[&format!(
-            "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
-        )]);
-        let file = craft.glb(&rest);
-        let case = Case {
-            bytes: &file,
-            name: "a.glb",
-            files: &Memory::new(),
-        };
-        let patched = check(&case, Charts::Faces, |_| {}).unwrap();
-        let json = json_of(&patched);
-        let index = json["meshes"][0]["primitives"][0]["indices"]
-            .as_u64()
-            .unwrap() as usize;
-        assert_eq!(
-            json["accessors"][index]["componentType"], expected,
-            "{quads} × {size}"
-        );
+        craft.positions(quads);
+        craft.triangles(quads, size);
+        let rest = nodes_of(&[&format!("{{{SQUARES}}}")]);
+        let json = json_with(&craft.glb(&rest), Charts::Faces);
+        let index = json["meshes"][0]["primitives"][0]["indices"].as_u64();
+        let accessor = &json["accessors"][index.unwrap() as usize];
+        assert_eq!(accessor["componentType"], expected, "{quads} × {size}");
     }
 }
 
 #[test]
 fn strips_and_fans() {
     let mut craft = Craft::default();
-    let p = craft.positions(3);
-    let corners = craft.accessor(&[0, 1, 2, 3, 4, 4, 5, 200], 5121, 8, "SCALAR", "");
-    let strip = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{corners},\"mode\":5}}");
-    let plain = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\":5}}");
-    let fan = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\" : 6.0}}");
-    let points = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\":0}}");
-    let alone = format!("{{\"attributes\":{{\"POSITION\":{p}}}}}");
-    let rest = nodes_of(&[
-        &strip,
-        &plain,
-        &[&fan[..], &points, &alone].join(",").replace("6.0", "6"),
-        &alone,
-    ]);
-    let file = craft.glb(&rest);
-    let case = Case {
-        bytes: &file,
-        name: "a.glb",
-        files: &Memory::new(),
-    };
-    let patched = check(&case, Charts::One, |_| {}).unwrap();
-    let json = json_of(&patched);
+    craft.positions(3);
+    craft.accessor(&[0, 1, 2, 3, 4, 4, 5, 200], 5121, 8, "SCALAR", "");
+    let primitive = |more: &str| format!("{{\"attributes\":{{\"POSITION\":0}}{more}}}");
+    let fan_and_points = [r#","mode" : 6"#, r#","mode":0"#, ""]
+        .map(primitive)
+        .join(",");
+    let file = craft.glb(&nodes_of(&[
+        &primitive(r#","indices":1,"mode":5"#),
+        &primitive(r#","mode":5"#),
+        &fan_and_points,
+        &primitive(""),
+    ]));
+    let json = json_with(&file, Charts::One);
     assert_eq!(json["meshes"][0]["primitives"][0]["mode"], 5);
     assert!(json["meshes"][3]["primitives"][0].get("indices").is_none());
-    let patched = check(&case, Charts::Faces, |_| {}).unwrap();
-    assert_eq!(json_of(&patched)["meshes"][0]["primitives"][0]["mode"], 4);
+    let json = json_with(&file, Charts::Faces);
+    assert_eq!(json["meshes"][0]["primitives"][0]["mode"], 4);
     check_all(&file, "a.glb", &Memory::new());
 }
 
 #[test]
 fn instances_get_entries_of_their_own() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let primitive =
-        format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0}}");
-    let rest = format!(
-        "\"meshes\":[{{\"primitives\":[{primitive}],\"name\":\"m\"}},{{\"primitives\":[{primitive}]}}],\
-         \"materials\":[{{}}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":0,\"scale\":[-1,1,1]}},\
-         {{\"mesh\":0,\"rotation\":[0,0,0,1]}},{{\"children\":[4]}},{{\"mesh\":1,\"scale\":[1,-2,1]}},\
-         {{\"children\":[4]}}]"
+    let file = squares(
+        r#""meshes":[{"primitives":[{@,"material":0}],"name":"m"},{"primitives":[{@,"material":0}]}],"materials":[{}],
+        "nodes":[{"mesh":0},{"mesh":0,"scale":[-1,1,1]},{"mesh":0,"rotation":[0,0,0,1]},{"children":[4]},
+        {"mesh":1,"scale":[1,-2,1]},{"children":[4]}]"#,
     );
-    let file = craft.glb(&rest);
-    let case = Case {
-        bytes: &file,
-        name: "a.glb",
-        files: &Memory::new(),
-    };
-    let patched = check(&case, Charts::One, |_| {}).unwrap();
-    let json = json_of(&patched);
+    let json = json_with(&file, Charts::One);
     let mesh = |node: usize| json["nodes"][node]["mesh"].as_u64().unwrap();
-    assert_eq!((0..3).map(mesh).collect::<Vec<_>>(), [0, 2, 3]);
+    assert_eq!([0, 1, 2].map(mesh), [0, 2, 3]);
     assert_eq!(json["meshes"][3]["name"], "m");
     let positions = |mesh: usize| &json["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"];
     assert_eq!(positions(2), positions(0));
     // The seams of all are the same, so copies share what they must copy.
-    let patched = check(&case, Charts::Random(5), |_| {}).unwrap();
-    let json = json_of(&patched);
+    let json = json_with(&file, Charts::Random(5));
     let primitive = |mesh: usize| &json["meshes"][mesh]["primitives"][0];
-    assert_eq!(
-        primitive(3)["attributes"]["POSITION"],
-        primitive(0)["attributes"]["POSITION"]
-    );
+    let positions = |mesh: usize| &primitive(mesh)["attributes"]["POSITION"];
+    assert_eq!(positions(3), positions(0));
     assert_eq!(primitive(3)["indices"], primitive(0)["indices"]);
     check_all(&file, "a.glb", &Memory::new());
 }
@@ -362,18 +281,16 @@ fn compressed_primitives_are_no_longer() {
         };
         for charts in [Charts::One, Charts::Random(2), Charts::Faces] {
             let patched = check(&case, charts, |_| {}).unwrap();
+            assert!(patched.notes.iter().any(|n| n.contains("Draco")));
             let json = json_of(&patched);
             let primitive = &json["meshes"][0]["primitives"][0];
             assert!(primitive.get("extensions").is_none());
             assert_eq!(json["extensionsUsed"][0], "KHR_materials_specular");
             assert!(json.get("extensionsRequired").is_none());
-            let positions = primitive["attributes"]["POSITION"].as_u64().unwrap() as usize;
             // The bounds are those of what was decompressed, not those that the file declares.
-            assert_ne!(
-                json["accessors"][positions]["min"],
-                json["accessors"][0]["min"]
-            );
-            assert!(patched.notes.iter().any(|n| n.contains("Draco")));
+            let positions = primitive["attributes"]["POSITION"].as_u64().unwrap() as usize;
+            let accessors = &json["accessors"];
+            assert_ne!(accessors[positions]["min"], accessors[0]["min"]);
         }
     }
 }

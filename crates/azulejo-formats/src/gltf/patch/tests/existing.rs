@@ -1,6 +1,6 @@
 //! Lightmaps that files have, and coordinates that stay.
 
-use super::craft::{Craft, json_of};
+use super::craft::{json_of, two_squares};
 use super::kept::check_same;
 use super::{pages, usual};
 use crate::gltf::patch::{
@@ -9,36 +9,22 @@ use crate::gltf::patch::{
 use crate::gltf::read_with_origins;
 use crate::{Memory, ReadOptions};
 
-/// Coordinates of the six vertices of two squares.
-const UVS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.5, 1.0, 1.0, 0.0, 1.0, 1.0];
-
 /// Two meshes of two squares; the second has no coordinates if `is_whole` is false.
 fn file(is_whole: bool) -> Vec<u8> {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let uv = craft.floats(&UVS, "VEC2");
-    let mesh = |has_uv: bool| {
-        let uvs = if has_uv {
-            format!(",\"TEXCOORD_0\":{uv},\"TEXCOORD_1\":{uv}")
-        } else {
-            String::new()
-        };
-        format!(
-            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}{uvs}}},\"indices\":{i},\"material\":0}}]}}"
-        )
-    };
+    let mut craft = two_squares();
+    let uvs = [0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.5, 1.0, 1.0, 0.0, 1.0, 1.0];
+    craft.floats(&uvs, "VEC2");
+    let first = r#"{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":2,"TEXCOORD_1":2},"indices":1,"material":0}]}"#;
+    let bare = first.replace(r#","TEXCOORD_0":2,"TEXCOORD_1":2"#, "");
+    let second = if is_whole { first } else { &bare };
     craft.glb(&format!(
-        "\"meshes\":[{},{}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1,\"scale\":[-1,1,1]}}],\"materials\":[{{}}]",
-        mesh(true),
-        mesh(is_whole)
+        r#""meshes":[{first},{second}],"nodes":[{{"mesh":0}},{{"mesh":1,"scale":[-1,1,1]}}],"materials":[{{}}]"#
     ))
 }
 
 #[test]
 fn coordinates_stay_and_are_found_again() {
-    let bytes = file(true);
-    let options = ReadOptions::default();
-    let files = Memory::new();
+    let (bytes, options, files) = (file(true), ReadOptions::default(), Memory::new());
     let original = GltfFile {
         bytes: &bytes,
         name: "a.glb",
@@ -49,8 +35,7 @@ fn coordinates_stay_and_are_found_again() {
     let found = coordinates(&original, &origins, 1).unwrap();
     assert!(!found.is_named && !found.is_own && found.pages[0].picture == Ok(None));
     let first: &ObjectLayout = found.objects[0].as_ref().unwrap();
-    assert_eq!(first.uvs.len(), 4);
-    assert_eq!(first.uvs[0][0], [0.0, 0.0]);
+    assert_eq!((first.uvs.len(), first.uvs[0][0]), (4, [0.0, 0.0]));
     // The mirrored node has the corners of each face in the other order.
     let second = found.objects[1].as_ref().unwrap();
     let [a, b, c] = first.uvs[1];
@@ -61,11 +46,8 @@ fn coordinates_stay_and_are_found_again() {
     edit.uvs = LightmapUvs::Existing(1);
     let patched = with_lightmap(&original, &origins, &edit).unwrap();
     let json = json_of(&patched);
-    assert_eq!(
-        json["accessors"].as_array().unwrap().len(),
-        3,
-        "no vertices are added"
-    );
+    let accessors = json["accessors"].as_array().unwrap().len();
+    assert_eq!(accessors, 3, "no vertices are added");
     let lightmap = &json["materials"][0]["extensions"]["MOZ_lightmap"];
     assert_eq!(lightmap["texCoord"], 1);
     check_same(
@@ -82,18 +64,14 @@ fn coordinates_stay_and_are_found_again() {
     assert!(again.is_named && again.is_own && again.is_one_set);
     assert_eq!((again.set, &again.objects), (1, &found.objects));
     assert_eq!(again.pages.len(), 1);
-    assert_eq!(
-        again.pages[0].picture,
-        Ok(Some(pictures[0].picture.clone()))
-    );
+    let picture = Ok(Some(pictures[0].picture.clone()));
+    assert_eq!(again.pages[0].picture, picture);
     assert_eq!(again.pages[0].intensity, pictures[0].intensity);
 }
 
 #[test]
 fn what_has_no_coordinates_is_refused() {
-    let bytes = file(false);
-    let options = ReadOptions::default();
-    let files = Memory::new();
+    let (bytes, options, files) = (file(false), ReadOptions::default(), Memory::new());
     let original = GltfFile {
         bytes: &bytes,
         name: "a.glb",

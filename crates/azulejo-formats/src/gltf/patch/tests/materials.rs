@@ -1,10 +1,10 @@
 //! Materials, lights, conventions and instances of edited files.
 
 use super::super::super::container::tests::glb_of;
+use super::super::convert::Overlay;
 use super::super::glb::Parts;
-use super::super::json::{Json, MOST_LEVELS};
-use super::craft::{Craft, json_of};
-use super::kept::check_same;
+use super::craft::{SQUARES, json_of, squares, two_squares};
+use super::kept::{self, check_same};
 use super::{Case, Charts, check, layouts, pages, usual};
 use crate::gltf::patch::{
     Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode,
@@ -14,62 +14,18 @@ use crate::gltf::read_with_origins;
 use crate::{Memory, ReadOptions};
 use serde_json::{Value, json};
 
-/// A file of some primitives with these materials, each a mesh, and what follows; the nodes of the meshes
-/// come in the order of `nodes`.
+/// A file of primitives with these materials, each a mesh, and what follows; the nodes of the meshes come in the
+/// order of `nodes`.
 fn file(materials: &[Option<usize>], nodes: &[usize], list: &str, more: &str) -> Vec<u8> {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let meshes: Vec<String> = materials
-        .iter()
-        .map(|material| {
-            let material = material.map_or(String::new(), |m| format!(",\"material\":{m}"));
-            format!("{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}{material}}}]}}")
-        })
-        .collect();
-    let nodes: Vec<String> = nodes.iter().map(|m| format!("{{\"mesh\":{m}}}")).collect();
-    craft.glb(&format!(
-        "\"meshes\":[{}],\"nodes\":[{}],\"materials\":[{list}]{more}",
-        meshes.join(","),
-        nodes.join(",")
-    ))
-}
-
-/// Lightmaps of other programs go where they would show beside the new one, and come back with what undoes the
-/// edit ([`check`] and [`edit`] compare the bytes).
-#[test]
-fn lightmaps_of_others_are_replaced() {
-    let old = "{\"name\":\"a\",\"extensions\":{\"MOZ_lightmap\":{ \"index\" : 0, \"intensity\": 3.50 } }}";
-    let more = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}]";
-    let bytes = file(&[Some(0), Some(0)], &[0, 1], old, more);
-    let text = String::from_utf8_lossy(&bytes).into_owned();
-    assert!(text.contains("\"intensity\": 3.50"));
-    let lightmap = |patched: &PatchedFile, material: usize| {
-        json_of(patched)["materials"][material]["extensions"]["MOZ_lightmap"].clone()
+    let mesh = |material: &Option<usize>| match material {
+        Some(m) => format!("{{\"primitives\":[{{@,\"material\":{m}}}]}}"),
+        None => "{\"primitives\":[{@}]}".to_owned(),
     };
-    let replaced = edit(&bytes, &[Some(0), Some(0)], |_| {}).unwrap();
-    assert_eq!(lightmap(&replaced, 0)["intensity"], 12.5);
-    assert_eq!(lightmap(&replaced, 0)["texCoord"], 1);
-    // What receives nothing keeps its own.
-    let kept = edit(&bytes, &[Some(0), None], |_| {}).unwrap();
-    assert_eq!(lightmap(&kept, 0)["intensity"], 3.5);
-    assert_eq!(lightmap(&kept, 1)["intensity"], 12.5);
-    let to_mx = |edit: &mut LightmapEdit| edit.convention = Convention::Mx;
-    let of_nodes = edit(&bytes, &[Some(0), Some(0)], to_mx).unwrap();
-    assert!(lightmap(&of_nodes, 0).is_null());
-    assert!(of_nodes.notes.iter().any(|n| n.contains("loses it")));
-    // The other way round.
-    let again = edit(&of_nodes_of_others(), &[Some(0)], |_| {}).unwrap();
-    assert!(json_of(&again)["nodes"][0]["extensions"]["MX_lightmap"].is_null());
-}
-
-/// A node with the lightmap of another program.
-fn of_nodes_of_others() -> Vec<u8> {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    craft.glb(&format!(
-        "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}]}}],\
-         \"nodes\":[{{\"mesh\":0,\"extensions\":{{\"MX_lightmap\":{{\"index\":0}}}}}}],\
-         \"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"a.png\"}}]"
+    let meshes: Vec<String> = materials.iter().map(mesh).collect();
+    let nodes: Vec<String> = nodes.iter().map(|m| format!("{{\"mesh\":{m}}}")).collect();
+    let (meshes, nodes) = (meshes.join(","), nodes.join(","));
+    squares(&format!(
+        "\"meshes\":[{meshes}],\"nodes\":[{nodes}],\"materials\":[{list}]{more}"
     ))
 }
 
@@ -99,12 +55,15 @@ fn edit(
         options: &options,
     };
     let patched = with_lightmap(&file, &origins, &edit)?;
-    if edit.output.container == Container::Same {
-        let stripped = strip(&patched.bytes, "a.glb").unwrap();
-        assert!(stripped.is_exact);
-        check_same("a.glb", bytes, &stripped.bytes);
-    }
+    let stripped = strip(&patched.bytes, "a.glb").unwrap();
+    assert!(stripped.is_exact);
+    check_same("a.glb", bytes, &stripped.bytes);
     Ok(patched)
+}
+
+/// The JSON of a file that is edited in this way.
+fn edited(bytes: &[u8], on: &[Option<u32>], change: impl Fn(&mut LightmapEdit)) -> Value {
+    json_of(&edit(bytes, on, change).unwrap())
 }
 
 fn material_of(json: &Value, mesh: usize) -> u64 {
@@ -116,35 +75,57 @@ fn lightmap(json: &Value, material: u64) -> &Value {
     &json["materials"][material as usize]["extensions"]["MOZ_lightmap"]
 }
 
+const PICTURE: &str = r#","textures":[{"source":0}],"images":[{"uri":"a.png"}]"#;
+
+/// Lightmaps of other programs go where they would show beside the new one, and come back ([`edit`] strips).
+#[test]
+fn lightmaps_of_others_are_replaced() {
+    let old = r#"{"name":"a","extensions":{"MOZ_lightmap":{ "index" : 0, "intensity": 3.50 } }}"#;
+    let bytes = file(&[Some(0), Some(0)], &[0, 1], old, PICTURE);
+    let both = [Some(0), Some(0)];
+    let replaced = edited(&bytes, &both, |_| {});
+    let expected = json!({ "index": 1, "texCoord": 1, "intensity": 12.5 });
+    assert_eq!(lightmap(&replaced, 0), &expected);
+    // What receives nothing keeps its own.
+    let kept = edited(&bytes, &[Some(0), None], |_| {});
+    let intensities = [0, 1].map(|m| &lightmap(&kept, m)["intensity"]);
+    assert_eq!(intensities, [&json!(3.5), &json!(12.5)]);
+    let to_mx = |edit: &mut LightmapEdit| edit.convention = Convention::Mx;
+    let of_nodes = edit(&bytes, &both, to_mx).unwrap();
+    assert!(lightmap(&json_of(&of_nodes), 0).is_null());
+    assert!(of_nodes.notes.iter().any(|n| n.contains("loses it")));
+    // The other way round.
+    let of_nodes = r#""meshes":[{"primitives":[{@}]}],"nodes":[{"mesh":0,"extensions":{"MX_lightmap":{"index":0}}}]"#;
+    let again = edited(
+        &squares(&(of_nodes.to_owned() + PICTURE)),
+        &[Some(0)],
+        |_| {},
+    );
+    assert!(again["nodes"][0]["extensions"]["MX_lightmap"].is_null());
+}
+
 #[test]
 fn materials_stay_shared_where_their_users_agree() {
-    let two = "{\"name\":\"a\"},{\"name\":\"b\",\"extensions\":{\"KHR_materials_unlit\":{}}}";
+    let two = r#"{"name":"a"},{"name":"b","extensions":{"KHR_materials_unlit":{}}}"#;
     let bytes = file(&[Some(0), Some(0), Some(1), None], &[0, 1, 2, 3], two, "");
-    let json = json_of(&edit(&bytes, &[Some(0); 4], |_| {}).unwrap());
-    let materials: Vec<u64> = (0..4).map(|m| material_of(&json, m)).collect();
-    assert_eq!(materials, [0, 0, 1, 2]);
+    let json = edited(&bytes, &[Some(0); 4], |_| {});
+    assert_eq!([0, 1, 2, 3].map(|m| material_of(&json, m)), [0, 0, 1, 2]);
     let same = json!({ "index": 0, "texCoord": 1, "intensity": 12.5 });
     assert_eq!(lightmap(&json, 0), &same);
     let unlit = lightmap(&json, 1)["intensity"].as_f64().unwrap();
     assert!((unlit - 12.5 / std::f64::consts::PI).abs() < 1e-12);
-    assert_eq!(
-        json["extensionsUsed"],
-        json!(["KHR_materials_specular", "MOZ_lightmap"])
-    );
-    assert_eq!(
-        json["samplers"],
-        json!([{ "magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071 }])
-    );
+    let used = json!(["KHR_materials_specular", "MOZ_lightmap"]);
+    assert_eq!(json["extensionsUsed"], used);
+    let clamped = json!([{ "magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071 }]);
+    assert_eq!(json["samplers"], clamped);
     // Two pages: the first in place, a copy for the other.
-    let json = json_of(&edit(&bytes, &[Some(0), Some(1), Some(1), Some(1)], |_| {}).unwrap());
+    let json = edited(&bytes, &[Some(0), Some(1), Some(1), Some(1)], |_| {});
     assert_eq!([0, 1, 2].map(|m| material_of(&json, m)), [0, 3, 1]);
     assert_eq!(json["materials"][3]["name"], "a");
-    assert_eq!(
-        (&lightmap(&json, 0)["index"], &lightmap(&json, 3)["index"]),
-        (&json!(0), &json!(1))
-    );
+    let textures = [0, 3].map(|m| lightmap(&json, m)["index"].as_u64());
+    assert_eq!(textures, [Some(0), Some(1)]);
     // One user without light: the material stays as it is.
-    let json = json_of(&edit(&bytes, &[None, Some(0), None, Some(0)], |_| {}).unwrap());
+    let json = edited(&bytes, &[None, Some(0), None, Some(0)], |_| {});
     assert_eq!(lightmap(&json, 0), &Value::Null);
     assert_eq!([0, 1, 2].map(|m| material_of(&json, m)), [0, 3, 1]);
     assert_eq!(lightmap(&json, 3), &same);
@@ -152,13 +133,10 @@ fn materials_stay_shared_where_their_users_agree() {
 
 #[test]
 fn occlusion_goes_to_materials_that_have_none() {
-    let two = "{\"name\":\"a\"},{\"occlusionTexture\":{\"index\":0}}";
-    let picture = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}]";
-    let bytes = file(&[Some(0), Some(1)], &[0, 1], two, picture);
-    let patched = edit(&bytes, &[Some(0); 2], |e| {
-        e.convention = Convention::Occlusion;
-    })
-    .unwrap();
+    let two = r#"{"name":"a"},{"occlusionTexture":{"index":0}}"#;
+    let bytes = file(&[Some(0), Some(1)], &[0, 1], two, PICTURE);
+    let to_occlusion = |e: &mut LightmapEdit| e.convention = Convention::Occlusion;
+    let patched = edit(&bytes, &[Some(0); 2], to_occlusion).unwrap();
     let json = json_of(&patched);
     let found = [0, 1].map(|m| &json["materials"][m]["occlusionTexture"]);
     assert_eq!(found[0], &json!({ "index": 1, "texCoord": 1 }));
@@ -170,89 +148,73 @@ fn occlusion_goes_to_materials_that_have_none() {
 #[test]
 fn meshes_of_nodes_without_light_stay() {
     let bytes = file(&[Some(0)], &[0, 0, 0], "{}", "");
-    let json = json_of(&edit(&bytes, &[None, Some(0), Some(0)], |_| {}).unwrap());
+    let json = edited(&bytes, &[None, Some(0), Some(0)], |_| {});
     let mesh = |node: usize| json["nodes"][node]["mesh"].as_u64().unwrap();
     assert_eq!([0, 1, 2].map(mesh), [0, 1, 2]);
-    assert_eq!(
-        json["meshes"][0]["primitives"][0]["attributes"]
-            .as_object()
-            .unwrap()
-            .len(),
-        1
-    );
+    let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
+    assert_eq!(attributes, &json!({ "POSITION": 0 }));
     assert_eq!(material_of(&json, 1), material_of(&json, 2));
     assert_eq!(lightmap(&json, 0), &Value::Null);
 }
 
 #[test]
 fn variants_get_it_too() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let primitive = |more: &str| {
-        format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0{more}}}")
-    };
-    let variants = ",\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0]},\
-                    {\"material\":2,\"variants\":[1]}]}}";
-    let bytes = craft.glb(&format!(
-        "\"meshes\":[{{\"primitives\":[{}]}},{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1}}],\
-         \"materials\":[{{}},{{}},{{}}],\"extensionsUsed\":[\"KHR_materials_variants\"]",
-        primitive(variants),
-        primitive("").replace(":0}", ":1}")
-    ));
-    let json = json_of(&edit(&bytes, &[Some(0), None], |_| {}).unwrap());
+    let bytes = squares(
+        r#""meshes":[{"primitives":[{@,"material":0,"extensions":{"KHR_materials_variants":{"mappings":[{"material":1,"variants":[0]},{"material":2,"variants":[1]}]}}}]},
+        {"primitives":[{@,"material":1}]}],"nodes":[{"mesh":0},{"mesh":1}],"materials":[{},{},{}],"extensionsUsed":["KHR_materials_variants"]"#,
+    );
+    let json = edited(&bytes, &[Some(0), None], |_| {});
     let primitive = &json["meshes"][0]["primitives"][0];
     let mappings = &primitive["extensions"]["KHR_materials_variants"]["mappings"];
     assert_eq!(primitive["material"], 0);
-    assert_eq!(
-        (&mappings[0]["material"], &mappings[1]["material"]),
-        (&json!(3), &json!(2))
-    );
-    assert_eq!(mappings[0]["variants"], json!([0]));
+    let expected = json!([{ "material": 3, "variants": [0] }, { "material": 2, "variants": [1] }]);
+    assert_eq!(mappings, &expected);
     assert!([0, 2, 3].iter().all(|m| lightmap(&json, *m).is_object()));
 }
 
+const LIGHTS: &str = r#","extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":1e2},{"type":"point"},{"type":"point","intensity":0.0}]}},"extensionsUsed":["KHR_lights_punctual"]"#;
+
 #[test]
 fn lights_do_not_shine_twice() {
-    let lights = ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e2},\
-                  {\"type\":\"point\"},{\"type\":\"point\",\"intensity\":0.0}]}},\
-                  \"extensionsUsed\":[\"KHR_lights_punctual\"]";
-    let bytes = file(&[Some(0)], &[0], "{}", lights);
-    let dimmed = |file: &PatchedFile| {
-        let json = json_of(file);
+    let bytes = file(&[Some(0)], &[0], "{}", LIGHTS);
+    let intensities = |json: &Value| {
         let list = &json["extensions"]["KHR_lights_punctual"]["lights"];
         [0, 1, 2].map(|i| list[i]["intensity"].as_f64())
     };
-    let patched = edit(&bytes, &[Some(0)], |_| {}).unwrap();
-    assert_eq!(dimmed(&patched), [Some(0.0); 3]);
-    let baked = &json_of(&patched)["asset"]["extras"]["azulejo"]["lightmap"]["baked"];
+    let dimmed = edited(&bytes, &[Some(0)], |_| {});
+    assert_eq!(intensities(&dimmed), [Some(0.0); 3]);
+    let baked = &dimmed["asset"]["extras"]["azulejo"]["lightmap"]["baked"];
     assert_eq!(baked, &json!([[0, 100.0], [1, null]]));
-    let kept = edit(&bytes, &[Some(0)], |e| e.lights = LightsMode::Keep).unwrap();
-    assert_eq!(dimmed(&kept), [Some(100.0), None, Some(0.0)]);
-    let plain = edit(&bytes, &[Some(0)], |e| e.convention = Convention::Plain).unwrap();
-    assert_eq!(dimmed(&plain), [Some(100.0), None, Some(0.0)]);
-    assert!(json_of(&plain).get("textures").is_none());
+    let kept = edited(&bytes, &[Some(0)], |e| e.lights = LightsMode::Keep);
+    assert_eq!(intensities(&kept), [Some(100.0), None, Some(0.0)]);
+    let plain = edited(&bytes, &[Some(0)], |e| e.convention = Convention::Plain);
+    assert_eq!(intensities(&plain), [Some(100.0), None, Some(0.0)]);
+    assert!(plain.get("textures").is_none());
 }
 
 #[test]
 fn another_program_in_between() {
-    let lights = ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e2},\
-                  {\"type\":\"point\"}]}},\"extensionsUsed\":[\"KHR_lights_punctual\"]";
-    let bytes = file(&[Some(0), None], &[0, 1], "{\"name\":\"a\"}", lights);
+    let bytes = file(&[Some(0), None], &[0, 1], "{\"name\":\"a\"}", LIGHTS);
     let patched = edit(&bytes, &[Some(0); 2], |_| {}).unwrap();
     // Blanks are no change, another order is.
-    let pretty = Json::parse(Parts::of(&patched.bytes, "a").unwrap().text, MOST_LEVELS).unwrap();
-    let bin = Parts::of(&patched.bytes, "a").unwrap().bin().unwrap();
-    let pretty = glb_of(&[(b"JSON", pretty.in_lines().as_bytes()), (b"BIN\0", bin)]);
-    assert!(strip(&pretty, "a.glb").unwrap().is_exact);
-    let text = serde_json::to_string(&json_of(&patched)).unwrap();
+    let parts = Parts::of(&patched.bytes, "a").unwrap();
+    let text = parts.text.replace(",\"", " ,\n\"");
+    let bin: (&[u8; 4], &[u8]) = (b"BIN\0", parts.bin().unwrap());
+    let spaced = glb_of(&[(b"JSON", text.as_bytes()), bin]);
+    let stripped = strip(&spaced, "a.glb").unwrap();
+    check_same("a.glb", &bytes, &stripped.bytes);
+    assert!(stripped.is_exact);
+    let cut = glb_of(&[(b"JSON", text.as_bytes()), (b"BIN\0", b"")]);
+    assert!(!strip(&cut, "a.glb").unwrap().is_exact);
+    let text = json_of(&patched).to_string();
     let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
     assert!(!stripped.is_exact && stripped.notes[0].contains("another program"));
     let json: Value = serde_json::from_slice(&stripped.bytes).unwrap();
     assert_eq!(json["asset"], json!({ "version": "2.0" }));
     assert_eq!(json["materials"][0], json!({ "name": "a" }));
     let list = &json["extensions"]["KHR_lights_punctual"]["lights"];
-    assert_eq!(list[0]["intensity"], 100.0);
-    assert!(list[1].get("intensity").is_none());
+    let expected = json!([{ "type": "point", "intensity": 100.0 }, { "type": "point" }]);
+    assert_eq!((&list[0], &list[1]), (&expected[0], &expected[1]));
     let used = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
     assert_eq!(json["extensionsUsed"], used);
     assert!(strip(&stripped.bytes, "a.gltf").is_err());
@@ -261,102 +223,71 @@ fn another_program_in_between() {
 /// Marks that say nothing sensible, and those of earlier versions.
 #[test]
 fn marks_of_others() {
-    let lights = "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"intensity\":0},{\"intensity\":0}]}}";
     let check = |mark: &str, intensities: &str, note: &str| {
-        let text = format!(
-            "{{\"asset\":{{\"version\":\"2.0\",\"extras\":{{\"azulejo\":{{\"lightmap\":{mark}}}}}}},{lights}}}"
-        );
-        let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
+        let text = r#"{"asset":{"version":"2.0","extras":{"azulejo":{"lightmap":MARK}}},"extensions":{"KHR_lights_punctual":{"lights":[{"intensity":0},{"intensity":0}]}}}"#;
+        let stripped = strip(text.replace("MARK", mark).as_bytes(), "a.gltf").unwrap();
         assert!(stripped.notes[0].contains(note), "{:?}", stripped.notes);
         let json: Value = serde_json::from_slice(&stripped.bytes).unwrap();
         assert_eq!(json["asset"], json!({ "version": "2.0" }));
         let lights = &json["extensions"]["KHR_lights_punctual"]["lights"];
         assert_eq!(lights.to_string(), intensities);
     };
-    let dark = "[{\"intensity\":0},{\"intensity\":0}]";
-    check("{}", dark, "another program");
-    check("7", dark, "another program");
-    check(
-        "{\"before\":{\"asset\":[]},\"hash\":\"\"}",
-        dark,
-        "another program",
-    );
-    check(
-        "{\"baked\":[[9,1],[1,\"x\"],7]}",
-        "[{\"intensity\":0},{}]",
-        "another program",
-    );
-    let old = "{\"undo\":[1,2,\"\"],\"hash\":\"0\",\"baked\":[[0,\"1e2\"],[1,null]]}";
+    let (dark, other) = (r#"[{"intensity":0},{"intensity":0}]"#, "another program");
+    check("{}", dark, other);
+    check("7", dark, other);
+    check(r#"{"before":{"asset":[]},"hash":""}"#, dark, other);
+    let odd = r#"{"baked":[[9,1],[1,"x"],7]}"#;
+    check(odd, r#"[{"intensity":0},{}]"#, other);
+    let old = r#"{"undo":[1,2,""],"hash":"0","baked":[[0,"1e2"],[1,null]]}"#;
     check(
         old,
-        "[{\"intensity\":100.0},{}]",
+        r#"[{"intensity":100.0},{}]"#,
         "an earlier version of azulejo",
     );
 }
 
 #[test]
 fn surfaces_that_seem_lit() {
-    let list = "{\"name\":\"a\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,0.25],\
-                \"metallicFactor\":0}},{\"emissiveFactor\":[0,1,0]},\
-                {\"pbrMetallicRoughness\":{\"roughnessFactor\":0.5}},\
-                {\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":\
-                {\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}";
-    let bytes = file(&[0, 1, 2, 3].map(Some), &[0, 1, 2, 3], list, "");
+    let list = r#"{"name":"a","pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,0.25],"metallicFactor":0,"baseColorTexture":{"index":0}}},
+        {"emissiveFactor":[0,1,0]},{"pbrMetallicRoughness":{"roughnessFactor":0.5}},
+        {"pbrMetallicRoughness":{"metallicFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}}"#;
+    let bytes = file(&[0, 1, 2, 3].map(Some), &[0, 1, 2, 3], list, PICTURE);
     let before: Value = serde_json::from_str(&format!("[{list}]")).unwrap();
-    let json = json_of(
-        &edit(&bytes, &[Some(0); 4], |e| {
-            e.convention = Convention::Emissive
-        })
-        .unwrap(),
-    );
+    let as_if = |convention| edited(&bytes, &[Some(0); 4], |e| e.convention = convention);
+    let json = as_if(Convention::Emissive);
     let material = &json["materials"][0];
-    assert_eq!(
-        material["pbrMetallicRoughness"]["baseColorFactor"],
-        json!([0, 0, 0, 0.25])
-    );
-    assert_eq!(
-        material["emissiveTexture"],
-        json!({ "index": 0, "texCoord": 1 })
-    );
+    let surface = &material["pbrMetallicRoughness"];
+    assert_eq!(surface["baseColorFactor"], json!([0, 0, 0, 0.25]));
+    assert!(surface.get("baseColorTexture").is_none());
+    let texture = json!({ "index": 1, "texCoord": 1 });
+    assert_eq!(material["emissiveTexture"], texture);
     let strength = &material["extensions"]["KHR_materials_emissive_strength"];
     assert_eq!(strength["emissiveStrength"], 12.5);
     for other in 1..4 {
         assert_eq!(json["materials"][other], before[other], "{other}");
     }
-    let json = json_of(&edit(&bytes, &[Some(0); 4], |e| e.convention = Convention::Unlit).unwrap());
+    let json = as_if(Convention::Unlit);
     let material = &json["materials"][0];
-    assert_eq!(
-        material["pbrMetallicRoughness"]["baseColorFactor"],
-        json!([1.0, 1.0, 1.0, 0.25])
-    );
+    let colour = &material["pbrMetallicRoughness"]["baseColorFactor"];
+    assert_eq!(colour, &json!([1.0, 1.0, 1.0, 0.25]));
     assert!(material["extensions"]["KHR_materials_unlit"].is_object());
 }
 
 /// Colours of vertices are in the picture of unlit surfaces; what stays as it is keeps them.
 #[test]
 fn colours_of_unlit_surfaces() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let colours = craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
-    let mesh = |material: usize| {
-        format!(
-            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p},\"COLOR_0\":{colours}}},\
-             \"indices\":{i},\"material\":{material}}}]}}"
-        )
-    };
-    let bytes = craft.glb(&format!(
-        "\"meshes\":[{},{}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1}}],\
-         \"materials\":[{{\"pbrMetallicRoughness\":{{\"metallicFactor\":0}}}},{{\"name\":\"metal\"}}]",
-        mesh(0),
-        mesh(1)
-    ));
+    let mut craft = two_squares();
+    craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
+    let bytes = craft.glb(
+        r#""meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"material":0}]},
+        {"primitives":[{"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"material":1}]}],"nodes":[{"mesh":0},{"mesh":1}],
+        "materials":[{"pbrMetallicRoughness":{"metallicFactor":0}},{"name":"metal"}]"#,
+    );
     let unlit = edit(&bytes, &[Some(0); 2], |e| e.convention = Convention::Unlit).unwrap();
     let json = json_of(&unlit);
-    let has_colours = |mesh: usize| {
-        let attributes = &json["meshes"][mesh]["primitives"][0]["attributes"];
-        attributes["COLOR_0"].is_u64()
-    };
-    assert_eq!([has_colours(0), has_colours(1)], [false, true]);
+    let attributes = |mesh: usize| &json["meshes"][mesh]["primitives"][0]["attributes"];
+    let has_colours = [0, 1].map(|mesh| attributes(mesh)["COLOR_0"].is_u64());
+    assert_eq!(has_colours, [false, true]);
     assert!(unlit.notes.iter().any(|n| n.contains("metal: stays")));
 }
 
@@ -364,31 +295,17 @@ fn colours_of_unlit_surfaces() {
 fn pictures_of_other_types() {
     let bytes = file(&[Some(0)], &[0], "{}", "");
     let mut other = pages(1);
-    other[0].media_type = MediaType::Ktx2;
-    other[0].fallback = Some(b"png".to_vec());
-    let json = json_of(
-        &edit(&bytes, &[Some(0)], |e| {
-            e.pages = Box::leak(other.clone().into())
-        })
-        .unwrap(),
-    );
+    (other[0].media_type, other[0].fallback) = (MediaType::Ktx2, Some(b"png".to_vec()));
+    let with = |pages: &'static [_]| edited(&bytes, &[Some(0)], |e| e.pages = pages);
+    let json = with(other.clone().leak());
     let texture = &json["textures"][0];
     assert_eq!(texture["source"], 1);
     assert_eq!(texture["extensions"]["KHR_texture_basisu"]["source"], 0);
     assert_eq!(json["images"][0]["mimeType"], "image/ktx2");
-    other[0].media_type = MediaType::Hdr;
-    other[0].fallback = None;
-    let json = json_of(
-        &edit(&bytes, &[Some(0)], |e| {
-            e.pages = Box::leak(other.clone().into())
-        })
-        .unwrap(),
-    );
-    assert_eq!(
-        json["textures"][0]["extensions"]["MOZ_texture_rgbe"]["source"],
-        0
-    );
-    assert!(json["textures"][0].get("source").is_none());
+    (other[0].media_type, other[0].fallback) = (MediaType::Hdr, None);
+    let texture = &with(other.leak())["textures"][0];
+    assert_eq!(texture["extensions"]["MOZ_texture_rgbe"]["source"], 0);
+    assert!(texture.get("source").is_none());
 }
 
 #[test]
@@ -464,43 +381,39 @@ fn instances_that_are_moved() {
 
 #[test]
 fn other_containers() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let rest = format!(
-        "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0}}]}}],\
-         \"nodes\":[{{\"mesh\":0}}],\"materials\":[{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":0}}}}}}],\
-         \"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"a%20b.png\"}},{{\"uri\":\"c.png\"}}]"
-    );
-    let glb = craft.glb(&rest);
+    let rest = r#""meshes":[{"primitives":[{@,"material":0}]}],"nodes":[{"mesh":0}],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
+        "textures":[{"source":0}],"images":[{"uri":"a%20b.png"},{"uri":"c.png"}]"#;
+    let (craft, rest) = (two_squares(), rest.replace('@', SQUARES));
     let options = ReadOptions::default();
-    let picture = b"\x89PNG?".to_vec();
     let files = Memory::new()
-        .with("a b.png", picture.clone())
+        .with("a b.png", b"\x89PNG?".to_vec())
         .with("b.bin", craft.bin.clone());
-    let json = craft.json("\"uri\":\"b.bin\",", &rest);
-    for (bytes, container) in [
-        (&glb[..], Container::Json),
-        (json.as_bytes(), Container::Glb),
-    ] {
-        let (loaded, origins) = read_with_origins(bytes, "a", &files, &options).unwrap();
+    let json = craft.json("\"uri\":\"b.bin\",", &rest).into_bytes();
+    for (bytes, container) in [(craft.glb(&rest), Container::Json), (json, Container::Glb)] {
+        let (loaded, origins) = read_with_origins(&bytes, "a", &files, &options).unwrap();
         let objects = layouts(&loaded.scene, &origins, Charts::Faces, 1);
         let pages = pages(1);
         let mut edit = usual(&objects, &pages);
         edit.output.container = container;
         let file = GltfFile {
-            bytes,
+            bytes: &bytes,
             name: "a",
             files: &files,
             options: &options,
         };
         let patched = with_lightmap(&file, &origins, &edit).unwrap();
-        let all = patched
-            .files
-            .iter()
-            .fold(files.clone(), |m, (n, b)| m.with(n, b.clone()));
+        let all = Overlay {
+            old: &files,
+            new: &patched.files,
+        };
         let (again, found) = read_with_origins(&patched.bytes, "a", &all, &options).unwrap();
-        super::kept::check_scene(&loaded.scene, &again.scene);
-        super::kept::check_coordinates("a", &patched.bytes, &all, &found, &objects);
+        kept::check_scene(&loaded.scene, &again.scene);
+        let file = GltfFile {
+            bytes: &patched.bytes,
+            files: &all,
+            ..file
+        };
+        kept::check_coordinates(&file, &found, &objects);
         let names: Vec<&str> = patched.files.iter().map(|(n, _)| n.as_str()).collect();
         let text = json_of(&patched);
         if container == Container::Glb {
@@ -513,7 +426,7 @@ fn other_containers() {
         // What remains is the file in that container.
         let stripped = strip(&patched.bytes, "a").unwrap();
         let (plain, _) = read_with_origins(&stripped.bytes, "a", &all, &options).unwrap();
-        super::kept::check_scene(&loaded.scene, &plain.scene);
+        kept::check_scene(&loaded.scene, &plain.scene);
     }
 }
 
@@ -591,31 +504,31 @@ fn what_does_not_fit_is_refused() {
 
 #[test]
 fn coordinates_of_pictures_are_left_alone() {
-    let list = "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}},\
-                \"normalTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":2}}}}";
+    let list = r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}},"normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"texCoord":2}}}}"#;
     let bytes = file(&[Some(0)], &[0], list, ",\"textures\":[{}]");
+    let (name, files) = ("a.glb", &Memory::new());
     let case = Case {
         bytes: &bytes,
-        name: "a.glb",
-        files: &Memory::new(),
+        name,
+        files,
     };
-    let patched = check(&case, Charts::Faces, |_| {}).unwrap();
-    let json = json_of(&patched);
+    let json = json_of(&check(&case, Charts::Faces, |_| {}).unwrap());
     // Both sets are missing in the file, and numbered names have no gaps.
-    let attributes = json["meshes"][0]["primitives"][0]["attributes"]
+    let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
+    let names: Vec<&str> = attributes
         .as_object()
-        .unwrap();
-    let names: Vec<&str> = attributes.keys().map(String::as_str).collect();
-    assert_eq!(
-        names,
-        [
-            "POSITION",
-            "TEXCOORD_0",
-            "TEXCOORD_1",
-            "TEXCOORD_2",
-            "TEXCOORD_3"
-        ]
-    );
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    let expected = [
+        "POSITION",
+        "TEXCOORD_0",
+        "TEXCOORD_1",
+        "TEXCOORD_2",
+        "TEXCOORD_3",
+    ];
+    assert_eq!(names, expected);
     assert_eq!(lightmap(&json, 0)["texCoord"], 3);
     let bytes = file(&[Some(0)], &[0], "{}", "");
     let case = Case {

@@ -1,8 +1,9 @@
 //! Light of vertices in edited files.
 
+use super::super::convert::Overlay;
 use super::super::strip;
-use super::craft::{Craft, json_of};
-use super::kept::{self, Both};
+use super::craft::{SQUARES, json_of, two_squares};
+use super::kept;
 use super::{Case, Container, GltfFile, Output, PatchedFile, corpus, mixed, with_vertex_light};
 use crate::gltf::read_with_origins;
 use crate::gltf::tests::draco;
@@ -48,12 +49,9 @@ fn check(case: &Case) -> Option<PatchedFile> {
     let patched = with_vertex_light(&file, &origins, &loaded.scene, OUTPUT);
     let patched = patched.unwrap_or_else(|e| panic!("{e}"));
     kept::check_values(case.bytes, &patched.bytes);
-    let new = patched.files.iter();
-    let files = Both {
+    let files = Overlay {
         old: case.files,
-        new: new.fold(Memory::new(), |all, (name, bytes)| {
-            all.with(name, bytes.clone())
-        }),
+        new: &patched.files,
     };
     let (mut again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
     kept::check_origins(&origins, &new_origins);
@@ -61,28 +59,16 @@ fn check(case: &Case) -> Option<PatchedFile> {
     let objects = loaded.scene.objects.iter().zip(&again.scene.objects);
     for (old, new) in objects {
         let (old, new) = (old.shape.mesh().unwrap(), new.shape.mesh().unwrap());
-        assert_eq!(
-            old.irradiance.is_empty(),
-            new.irradiance.is_empty(),
-            "{}",
-            case.name
-        );
+        let [old_light, new_light] = [&old.irradiance, &new.irradiance];
+        assert_eq!(old_light.is_empty(), new_light.is_empty());
         for (v, w) in old.faces.corners.iter().zip(&new.faces.corners) {
             assert_eq!(old.positions[*v as usize], new.positions[*w as usize]);
             let of = |list: &[Rgb], v: u32| list.get(v as usize).copied();
-            assert_eq!(
-                of(&old.irradiance, *v),
-                of(&new.irradiance, *w),
-                "{}",
-                case.name
-            );
-            let white = |c: Option<Rgb>| c.unwrap_or(Rgb::WHITE);
-            assert_eq!(
-                white(of(&old.colors, *v)),
-                white(of(&new.colors, *w)),
-                "{}",
-                case.name
-            );
+            let [a, b] = [of(&old.irradiance, *v), of(&new.irradiance, *w)];
+            assert_eq!(a, b, "{}", case.name);
+            let [a, b] = [of(&old.colors, *v), of(&new.colors, *w)];
+            let [a, b] = [a, b].map(|colour| colour.unwrap_or(Rgb::WHITE));
+            assert_eq!(a, b, "{}", case.name);
         }
     }
     let stripped = strip(&patched.bytes, case.name).unwrap();
@@ -100,18 +86,11 @@ fn check(case: &Case) -> Option<PatchedFile> {
 
 #[test]
 fn light_of_vertices_comes_back() {
-    let mut craft = Craft::default();
-    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let colours = craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
-    let plain = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}");
-    let coloured =
-        format!("{{\"attributes\":{{\"POSITION\":{p},\"COLOR_0\":{colours}}},\"indices\":{i}}}");
-    let stripe = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\":5}}");
-    let rest = format!(
-        "\"meshes\":[{{\"primitives\":[{plain}],\"extras\":\"text\"}},{{\"primitives\":[{coloured},{stripe}]}}],\
-         \"nodes\":[{{\"mesh\":0}},{{\"mesh\":0,\"scale\":[1,1,-1]}},{{\"mesh\":1}},{{\"mesh\":1}}]"
-    );
-    let bytes = craft.glb(&rest);
+    let mut craft = two_squares();
+    craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
+    let rest = r#""meshes":[{"primitives":[{@}],"extras":"text"},{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":2},"indices":1},{"attributes":{"POSITION":0},"mode":5}]}],
+        "nodes":[{"mesh":0},{"mesh":0,"scale":[1,1,-1]},{"mesh":1},{"mesh":1}]"#;
+    let bytes = craft.glb(&rest.replace('@', SQUARES));
     let case = Case {
         bytes: &bytes,
         name: "a.glb",
@@ -128,7 +107,7 @@ fn light_of_vertices_comes_back() {
     assert_eq!(json["nodes"][3]["mesh"], 1);
     assert_eq!(
         json["meshes"][1]["primitives"][1]["attributes"],
-        json!({ "POSITION": p })
+        json!({ "POSITION": 0 })
     );
     let copy = json["nodes"][2]["mesh"].as_u64().unwrap() as usize;
     let extras = &json["meshes"][copy]["extras"]["azulejo"]["irradiance"];
