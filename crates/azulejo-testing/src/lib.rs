@@ -19,6 +19,7 @@
 //! |---|---|
 //! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `display`, `embree`, `fonts`, `python`, `browser` and `mpi`; a test that lacks one of these fails instead of being skipped |
 //! | `AZULEJO_SKIPPED` | a file to which each test binary appends what it skipped, one line per test: the need, the reason, the binary and the test, separated by tabs |
+//! | `AZULEJO_THOROUGH` | set to anything, tests of estimates take all rays and all cases, in ten times the time |
 //! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
 //! | `AZULEJO_CHROMIUM` | a Chromium or Chrome, instead of the first in the path |
 //! | `AZULEJO_PYTHON` | a Python with NumPy and SciPy, instead of `python3` |
@@ -51,6 +52,13 @@ pub fn data() -> Option<PathBuf> {
         )),
     };
     require(Need::Data, folder)
+}
+
+/// Whether tests of estimates are to take all rays and all cases: whether `AZULEJO_THOROUGH` is set. Otherwise they
+/// take an eighth of the rays; their tolerances are standard errors in both.
+#[must_use]
+pub fn is_thorough() -> bool {
+    std::env::var_os("AZULEJO_THOROUGH").is_some()
 }
 
 /// The bytes of an installed font, by its path below `/usr/share/fonts`, or `None` after recording

@@ -321,9 +321,9 @@ fn compression_can_be_cancelled() {
 #[test]
 fn rays_build_what_formulas_say() {
     let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
-    let (truth, _) = whole(&scene, &exact(2_400));
+    let (truth, _) = whole(&scene, &exact(1_350));
     for tolerance in [0.0, 1e-2] {
-        let found = by_rays(&scene, &rays(2_400, 4_096), tolerance);
+        let found = by_rays(&scene, &rays(1_350, 4_096), tolerance);
         let links = found.kinds()[2];
         assert_eq!(links > 0, tolerance > 0.0, "{links} links");
         let off = OperatorError::of(&found, &truth, 3, 1);

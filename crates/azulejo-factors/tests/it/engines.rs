@@ -44,8 +44,14 @@ fn truths_agree_with_the_reference_table() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// Least rays of all rows of a case together; a row has at most 65,536 of them.
-const RAYS: usize = 1 << 17;
+/// A number of rays, an eighth of it where tests are not thorough.
+fn rays_of(thorough: usize) -> usize {
+    if azulejo_testing::is_thorough() {
+        thorough
+    } else {
+        thorough / 8
+    }
+}
 
 fn options(engine: Engine, case: &Case) -> FormFactorOptions {
     let patches = Patches::new(&case.scene, case.size).len();
@@ -58,7 +64,7 @@ fn options(engine: Engine, case: &Case) -> FormFactorOptions {
         closure,
         analytic: engine == Engine::Analytic,
         engine,
-        rays: (RAYS / patches).clamp(1 << 11, 1 << 16) as u32,
+        rays: (rays_of(1 << 17) / patches).clamp(rays_of(1 << 11), rays_of(1 << 16)) as u32,
         ..FormFactorOptions::default()
     }
 }
@@ -84,13 +90,32 @@ fn ask(case: Case, options: &FormFactorOptions) -> Answered {
     }
 }
 
+/// Cases of perfect mirrors that show each other without end, in poses in which images that coincide differ by rounding:
+/// by the analytic engine, each takes as long as all others together.
+const ENDLESS: [(&str, Pose); 7] = [
+    ("wedge_inf_90", Pose::Rounded),
+    ("corridor_1", Pose::Rounded),
+    ("prism_mir_12", Pose::Turned),
+    ("wedge45_mir_11", Pose::Turned),
+    ("prism_mir_B", Pose::Turned),
+    ("furnace_spec", Pose::Rounded),
+    ("plates", Pose::Rounded),
+];
+
 /// The answers of one engine to all cases in all poses.
 fn answers(engine: Engine) -> Vec<Answered> {
     let answered = |case: Case| {
         let options = options(engine.clone(), &case);
         ask(case, &options)
     };
-    let posed = |case: Case| Pose::ALL.map(|pose| case.posed(pose));
+    let is_endless = |case: &Case, pose: Pose| {
+        engine == Engine::Analytic && ENDLESS.contains(&(&*case.id, pose))
+    };
+    let is_left_out = |case: &Case, pose| !azulejo_testing::is_thorough() && is_endless(case, pose);
+    let posed = |case: Case| {
+        let pose = |pose| case.posed(pose).filter(|_| !is_left_out(&case, pose));
+        Pose::ALL.map(pose)
+    };
     let cases = cases().into_iter().flat_map(posed).flatten();
     cases.map(answered).collect()
 }
@@ -140,12 +165,22 @@ fn rays_with_formulas() {
     check_honesty(&answers);
 }
 
-/// Hemicubes of so many pixels along a side, from so many points, on the processor.
+/// Hemicubes of so many pixels along a side, from so many points, on the processor. Fewer pixels would not do: what
+/// they distort of close pairs is no noise.
 fn pixels(resolution: u32, points: u32) -> Hemicube {
     Hemicube {
         resolution,
         points,
         ..Hemicube::default()
+    }
+}
+
+/// Points of a row: at least one for each replicate.
+fn points() -> u32 {
+    if azulejo_testing::is_thorough() {
+        16
+    } else {
+        4
     }
 }
 
@@ -169,12 +204,12 @@ fn check_drawn(engine: Engine, name: &str) {
 
 #[test]
 fn hemicubes() {
-    check_drawn(Engine::Hemicube(pixels(32, 16)), "hemicube");
+    check_drawn(Engine::Hemicube(pixels(32, points())), "hemicube");
 }
 
 #[test]
 fn hybrid() {
-    check_drawn(Engine::Hybrid(pixels(32, 16)), "hybrid");
+    check_drawn(Engine::Hybrid(pixels(32, points())), "hybrid");
 }
 
 /// Four times the pixels along a side and sixteen times the points at least halve the error: there

@@ -13,7 +13,7 @@ fn compute(scene: &Scene, patches: usize, engine: &Engine, analytic: bool) -> Fo
     let options = FormFactorOptions {
         engine: engine.clone(),
         size: PatchSize::Count(patches),
-        rays: 1 << 16,
+        rays: 1 << 13,
         closure: Closure::Never,
         analytic,
         ..FormFactorOptions::default()
