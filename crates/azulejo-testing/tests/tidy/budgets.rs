@@ -33,7 +33,9 @@ fn crates_keep_within_their_budgets() {
     for (name, budget) in BUDGETS {
         let lines = lines_of_code(&crates.join(name).join("src"));
         if lines > budget || (lines as f64) < USED * budget as f64 {
-            wrong.push(format!("{name} has {lines} lines of code, its budget is {budget}"));
+            wrong.push(format!(
+                "{name} has {lines} lines of code, its budget is {budget}"
+            ));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -48,7 +50,11 @@ fn lines_of_code(folder: &Path) -> usize {
     let lines = |path: std::path::PathBuf| {
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or("");
         if path.is_dir() {
-            return if name == "tests" { 0 } else { lines_of_code(&path) };
+            return if name == "tests" {
+                0
+            } else {
+                lines_of_code(&path)
+            };
         }
         if !name.ends_with(".rs") || name.ends_with("tests.rs") {
             return 0;

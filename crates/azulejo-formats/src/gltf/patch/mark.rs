@@ -1,9 +1,9 @@
 //! The mark of an edit in the file itself, under `asset.extras.azulejo.lightmap`.
 //!
 //! Its `before` says how long lists were that have new entries, and what references and values were replaced, in
-//! the order of the document: an object has the members that changed, `[]` for those that are new and `[value]`
-//! for those that had another value; a list is an object by numbers, with its `length` if that grew. Originals of
-//! accessors, meshes and materials stay in the file. `hash` is that of the document without it, so it tells
+//! the order of the document: an object has the members that changed, `[]` for those that are new, `[value]` for
+//! those that had another value, and `[value, place]` for those that were removed; a list is an object by numbers,
+//! with its `length` if that grew. Accessors that are no longer used stay in the file. `hash` is that of the document without it, so it tells
 //! whether another program has written the file since; `bin` is the length of the numbers of a GLB.
 
 use super::additions::Additions;
@@ -109,16 +109,17 @@ fn difference<'s>(new: &Json<'s>, old: &Json<'s>) -> Option<Json<'s>> {
     }
     let mut changes = Vec::new();
     match (new, old) {
-        (Json::Object(new), Json::Object(old))
-            if new.len() >= old.len() && new.iter().zip(old).all(|(a, b)| a.0 == b.0) =>
-        {
-            for (i, (key, value)) in new.iter().enumerate() {
-                let change = match old.get(i) {
-                    Some((_, old)) => difference(value, old),
-                    None => Some(Json::List(Vec::new())),
+        (Json::Object(new), Json::Object(old)) => {
+            let mut new = new.iter().peekable();
+            for (i, (key, old)) in old.iter().enumerate() {
+                let change = match new.next_if(|(known, _)| known == key) {
+                    Some((_, new)) => difference(new, old),
+                    None => Some(Json::List(vec![old.clone(), i.into()])),
                 };
                 changes.extend(change.map(|change| (key.clone(), change)));
             }
+            let added = new.map(|(key, _)| (key.clone(), Json::List(Vec::new())));
+            changes.extend(added);
         }
         (Json::List(new), Json::List(old)) if new.len() >= old.len() => {
             for (i, (new, old)) in new.iter().zip(old).enumerate() {
@@ -141,11 +142,14 @@ fn restore<'s>(value: &mut Json<'s>, before: &Json<'s>) -> Option<()> {
         (Json::Object(members), Json::Object(changes)) => {
             for (key, change) in changes {
                 // Keys are compared as they are spelled; of several the last is the one that counts.
-                let place = members.iter().rposition(|(known, _)| known == key)?;
-                if change.list().is_empty() && matches!(change, Json::List(_)) {
-                    members.remove(place);
-                } else {
-                    restore(&mut members[place].1, change)?;
+                let place = members.iter().rposition(|(known, _)| known == key);
+                match change {
+                    Json::List(none) if none.is_empty() => _ = members.remove(place?),
+                    Json::List(removed) if removed.len() == 2 => {
+                        let place = removed[1].index()?.min(members.len());
+                        members.insert(place, (key.clone(), removed[0].clone()));
+                    }
+                    change => restore(&mut members[place?].1, change)?,
                 }
             }
         }

@@ -57,9 +57,6 @@ impl<'w> Work<'w> {
             };
             let own = &self.meshes[mesh][*i];
             let primitive = json.key("primitives").at(*i);
-            if self.edit.convention == Convention::Unlit && replaced.shows(own.material, *lit) {
-                drop_colours(primitive, own);
-            }
             if !vertices.attributes.is_empty() {
                 vertices.give(primitive);
                 if let Some(corners) = self.corners(own, part, &split.groups[part.group]) {
@@ -67,6 +64,9 @@ impl<'w> Work<'w> {
                     primitive.key("indices").set(indices);
                 }
                 uncompress(primitive, own, notes);
+            }
+            if self.edit.convention == Convention::Unlit && replaced.shows(own.material, *lit) {
+                drop_colours(primitive, own);
             }
             if part.corners.is_some() && own.mode != Some(Mode::Triangles) {
                 notes.add("strip or fan with a seam: becomes a list of triangles");

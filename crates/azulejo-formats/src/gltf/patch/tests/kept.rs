@@ -9,18 +9,17 @@ use azulejo_scene::{Attribute, Mesh, Scene};
 use serde_json::Value;
 
 /// Places of values that an edit may replace.
-const REPLACED: [&str; 15] = [
+const REPLACED: [&str; 14] = [
     "meshes/*/primitives/*/attributes/*",
     "meshes/*/primitives/*/targets/*/*",
     "meshes/*/primitives/*/indices",
     "meshes/*/primitives/*/material",
     "meshes/*/primitives/*/mode",
-    "meshes/*/primitives/*",
+    "meshes/*/primitives/*/extensions",
     "meshes/*/extras",
     "nodes/*/mesh",
-    "nodes/*/extensions",
+    "nodes/*/extensions/KHR_lights_punctual",
     "extensions/KHR_lights_punctual/lights/*/intensity",
-    "materials/*/extensions/MOZ_lightmap",
     "materials/*/extensions/MOZ_lightmap/*",
     "buffers/0/byteLength",
     "extensionsUsed",
