@@ -90,11 +90,12 @@ fn mirror_room() -> Scene {
 #[test]
 fn standard_errors_of_hemicubes_are_honest() {
     let box_of_cornell = cornell_box(CornellVariant::Diffuse);
-    for (what, scene) in [("box", box_of_cornell), ("mirror", mirror_room())] {
-        let known = compute(&scene, 200, &Engine::Analytic, true);
+    // By formulas, images in the mirror take most of the time.
+    for (what, scene, patches) in [("box", box_of_cornell, 200), ("mirror", mirror_room(), 100)] {
+        let known = compute(&scene, patches, &Engine::Analytic, true);
         let options = Hemicube::default();
         for engine in [Engine::Hemicube(options.clone()), Engine::Hybrid(options)] {
-            let drawn = compute(&scene, 200, &engine, false);
+            let drawn = compute(&scene, patches, &engine, false);
             let distances = distances(&drawn, &known);
             let shares = [2.0, 4.0].map(|most| share_within(&distances, most));
             let (name, entries) = (&drawn.engine_used.name, distances.len());

@@ -82,9 +82,13 @@ fn check_shared<T: PartialEq + Send + Sync>(
 fn processes_do_not_matter() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let tracer = Tracer::new(&scene);
+    let pass = || FirstPass {
+        size: PatchSize::Count(120),
+        ..pass()
+    };
     let by_error = FirstPass {
         rays: None,
-        error: Some(0.05),
+        error: Some(0.1),
         ..pass()
     };
     let limited = FirstPass {
@@ -110,7 +114,7 @@ fn processes_do_not_matter() {
         });
     }
     let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
-    let (tracer, points) = (Tracer::new(&scene), points_on_cube(500));
+    let (tracer, points) = (Tracer::new(&scene), points_on_cube(200));
     let whole = probe(&scene, &tracer, &points, &by_error, &Progress::new()).unwrap();
     check_shared("points", &whole.estimates, |blocks| {
         let progress = Progress::new();

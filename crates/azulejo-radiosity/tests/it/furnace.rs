@@ -55,7 +55,7 @@ fn mirroring_patches_glow_alike() {
 #[track_caller]
 fn check_points(scene: &Scene, size: PatchSize, truth: f64, rms: f64) {
     let points = points_on_cube(120);
-    let found = irradiance(scene, &points, &FirstPass { size, ..rays(1024) });
+    let found = irradiance(scene, &points, &FirstPass { size, ..rays(256) });
     let square = |e: &azulejo_radiosity::Estimate| (e.value.mean() - truth).powi(2);
     let error = (found.iter().map(square).sum::<f64>() / points.len() as f64).sqrt() / truth;
     let said = (found.iter().map(|e| e.error.mean().powi(2)).sum::<f64>() / points.len() as f64)

@@ -73,14 +73,17 @@ fn assert_alike(found: &[(f64, f64)], expected: &[(f64, f64)], slack: f64, what:
 #[test]
 fn all_engines_agree() {
     let scene = room(&glossy("lewis n = 25 kd = 0.2 ks = (0.6, 0.7, 0.4)"));
-    let truth = irradiance(&scene, Engine::Rays, 8192);
-    let cubes = Hemicube::default();
+    let truth = irradiance(&scene, Engine::Rays, 4096);
+    let cubes = Hemicube {
+        resolution: 64,
+        ..Hemicube::default()
+    };
     for (engine, what) in [
         (Engine::Analytic, "analytic"),
         (Engine::Hybrid(cubes.clone()), "hybrid"),
         (Engine::Hemicube(cubes), "hemicube"),
     ] {
-        assert_alike(&irradiance(&scene, engine, 2048), &truth, 4e-3, what);
+        assert_alike(&irradiance(&scene, engine, 1024), &truth, 4e-3, what);
     }
 }
 
