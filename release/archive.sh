@@ -4,7 +4,7 @@
 #   release/archive.sh [FOLDER [PROGRAMS]]
 #
 # writes FOLDER/azulejo-VERSION-TARGET.tar.gz and its .sha256 (FOLDER is `dist` by default). The
-# archive has the programs with Embree and graphics cards enabled, manual pages, shell completions,
+# archive has the programs with graphics cards enabled, manual pages, shell completions,
 # examples, documentation, licences, the list of third-party licences, and checksums of all of it.
 # With PROGRAMS, a folder, the programs there are taken instead of building them. Needs Rust and
 # Python 3.
@@ -12,7 +12,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 dist=$(realpath -m "${1:-dist}")
 
-features=azulejo-cli/embree,azulejo-cli/gpu
+features=azulejo-cli/gpu
 target=$(rustc -vV | sed -n 's/^host: //p')
 version=$(cargo metadata --format-version 1 --no-deps --locked |
     python3 -c 'import json, sys

@@ -189,13 +189,13 @@ impl InputArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading")]
 pub struct ReadingArgs {
-    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2, applied in the given order
-    /// (degrees about x, y, z; one scale factor or three). fit=2 scales the model to that largest
-    /// side and stands it on the origin; up=z and unit=mm override the file's axis and unit;
-    /// name=lamp names its branch in the scene.
+    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2; or LAT,LON, the place on Earth for
+    /// which the sun is computed
     ///
-    /// LAT,LON in degrees, north and east positive, is instead the place on Earth for which the sun
-    /// is computed, with --time or --sun
+    /// Steps are applied in the given order: degrees about x, y, z; one scale factor or three. fit=2
+    /// scales the model so that its largest side is 2, and stands it on the origin; up=z and unit=mm
+    /// override the file's axis and unit; name=lamp names its branch in the scene. LAT,LON are in
+    /// degrees, north and east positive; with --time or --sun.
     #[arg(long, value_name = "FILE:HOW|LAT,LON", value_parser = placement::place,
           allow_hyphen_values = true)]
     pub place: Vec<PlaceArg>,
@@ -207,8 +207,8 @@ pub struct ReadingArgs {
     /// of metres [default: that of the first model]
     #[arg(long, value_name = "UNIT", value_parser = values::unit)]
     pub unit: Option<f64>,
-    /// Level of detail of models that have several: finest, coarsest, all, that for a viewing distance
-    /// in the model's units, or a number as in lod1.3 (CityJSON)
+    /// Level of detail of models that have several: finest, coarsest, all, a viewing distance in the
+    /// model's units, or a level as in lod1.3 (CityJSON)
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
     /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
@@ -265,8 +265,8 @@ pub enum TableFormat {
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
     /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
-    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; with .gz behind it compressed, if it is
-    /// one file; `-` writes GRF to standard output
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; a single file is compressed if .gz
+    /// follows; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Write GRF as of 2001, without extensions: parallelogram lamps as `light`, exact shapes as
@@ -288,8 +288,10 @@ pub struct ConvertArgs {
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false)]
 pub struct DivisionArgs {
-    /// Approximate number of patches. If the undivided faces alone are more than half of it, as in
-    /// 3D text, half of it is added to them for subdividing the largest faces
+    /// Approximate number of patches
+    ///
+    /// If the undivided faces alone are more than half of it, as in 3D text, half of it is added to
+    /// them for subdividing the largest faces.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
     /// Longest edge of a patch, in scene units; 0 leaves faces undivided
@@ -303,27 +305,30 @@ pub struct DivisionArgs {
 pub struct FirstPassArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Target error: stop when the estimated RMS error of the irradiance, from noise and
-    /// discretization, is below this fraction of the mean irradiance, as in 1% or 0.01 [default
-    /// without --rays: 3%, with at most 2048 rays]
+    /// Target error, as in 1% or 0.01: stop when the estimated RMS error of the irradiance is below
+    /// this fraction of its mean [default without --rays: 3%, with at most 2048 rays]
+    ///
+    /// The error is that of noise and discretization. docs/errors.md says what it means.
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
-    /// Rays per patch, and maximum number of rays per vertex or point. `bake` gathers with as many at every texel
-    /// if neither --error nor --time is given, and does not interpolate
+    /// Rays per patch, and maximum number of rays per vertex or point
+    ///
+    /// `bake` gathers with this number at every texel if neither --error nor --time is given, and does
+    /// not interpolate.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Time limit, as in 60s, 2m or 500ms: stop refining then and keep the result with the error
-    /// reached; fails if part of the scene has no light by then.
+    /// Time limit, as in 60s, 2m or 500ms: stop refining then, and keep the result with the error
+    /// reached; or a date and time for which the sun is computed
     ///
-    /// A date and time as in 2025-06-21T14:00+02:00 is instead that for which the position of the
-    /// sun is computed, at the LAT,LON of --place; both may be given
+    /// The command fails if part of the scene has no light by the limit. A date and time are as in
+    /// 2025-06-21T14:00+02:00, at the LAT,LON of --place; both a limit and an instant may be given.
     #[arg(long, value_name = "TIME", value_parser = values::time)]
     pub time: Vec<TimeArg>,
     /// Maximum number of diffuse bounces [default: until converged]
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
-    /// Memory limit, as in 8G, for the form factor matrix (a larger problem is solved without one)
-    /// and for the texels of a lightmap [default: half of the machine's memory]
+    /// Memory limit, as in 8G, for the form factor matrix (a larger problem is solved without a
+    /// matrix) and for the texels of a lightmap [default: half of the machine's memory]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
     /// Seed of the random numbers; the same seed gives the same result
@@ -336,8 +341,10 @@ pub struct FirstPassArgs {
     /// Accept a solution in which more than 10% of the emitted power is unaccounted for
     #[arg(long)]
     pub allow_imbalance: bool,
-    /// Write irradiance on the original vertices, without subdividing faces. A glTF file that `solve` writes as glTF
-    /// keeps all bytes that do not have to change for it; `bake --strip` gives it back as it was
+    /// Write irradiance on the original vertices, without subdividing faces
+    ///
+    /// A glTF file that `solve` writes as glTF keeps all bytes that do not have to change; `bake --strip`
+    /// restores it.
     #[arg(long)]
     pub keep_mesh: bool,
     /// Which side's irradiance surfaces store [default: by what the file says of each surface]
@@ -540,7 +547,7 @@ pub struct RtraceArgs {
     /// Weight below which paths are terminated (S) [default: 1%]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub look_cut: Option<f64>,
-    /// Number of surfaces along a path that gather ambient light by rays (d) [default: 0]
+    /// How many surfaces along a path gather ambient light by rays (d) [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
     pub look_ambient_depth: Option<u32>,
     /// Rays for ambient light (D) [default: 16]
@@ -609,20 +616,24 @@ pub struct ImageArgs {
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub spp: Option<u32>,
-    /// Final gather: where irradiance is computed anew instead of interpolated between vertices.
-    /// auto: where the corners of a face differ by more than half, as at shadow edges; off:
-    /// nowhere; N: at every hit, by N rays [default: auto]
+    /// Final gather: where irradiance is computed anew instead of interpolated between vertices
+    /// [default: auto]
+    ///
+    /// auto: where the corners of a face differ by more than half, as at shadow edges; off: nowhere;
+    /// N: at every hit, by N rays.
     #[arg(long, value_name = "auto|off|N", value_parser = values::final_gather)]
     pub gather: Option<FinalGather>,
-    /// Path tracing instead of two passes: slow and unbiased, with a standard error for every
-    /// pixel; the reference for both passes
+    /// Path tracing instead of the two passes: slow and unbiased, with a standard error for every
+    /// pixel
     #[arg(long, conflicts_with = "gather")]
     pub reference: bool,
     /// Image of the standard error of every pixel of a --reference: .exr or .hdr
     #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
     /// Clamp fireflies: maximum radiance that the indirect paths of one sample may add, in the unit
-    /// of the scene. Removes light, too; the summary says how much [default: off]
+    /// of the scene [default: off]
+    ///
+    /// This removes light, too; the summary says how much.
     #[arg(long, value_name = "RADIANCE", value_parser = values::positive)]
     pub clamp: Option<f64>,
     /// Additional layers (AOVs) of an .exr, for compositing: all, or a list of albedo, normal,
@@ -633,9 +644,10 @@ pub struct ImageArgs {
     /// letter of a text.
     #[arg(long, value_name = "all|LIST", value_enum, value_delimiter = ',')]
     pub layers: Option<Vec<LayerName>>,
-    /// Denoise after rendering: joint non-local means over colours, albedo, normals and depth
-    /// (Rousselle et al. 2013), guided by the standard errors. Reports how much changed, and the
+    /// Denoise after rendering, guided by the standard errors; reports how much changed, and the
     /// estimated error before and after
+    ///
+    /// Joint non-local means over colours, albedo, normals and depth (Rousselle et al. 2013).
     #[arg(long)]
     pub denoise: bool,
     /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]

@@ -91,7 +91,7 @@ impl InPlace {
     pub fn write(&self, scene: &Scene, session: &mut Session) -> Result<(), Failure> {
         if let Err(invalid) = scene.validate() {
             return Err(Failure::failed(format_args!(
-                "cannot write {}: the result is no valid scene: {invalid}",
+                "cannot write {}: the result is not a valid scene: {invalid}",
                 self.target().display()
             )));
         }
@@ -99,7 +99,7 @@ impl InPlace {
         let lit = self.text.lit(scene, &self.files);
         let lit = lit.map_err(|e| {
             Failure::failed(format_args!(
-                "{name}: {e}. Nothing was written; -o OTHER.grf without --in-place writes the scene anew"
+                "{name}: {e}. Nothing was written; -o OTHER.grf without --in-place writes the scene as a new file"
             ))
         })?;
         notes(&lit).iter().for_each(|note| session.note(note));

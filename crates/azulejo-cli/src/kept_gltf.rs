@@ -42,7 +42,7 @@ impl KeptGltf {
         }
         if let Some(option) = changed(args) {
             session.note(&format!(
-                "{option} changes more than light: the file is written anew"
+                "{option} changes more than light: the file is rewritten"
             ));
             return Ok(None);
         }
@@ -52,9 +52,8 @@ impl KeptGltf {
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read.map_err(Failure::failed)?;
         if !is_same(scene, &origins) {
-            session.note(
-                "the faces of the scene are not those of the file, which is therefore written anew",
-            );
+            session
+                .note("the faces of the scene are not those of the file, so the file is rewritten");
             return Ok(None);
         }
         Ok(Some(KeptGltf {

@@ -9,9 +9,11 @@ use std::path::PathBuf;
 /// Which part of the work is computed.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct PartArgs {
-    /// Compute only shard K of N of the rows, points, vertices or texels, from 1, and write it to -o as a part; `azulejo
-    /// merge` makes the result of all parts. An interrupted shard resumes by the same command. Light with --rays alone:
-    /// work to an error or a time cannot be divided
+    /// Compute only shard K of N of the rows, points, vertices or texels, counted from 1, and write it to -o
+    /// as a part, for `azulejo merge`
+    ///
+    /// An interrupted shard resumes when the same command is run again. Light needs --rays, without --error and
+    /// --time: work to an error or a time cannot be divided.
     #[arg(id = "part", long = "shard", value_name = "K/N", value_parser = shard)]
     pub shard: Option<Shard>,
 }

@@ -269,7 +269,7 @@ pub fn unit(text: &str) -> Result<f64, String> {
 pub fn lod(text: &str) -> Result<Lod, String> {
     if let Some(number) = text.strip_prefix("lod") {
         let number = not_negative(number).map(Lod::Numbered);
-        return number.map_err(|e| format!("{e} behind \"lod\", as in lod1.3"));
+        return number.map_err(|e| format!("{e} after \"lod\", as in lod1.3"));
     }
     match text {
         "finest" => Ok(Lod::Finest),

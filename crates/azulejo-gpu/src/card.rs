@@ -157,7 +157,7 @@ fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, 
             let named = wgpu::Backends::from_comma_list(&asked) & ours;
             if named.is_empty() {
                 return Err(DrawError::Missing(format!(
-                    "WGPU_BACKEND is \"{asked}\", which is no graphics interface that azulejo \
+                    "WGPU_BACKEND is \"{asked}\", which is not a graphics interface that azulejo \
                      uses: set it to vulkan, gl or vulkan,gl, or unset it"
                 )));
             }

@@ -346,7 +346,7 @@ def test_what_is_refused(refuses) -> None:
     refuses("has no eps, the emissivity", both(diffuse=0.5))
     refuses("leave a gap or overlap between 4 and 5", both(eps={(0, 4): 0.1, (5, np.inf): 0.1}))
     refuses("bands end at 4 µm", both(eps={(0, 4): 0.1}))
-    refuses("is no range of wavelengths", both(eps={(4, 0): 0.1}))
+    refuses("is not a range of wavelengths", both(eps={(4, 0): 0.1}))
     refuses("a band of eps is 4, expected two wavelengths", both(eps={4: 0.1}), TypeError)
     refuses("leave a gap or overlap", both(eps=BANDS, rho_s={"0-2": 0.1}))
     refuses('unknown node "objects", did you mean "object"?', call(0.5, by="objects"))

@@ -260,7 +260,7 @@ impl Scene {
                 is_sun && numbers.iter().all(|n| *n >= 0.0 && n.is_finite()),
                 &place,
                 || {
-                    "the sky's sun is no unit vector, or a radiance is negative or not finite"
+                    "the sky's sun is not a unit vector, or a radiance is negative or not finite"
                         .into()
                 },
             )?;

@@ -47,7 +47,7 @@ pub fn data() -> Option<PathBuf> {
         None => Err("AZULEJO_DATA is not set".to_owned()),
         Some(folder) if Path::new(&folder).is_dir() => Ok(PathBuf::from(folder)),
         Some(folder) => Err(format!(
-            "AZULEJO_DATA is {}, which is no folder",
+            "AZULEJO_DATA is {}, which is not a folder",
             Path::new(&folder).display()
         )),
     };

@@ -215,7 +215,7 @@ fn what_cannot_be_shown_is_refused() {
     );
     check(
         |m| m.meshes[0].indices.push(0),
-        "mesh 0 `triangle`: 4 indices, which are no triangles",
+        "mesh 0 `triangle`: 4 indices, which are not triangles",
     );
     check(
         |m| m.meshes[0].material = 1,

@@ -72,7 +72,7 @@ fn mesh(mesh: &PageMesh, model: &PageModel) -> Check {
     finite("colour", &mesh.colors)?;
     if !mesh.indices.len().is_multiple_of(3) {
         let corners = mesh.indices.len();
-        return Err(format!("{corners} indices, which are no triangles"));
+        return Err(format!("{corners} indices, which are not triangles"));
     }
     if let Some(index) = mesh.indices.iter().find(|i| **i as usize >= count) {
         return Err(format!("index {index} among {count} vertices"));

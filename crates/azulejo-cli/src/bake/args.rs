@@ -125,20 +125,21 @@ pub struct TexelArgs {
     /// keep them if they are suitable for a lightmap]
     #[arg(long, value_name = "WHAT")]
     pub uv: Option<UvArg>,
-    /// Texel density, per length, of the objects of such names relative to others, as in
-    /// 'table*=2'; if several match, the last counts. 'auto': more texels for surfaces with shadow
-    /// edges, fewer for evenly lit ones
+    /// Texel density, per length, of the objects of these names relative to others, as in
+    /// 'table*=2'; if several match, the last counts. With 'auto', surfaces with shadow edges get more
+    /// texels, and evenly lit ones fewer
     #[arg(long, value_name = "GLOB=N|auto", value_parser = density, conflicts_with = "uv")]
     pub density: Vec<DensityArg>,
     /// Cut charts at edges where the angle between the faces is larger than this, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
     pub crease: f64,
-    /// Do not cut faces along contacts, where one object stands on another. By default, faces of
-    /// models that are written anew are cut there, so that light does not bleed from one side to
-    /// the other
+    /// Do not cut faces along contacts, where one object stands on another
+    ///
+    /// By default, the faces of models other than glTF are cut there, so that light does not bleed from
+    /// one side to the other.
     #[arg(long)]
     pub no_split_contacts: bool,
-    /// Also cut the faces of a glTF file along contacts: the file is written anew, and loses what
+    /// Also cut the faces of a glTF file along contacts: the file is rewritten, and loses what
     /// azulejo does not support
     #[arg(long, conflicts_with = "no_split_contacts")]
     pub split_contacts: bool,
@@ -159,12 +160,13 @@ pub struct TexelArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Files")]
 pub struct LightmapFileArgs {
-    /// Write the irradiance as OpenEXR, in the unit of the scene (W/m² or lx), top row at v = 0;
-    /// with several pages, each file gets the number of its page before the extension. Floats have
-    /// 16 bits, which are exact to 0.05%, or 32 where values are out of their range
+    /// Write the irradiance as OpenEXR, in the unit of the scene (W/m² or lx), top row at v = 0
+    ///
+    /// With several pages, each file gets the number of its page before the extension. Floats have
+    /// 16 bits, which are exact to 0.05%, or 32 where values are out of their range.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lightmap: Option<PathBuf>,
-    /// Write the standard error of the irradiance, likewise
+    /// Write the standard error of the irradiance as OpenEXR
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub error_map: Option<PathBuf>,
     /// Use 32-bit floats in --lightmap and --error-map
@@ -301,7 +303,7 @@ pub enum DoubleSidedArg {
     /// For each chart the back if it gets more than twice the light of the front, otherwise the
     /// front
     Brighter,
-    /// Both, each with its own texels; the file is written anew
+    /// Both, each with its own texels; the file is rewritten
     Split,
 }
 

@@ -58,7 +58,7 @@ pub fn run(
     describe(&file, &mut report);
     let mut rows = atlas_rows(&found, &options);
     if !found.is_complete {
-        session.note("so many triangles lie over one another that not all pairs were compared");
+        session.note("too many triangles overlap to compare all pairs");
         report.value("complete", false);
     }
     rows.extend(picture_rows(args, &file)?);

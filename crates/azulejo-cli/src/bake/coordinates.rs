@@ -67,7 +67,7 @@ pub fn choose(
         Err(why) if must_keep => return Err(refused(&why.text)),
         Err(why) => {
             if why.is_partial {
-                session.note(&format!("{}: charts are made anew", why.text));
+                session.note(&format!("{}: new charts are made", why.text));
             }
             return Ok(new);
         }
@@ -87,20 +87,20 @@ pub fn choose(
         });
     };
     let why = format!(
-        "TEXCOORD_{} is not fit for a lightmap of {size} × {size} texels: {why}",
+        "TEXCOORD_{} is not suitable for a lightmap of {size} × {size} texels: {why}",
         given.set
     );
     if must_keep {
         return Err(refused(&why));
     }
     if given.are_fit_alone(size, charts) {
-        session.note(&format!("{why}: the charts of the objects are packed anew"));
+        session.note(&format!("{why}: the charts of the objects are repacked"));
         return Ok(ChosenCoordinates {
             coordinates: Coordinates::Repacked(given.of_objects),
             ..new
         });
     }
-    session.note(&format!("{why}: charts are made anew"));
+    session.note(&format!("{why}: new charts are made"));
     Ok(new)
 }
 
@@ -195,7 +195,7 @@ impl GivenCoordinates {
         let layout = self.layout(&[size; 2], charts.crease);
         let found = check(&self.receivers, &layout, &options);
         if !found.is_complete {
-            return Some("too many triangles lie over one another".to_owned());
+            return Some("too many triangles overlap".to_owned());
         }
         unfit(&found, &options).map(|row| self.words(&row))
     }

@@ -20,9 +20,11 @@ pub fn read(args: &BakeArgs, session: &mut Session) -> Result<BakeSource, Failur
     let is_split = args.texels.double_sided == Some(DoubleSidedArg::Split);
     let is_gltf = session.formats().first() == Some(&Format::Gltf);
     if is_gltf && is_split {
-        session.note("--double-sided split: the file is written anew, because backs become faces of their own");
+        session.note(
+            "--double-sided split: the file is rewritten, because backs become faces of their own",
+        );
     } else if is_gltf && args.texels.split_contacts {
-        session.note("--split-contacts: the file is written anew, because faces are cut");
+        session.note("--split-contacts: the file is rewritten, because faces are cut");
     } else if is_gltf {
         let path = &args.input.scenes[0];
         if path == Path::new("-") {

@@ -18,9 +18,11 @@ use std::sync::LazyLock;
 /// `form-factors`
 #[derive(Debug, Args)]
 pub struct FormFactorArgs {
-    /// Output file: .npz (for scipy.sparse.load_npz), .csv, View3D's .txt and .vf (text or binary as
-    /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
-    /// a case for OpenFOAM; `-` writes CSV to standard output
+    /// Output file, its format chosen by extension: .npz (for scipy.sparse.load_npz), .csv, .vtu and
+    /// others; `-` writes CSV to standard output
+    ///
+    /// Also View3D's .txt and .vf (text or binary as its input specifies), .idf, .epjson, .vwf, .bdf, .mtx:
+    /// see --format. For OpenFOAM, the folder of a case.
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Output format, regardless of the extension
@@ -54,9 +56,10 @@ pub struct ComputationArgs {
     /// Rays per patch; makes --engine auto choose rays [default: 4096, or planned for the groups of --by]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01;
-    /// below 1e-6 every pair is exact to about that [default: 1e-11 for up to 32 rows, otherwise
-    /// 5e-5]
+    /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01
+    /// [default: 1e-11 for up to 32 rows, otherwise 5e-5]
+    ///
+    /// Below 1e-6 every pair is exact to about that.
     #[arg(long, value_name = "SHARE", value_parser = values::tolerance)]
     pub tolerance: Option<f64>,
     /// Add the back sides of all faces as further patches
@@ -138,8 +141,8 @@ fn openfoam_version(word: &str) -> Result<OpenFoamVersion, String> {
 pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     ///
-    /// Where nothing is said of patches and rays (--patches, --patch-size, --rays, --patch-points), these are
-    /// planned for the groups: flat faces stay whole or nearly so, and each group has rays enough.
+    /// Without --patches, --patch-size, --rays and --patch-points, division and rays are planned for the
+    /// groups: flat faces stay whole or nearly so, and each group has enough rays.
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
     /// Merge neighbouring patches of one object, side and material until N rows are left
@@ -164,9 +167,11 @@ pub struct MatrixArgs {
     /// (auto), or always single (32) or double (64)
     #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
     pub precision: PrecisionName,
-    /// Write the matrix as blocks between clusters of patches, in an .npz of some per cent of its size:
-    /// TOL, such as 1e-3, is the error of a product with it, relative to the largest that there could
-    /// be. By rays, and where it would not fit, the whole matrix never exists
+    /// Write the matrix as blocks between clusters of patches, in an .npz of a few per cent of its size;
+    /// TOL, such as 1e-3, is the error of a product with it
+    ///
+    /// The error is relative to the largest product that there could be. By rays, and if it would not
+    /// fit, the whole matrix never exists.
     #[arg(long, value_name = "TOL", value_parser = values::compression)]
     pub compress: Option<f64>,
     /// Also write the parts of each form factor: direct, by way of one mirror, and of more mirrors

@@ -82,7 +82,7 @@ fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
     };
     if !is_npz {
         return Err(Failure::misuse(format_args!(
-            "--compress: blocks are written as .npz, and {} is none",
+            "--compress: blocks are written as .npz, and {} is not one",
             args.output.display()
         )));
     }

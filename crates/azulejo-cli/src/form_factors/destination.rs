@@ -134,7 +134,7 @@ fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<
     ];
     match idle.into_iter().find(|(.., is_idle)| *is_idle) {
         Some((option, of, _)) => Err(Failure::misuse(format_args!(
-            "{option}: it applies to files for {of}, and {} is none",
+            "{option}: it applies to files for {of}, and {} is not one",
             args.output.display()
         ))),
         None => Ok(()),

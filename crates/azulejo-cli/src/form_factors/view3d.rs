@@ -53,7 +53,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         ));
     }
     if args.materials.is_some() {
-        let message = "--materials: View3D's surfaces have their emissivities in the file, and are no mirrors";
+        let message = "--materials: View3D's surfaces have their emissivities in the file, and are not mirrors";
         return Err(Failure::misuse(message));
     }
     if args.matrix.by.is_some() {

@@ -43,7 +43,7 @@ impl SurfaceArgs {
 /// The scene of one object.
 pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result<Scene, Failure> {
     if prisms.is_empty() {
-        let message = "nothing to extrude: there is no outline with anything inside";
+        let message = "nothing to extrude: no outline encloses anything";
         return Err(Failure::failed(message));
     }
     let mut scene = Scene {

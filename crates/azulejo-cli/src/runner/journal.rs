@@ -162,9 +162,8 @@ impl Blocks for FileJournal {
         if let Err(e) = state.append(&self.path, self.key, (stage, block), bytes) {
             state.is_broken = true;
             let failure = Failure::file("write", &self.path, &e);
-            let words = format!(
-                "{failure}: what is computed from here on would be lost by an interruption"
-            );
+            let words =
+                format!("{failure}: what is computed from now on would be lost by an interruption");
             state.messages.push(words);
         }
     }

@@ -11,15 +11,18 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Light from outside")]
 pub struct SurroundingsArgs {
-    /// The sun, a disc of 0.533°: AZ,EL[,E], azimuth clockwise from north and elevation in degrees,
-    /// and irradiance of a surface that faces it (W/m², or lx in photometric scenes) [default: that
-    /// of a clear sky]; dir:X,Y,Z[,E], the direction toward it; a date and time as in
-    /// 2025-06-21T14:00+02:00, for --place; E alone, for --place and --time; or off
+    /// The sun, as AZ,EL[,E]: azimuth clockwise from north and elevation in degrees, and irradiance;
+    /// or dir:X,Y,Z[,E], a date and time, E alone, or off
+    ///
+    /// It is a disc of 0.533°. E is the irradiance of a surface that faces it, in W/m², or lx in
+    /// photometric scenes; without it, that of a clear sky. dir:X,Y,Z is the direction toward the sun. A
+    /// date and time, as in 2025-06-21T14:00+02:00, need --place; E alone needs --place and --time.
     #[arg(long, value_name = "SUN", value_parser = sun, allow_hyphen_values = true)]
     pub sun: Option<SunArg>,
-    /// The sky: a uniform radiance; cie:TYPE[,E], a CIE standard general sky, 1 to 16 (1 and 16
-    /// overcast, 5 uniform, 12 clear), with its horizontal irradiance; or perez:DNI,DHI[,DEWPOINT]
-    /// from weather data, in W/m² and °C
+    /// The sky: a uniform radiance; cie:1 to cie:16, a CIE standard general sky (1 and 16 overcast, 5
+    /// uniform, 12 clear); or perez:DNI,DHI[,DEWPOINT] from weather data, in W/m² and °C
+    ///
+    /// cie:TYPE,E also gives its horizontal irradiance.
     #[arg(long, value_name = "SKY", value_parser = sky, allow_hyphen_values = true)]
     pub sky: Option<SkyArg>,
     /// Reflectance of the ground below the horizon, or none [default with --sky: 0.2]
@@ -54,7 +57,9 @@ pub struct SurroundingsArgs {
     #[arg(long)]
     pub solar: bool,
     /// Add studio lighting to a scene without light sources: a floor and three lamps around the
-    /// model, or a lamp under the ceiling of a room (where one sees the fronts of walls all around)
+    /// model, or a lamp under the ceiling of a room
+    ///
+    /// A model is a room if the fronts of its walls are seen all around from within.
     #[arg(long)]
     pub studio: bool,
 }
@@ -144,7 +149,7 @@ pub fn site(text: &str) -> Option<Result<Site, String>> {
         })
     } else {
         Err(format!(
-            "{latitude},{longitude} is no place on Earth: expected a latitude from -90 to 90 and a \
+            "{latitude},{longitude} is not a place on Earth: expected a latitude from -90 to 90 and a \
              longitude from -180 to 180, north and east positive"
         ))
     })
@@ -258,7 +263,7 @@ fn ground(text: &str) -> Result<GroundArg, String> {
         _ => match number(text)? {
             share @ 0.0..=1.0 => Ok(GroundArg::Reflectance(share)),
             share => Err(format!(
-                "{share} is no reflectance, expected 0 to 1 or none"
+                "{share} is not a reflectance, expected 0 to 1 or none"
             )),
         },
     }

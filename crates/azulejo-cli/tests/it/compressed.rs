@@ -117,7 +117,7 @@ fn what_blocks_have_not_is_refused() {
     folder.fails(
         "form-factors room.obj -o f.csv --compress 1e-3",
         2,
-        "f.csv is none",
+        "f.csv is not one",
     );
     folder.fails(
         "form-factors room.obj -o f.npz --compress 2",

@@ -206,7 +206,7 @@ fn overlapping_faces_are_named_before_heat_is_wrong() {
     );
     for option in ["--zone X", "--vtu-rows floor", "--calculix 2.20"] {
         let line = format!("form-factors glazed.obj -o g.npz {option}");
-        folder.fails(&line, 2, "g.npz is none");
+        folder.fails(&line, 2, "g.npz is not one");
     }
 }
 

@@ -210,7 +210,7 @@ impl AbaqusReader<'_> {
         };
         let face = fields.next().map_or(&b""[..], |f| f.text);
         let Some(face) = ElementFace::named(face) else {
-            let message = format!("surface of {}, which is no face: skipped", quoted(face));
+            let message = format!("surface of {}, which is not a face: skipped", quoted(face));
             self.warn(source, line.at, message);
             return Ok(());
         };

@@ -172,8 +172,8 @@ top, rest
     check_warnings(
         &loaded,
         &[
-            "a.inp:23:1: surface of \"S7\", which is no face: skipped",
-            "a.inp:24:1: surface of \"E1\", which is no face: skipped",
+            "a.inp:23:1: surface of \"S7\", which is not a face: skipped",
+            "a.inp:24:1: surface of \"E1\", which is not a face: skipped",
             "a.inp:30:1: *SURFACE of type NODE: skipped",
             "a.inp:32:1: *SURFACE of type COMBINE: skipped",
             "a.inp:21:1: face that an earlier surface has: it stays there (2 times)",

@@ -117,7 +117,7 @@ fn field<'a>(
         shape.push(usize::try_from(size).unwrap_or(usize::MAX));
     }
     let data = data(bytes, offset, &shape, kind).ok_or_else(|| {
-        let found = format!("a tensor `{name}` with {shape:?} elements from byte {offset} on");
+        let found = format!("a tensor `{name}` with {shape:?} elements starting at byte {offset}");
         wrong(found, "one that ends before the file")
     })?;
     let tensor = Tensor {

@@ -35,7 +35,7 @@ const SMOOTH_ROWS: u32 = 32;
 pub(super) fn read(light: &Value, surfaces: &mut Surfaces) -> Result<LightKind, String> {
     let intensity = light.get("intensity").map_or(Some(1.0), Value::as_f64);
     let intensity = intensity.filter(|i| *i >= 0.0 && i.is_finite());
-    let intensity = intensity.ok_or("its intensity is no number of at least 0")?;
+    let intensity = intensity.ok_or("its intensity is not a number of at least 0")?;
     let harmonics = coefficients(light);
     if let Some(radiance) = harmonics.as_ref().and_then(uniform) {
         let radiance = (radiance * intensity).map(|c| c.max(0.0));

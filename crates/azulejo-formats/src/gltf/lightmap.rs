@@ -45,7 +45,7 @@ pub(super) fn of_material(
     let transform: Option<TextureTransform> = match transform {
         Some(transform) => Some(
             serde_json::from_value(transform.clone())
-                .map_err(|_| "a KHR_texture_transform that is none")?,
+                .map_err(|_| "an invalid KHR_texture_transform")?,
         ),
         None => None,
     };
@@ -76,7 +76,7 @@ pub(super) fn of_node(extension: &Value, root: &Root) -> Result<NamedLightmap, S
         let pair: Option<[f64; 2]> = serde_json::from_value(given.clone()).ok();
         pair.map(DVec2::from)
             .filter(|pair| pair.is_finite())
-            .ok_or_else(|| format!("{key} is no pair of numbers"))
+            .ok_or_else(|| format!("{key} is not a pair of numbers"))
     });
     Ok(NamedLightmap {
         texture: texture_of(picture, root)?,
@@ -104,7 +104,7 @@ fn set_of(picture: &Value) -> Result<u32, String> {
         return Ok(USUAL_SET);
     };
     let set = given.as_u64().and_then(|set| u32::try_from(set).ok());
-    set.ok_or_else(|| "texCoord is no number of a set".to_owned())
+    set.ok_or_else(|| "texCoord is not the number of a set".to_owned())
 }
 
 fn intensity_of(extension: &Value) -> Result<f64, String> {
@@ -112,5 +112,5 @@ fn intensity_of(extension: &Value) -> Result<f64, String> {
         return Ok(1.0);
     };
     let intensity = given.as_f64().filter(|i| *i >= 0.0 && i.is_finite());
-    intensity.ok_or_else(|| "intensity is no number >= 0".to_owned())
+    intensity.ok_or_else(|| "intensity is not a number >= 0".to_owned())
 }

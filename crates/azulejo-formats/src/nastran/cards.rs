@@ -19,11 +19,7 @@ impl BulkReader<'_> {
         let place = (source.number, line);
         let fields = CardFields { card, source };
         if card.is_long {
-            self.warn(
-                source,
-                card.at,
-                "fields behind the ninth of a line: skipped",
-            );
+            self.warn(source, card.at, "fields after the ninth of a line: skipped");
         }
         if let Some(shape) = shape_of(card) {
             let element = fields.element(shape, place)?;
@@ -48,7 +44,7 @@ impl BulkReader<'_> {
             }
             b"CHBDYG" | b"CHBDYE" => match fields.radiating(place)? {
                 Some(element) => self.deck.radiation.elements.push(element),
-                None => self.warn(source, card.at, "CHBDYG that is no polygon: skipped"),
+                None => self.warn(source, card.at, "CHBDYG that is not a polygon: skipped"),
             },
             b"CHBDYP" => self.warn(
                 source,

@@ -275,11 +275,11 @@ RADSET,1,3
     check_warnings(
         &loaded,
         &[
-            "a.bdf:8:1: CHBDYG that is no polygon: skipped",
+            "a.bdf:8:1: CHBDYG that is not a polygon: skipped",
             "a.bdf:9:1: CHBDYP, which is a point, a line or a tube: skipped",
             "a.bdf:12:1: VIEW of surfaces that do not shade, or are not shaded: they do and are",
             "a.bdf: element without radiation, beside elements that have it (CHBDY): skipped",
-            "a.bdf:5:1: CHBDYE on a side that is no face of an element: skipped",
+            "a.bdf:5:1: CHBDYE on a side that is not a face of an element: skipped",
             "a.bdf:6:1: surface element of a cavity that RADSET does not list: skipped",
         ],
     );
@@ -417,7 +417,7 @@ CTETRA,4,1,1,2,3,4,,,+A
             "a.bdf:7:1: grid point of a number that another one has: skipped (2 times)",
             "a.bdf:8:1: card without geometry (the first is MAT1): skipped (2 times)",
             "a.bdf:9:1: card that repeats others (=): skipped",
-            "a.bdf:11:1: fields behind the ninth of a line: skipped",
+            "a.bdf:11:1: fields after the ninth of a line: skipped",
             "a.bdf:13:1: continuation of another name than the line before it expects: taken as its continuation",
             "a.bdf:4:1: element with a grid point that does not exist: skipped",
             "a.bdf: face of the boundary of solids: read, with its front out of them (form-factors --two-sided has rows of the backs, too) (3 times)",

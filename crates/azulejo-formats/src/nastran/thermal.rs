@@ -68,7 +68,7 @@ impl RadiationDeck {
             let place = || Position::Line(element.place.1, 1);
             let file = deck.file(element.place);
             let Some(corners) = self.corners(element, &by_id) else {
-                let message = "CHBDYE on a side that is no face of an element: skipped";
+                let message = "CHBDYE on a side that is not a face of an element: skipped";
                 warnings.add(file, message.to_owned(), place);
                 continue;
             };

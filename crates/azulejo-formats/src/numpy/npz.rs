@@ -90,7 +90,7 @@ impl<'a> NpzReader<'a> {
     fn open(file: Box<dyn ReadSeek + 'a>, budget: u64) -> Result<NpzReader<'a>, String> {
         let zip = ZipArchive::new(file).map_err(|e| match e {
             ZipError::InvalidArchive(why) => {
-                format!("this is no whole .npz archive ({why}): is it cut off?")
+                format!("this is not a complete .npz archive ({why}): was it cut off?")
             }
             other => other.to_string(),
         })?;

@@ -22,10 +22,10 @@ pub(super) fn scene(mut lists: OffLists, name: &str, warnings: &mut Warnings) ->
             lists.indexed,
         ),
         (
-            "face with more numbers behind its corners than a colour: these are skipped",
+            "face with more numbers after its corners than a colour: these are skipped",
             lists.surplus,
         ),
-        ("line behind the last face: skipped", lists.rest),
+        ("line after the last face: skipped", lists.rest),
     ];
     for (message, count) in counts {
         warnings.add_many(name, message.to_owned(), count, || Position::Whole);

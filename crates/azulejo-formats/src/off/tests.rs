@@ -83,7 +83,7 @@ fn faces_have_colours() {
     check_warnings(&loaded, &[message]);
     check_warnings(
         &paint("1 2 3 4 5").1,
-        &["a.off: face with more numbers behind its corners than a colour: these are skipped"],
+        &["a.off: face with more numbers after its corners than a colour: these are skipped"],
     );
 }
 
@@ -120,7 +120,7 @@ fn what_is_no_face_is_counted() {
         &loaded,
         &[
             "a.off: face of fewer than three corners: skipped (3 times)",
-            "a.off: line behind the last face: skipped (2 times)",
+            "a.off: line after the last face: skipped (2 times)",
         ],
     );
     check_warnings(&load("OFF 0 0 0"), &["a.off: no faces: the scene is empty"]);

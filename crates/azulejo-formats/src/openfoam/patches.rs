@@ -42,8 +42,9 @@ pub(super) fn patches(cursor: &mut FoamCursor) -> Result<Vec<FoamPatch>, ReadErr
         let patch = patch(cursor)?;
         let behind = patches.last().map_or(0, FoamPatch::end);
         if patch.first < behind {
-            let found = format!("patch \"{}\" from face {} on", patch.name, patch.first);
-            let expected = format!("one from face {behind} on, behind the patch before it");
+            let found = format!("patch \"{}\" starting at face {}", patch.name, patch.first);
+            let expected =
+                format!("one starting at face {behind}, right after the patch before it");
             return Err(cursor.error(patch.at, found, expected));
         }
         patches.push(patch);

@@ -306,7 +306,7 @@ fn errors_have_positions() {
     check_error(
         "boundary",
         boundary("startFace 2;", "startFace 1;"),
-        "boundary:21:5: found patch \"outlet\" from face 1 on, expected one from face 2 on, behind the patch before it",
+        "boundary:21:5: found patch \"outlet\" starting at face 1, expected one starting at face 2, right after the patch before it",
     );
     check_error(
         "boundary",

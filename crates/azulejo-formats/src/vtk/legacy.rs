@@ -173,7 +173,7 @@ impl LegacyReader<'_, '_> {
                     "a cell of {points} points, with {} integers left",
                     behind.len()
                 );
-                return Err(self.source.error(start, found, "as many as there are"));
+                return Err(self.source.error(start, found, "no more than there are"));
             };
             self.piece.cell(kind.unwrap_or(0), cell.iter().copied());
             rest = behind;

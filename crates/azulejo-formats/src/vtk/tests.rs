@@ -310,7 +310,7 @@ fn errors_of_legacy_files_say_where() {
     );
     check_error(
         &changed("3 0 2 1", "4 0 2 1"),
-        "a.vtk:9:1: found a cell of 4 points, with 3 integers left, expected as many as there are",
+        "a.vtk:9:1: found a cell of 4 points, with 3 integers left, expected no more than there are",
     );
     check_error(
         &changed("CELL_TYPES", "TYPES"),

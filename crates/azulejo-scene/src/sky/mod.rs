@@ -294,11 +294,11 @@ impl fmt::Display for SkyError {
                 "no CIE sky has the type {number}: there are 1 to 15, and 16, the overcast of 1955"
             ),
             SkyError::Direction([x, y, z]) => {
-                write!(f, "{x} {y} {z} is no direction to the sun")
+                write!(f, "{x} {y} {z} is not a direction to the sun")
             }
             SkyError::Quantity(value) => write!(
                 f,
-                "{value} is no irradiance, illuminance or turbidity: these are finite and not negative"
+                "{value} is not an irradiance, illuminance or turbidity: these are finite and not negative"
             ),
             SkyError::Latitude(degrees) => {
                 write!(f, "the latitude {degrees} is not within -90 to 90 degrees")

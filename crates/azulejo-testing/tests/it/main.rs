@@ -79,5 +79,8 @@ fn a_requirement_that_is_not_met_fails() {
         ],
     );
     let missing = [("AZULEJO_REQUIRE", "data"), ("AZULEJO_DATA", "/nowhere")];
-    check(&missing, &["AZULEJO_DATA is /nowhere, which is no folder"]);
+    check(
+        &missing,
+        &["AZULEJO_DATA is /nowhere, which is not a folder"],
+    );
 }

@@ -6,7 +6,7 @@ use azulejo_scene::{BackIrradiance, LightKind, Mesh, Rgb, Scene, Shape};
 /// overflowed, or `is_single` and it has light that numbers of 32 bits cannot hold.
 pub(super) fn problem(scene: &Scene, is_single: bool) -> Option<String> {
     if let Err(invalid) = scene.validate() {
-        return Some(format!("the result is no valid scene: {invalid}"));
+        return Some(format!("the result is not a valid scene: {invalid}"));
     }
     let brightest = if is_single { brightest(scene) } else { 0.0 };
     (brightest > f64::from(f32::MAX)).then(|| {

@@ -37,7 +37,7 @@ struct Lexer<'a> {
 /// [`ReadError`] with line and column: no list of dictionaries, or a patch without a number of faces.
 pub fn read_boundary(bytes: &[u8], file: &str) -> Result<Vec<BoundaryPatch>, ReadError> {
     let Ok(text) = std::str::from_utf8(bytes) else {
-        let found = "bytes that are no text";
+        let found = "bytes that are not text";
         let expected = "a list of patches as text; unpack .gz files first";
         return Err(ReadError::whole(file, found, expected));
     };

@@ -236,7 +236,7 @@ impl ThermalModel {
                 format!("exceed all of its light by {share:.2}%")
             };
             format!(
-                "{name}: the factors of \"{row}\" {fault}, which is no noise, so that heat does not balance: faces \
+                "{name}: the factors of \"{row}\" {fault}, which is more than noise, so that heat does not balance: faces \
                  that overlap count twice; closing the rows spreads what is off over all factors"
             )
         })

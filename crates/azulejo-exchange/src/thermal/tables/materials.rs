@@ -134,7 +134,7 @@ fn between(record: &NamedRecord, column: &str, band: &str) -> Result<SpectralRan
     });
     ends.ok_or_else(|| {
         TableError::new(format_args!(
-            "{}: the band of \"{column}\" is no range of wavelengths in micrometres, as in eps@8-14 or \
+            "{}: the band of \"{column}\" is not a range of wavelengths in micrometres, as in eps@8-14 or \
              eps@4-inf",
             record.place
         ))

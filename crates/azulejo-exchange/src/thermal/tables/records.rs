@@ -67,7 +67,7 @@ fn from_toml(text: &str) -> Result<Vec<NamedRecord>, TableError> {
     let record = |(name, value): (String, toml::Value)| {
         let toml::Value::Table(fields) = value else {
             return Err(TableError::new(format_args!(
-                "\"{name}\" is no table, expected [\"{name}\"] and values below it"
+                "\"{name}\" is not a table, expected [\"{name}\"] and values below it"
             )));
         };
         let field = |(column, value): (String, toml::Value)| {

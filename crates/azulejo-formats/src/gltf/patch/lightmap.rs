@@ -107,7 +107,7 @@ fn name_of(convention: Convention) -> &'static str {
 fn check_edit(source: &Source, edit: &LightmapEdit) -> Result<(), PatchError> {
     let is_number = |i: f64| i.is_finite() && i >= 0.0;
     if !edit.pages.iter().all(|page| is_number(page.intensity)) {
-        return Err(source.refused("a lightmap whose intensity is no number, or negative"));
+        return Err(source.refused("a lightmap whose intensity is not a number, or negative"));
     }
     if edit.instances == InstanceMode::Node && edit.convention != Convention::Mx {
         return Err(source.refused("offsets at nodes, which only MX_lightmap has"));

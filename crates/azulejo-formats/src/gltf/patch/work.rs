@@ -66,7 +66,7 @@ impl<'w> Work<'w> {
             }
         }
         let set = (wished..MOST_SETS).find(|set| !used.contains(&(*set as usize)));
-        let taken = || format!("no set of texture coordinates from TEXCOORD_{wished} on is free");
+        let taken = || format!("no set of texture coordinates is free, from TEXCOORD_{wished} up");
         let set = set.ok_or_else(|| self.source.refused(taken()))?;
         if set != wished {
             notes.add(&format!(
