@@ -76,9 +76,15 @@ pub fn random_enclosure(n: usize, seed: u32) -> Enclosure {
     // Symmetric scaling until Σ_j S_ij (1 − ρ_s,j) = A_i.
     let mut x = vec![1.0; n];
     for _ in 0..2_000 {
+        let mut change = 0.0f64;
         for i in 0..n {
             let sum: f64 = (0..n).map(|j| s[i][j] * x[j] * (1.0 - mirrors[j])).sum();
-            x[i] = (x[i] * areas[i] / sum).sqrt();
+            let before = x[i];
+            x[i] = (before * areas[i] / sum).sqrt();
+            change = change.max((x[i] / before - 1.0).abs());
+        }
+        if change < 1e-15 {
+            break;
         }
     }
     for (row, xi) in s.iter_mut().zip(&x) {
