@@ -339,7 +339,15 @@ fn light_on_the_vertices_of_the_file_itself() {
         assert_eq!(folder.json(&format!("info {lit}"))["solved"], true);
         let stripped = folder.json(&format!("bake {lit} --strip -o again"));
         assert_eq!(stripped["exact"], true);
-        assert!(folder.read("again") == folder.read(file), "{file}");
+        // Blanks of JSON as text may differ, nothing else.
+        let without_blanks = |name: &str| {
+            let mut bytes = folder.read(name);
+            if beside.is_some() {
+                bytes.retain(|byte| !byte.is_ascii_whitespace());
+            }
+            bytes
+        };
+        assert!(without_blanks("again") == without_blanks(file), "{file}");
     }
     // The same light as in a file that is written anew.
     folder.ok("solve room.obj -o anew.glb --keep-mesh --sides front --error 10%");
