@@ -323,7 +323,7 @@ fn example(row: &OptionRow, commands: &[&CommandRows], pages: &[Page]) -> Option
     let is_about = |page: &Page| {
         commands
             .iter()
-            .any(|c| page.text.contains(&format!("`{}`", c.name)))
+            .any(|c| page.text.contains(&format!("{}`", c.name)))
             || calls(&page.text)
     };
     let in_sentences = |page: &Page| {
