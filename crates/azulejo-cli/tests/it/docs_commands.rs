@@ -28,7 +28,7 @@ const RUN: [&str; 10] = [
 ];
 
 /// Parts of lines of these pages that are parsed only, and why.
-const PARSED_ONLY: [(&str, &str); 12] = [
+const PARSED_ONLY: [(&str, &str); 13] = [
     (
         "gold.binary",
         "measured BRDFs are not part of the repository",
@@ -47,6 +47,7 @@ const PARSED_ONLY: [(&str, &str); 12] = [
     ("SLURM", "a script for a queue"),
     ("model/city.obj", "a script for a cloud"),
     ("office.mgf", "a model of others"),
+    ("--font Serif.ttf", "a font with the letters of the text"),
 ];
 
 #[test]
