@@ -134,7 +134,7 @@ fn bad_materials_say_where_and_what() {
         ("name,eps,shine\n*,1,2\n", "there is no column \"shine\""),
         ("name,eps\na,1\na,1\n", "line 3: \"a\" is there already"),
         ("name,eps,eps@0-4\n*,1,1\n", "expected one or the other"),
-        ("name,eps@4-0\n*,1\n", "no range of wavelengths"),
+        ("name,eps@4-0\n*,1\n", "is not a range of wavelengths"),
         ("name,eps@0-4,eps@5-inf\n*,1,1\n", "between 4 and 5 µm"),
         ("name,eps@0-4\n*,1\n", "bands end at 4 µm"),
         ("[a\neps=1", "TOML"),

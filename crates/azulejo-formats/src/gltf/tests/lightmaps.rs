@@ -266,7 +266,7 @@ fn faults_are_warnings() {
         let mut file = square(json!({ "index": 0 }));
         file["materials"][0]["extensions"] = json!({});
         file["nodes"][0]["extensions"] = json!({ "MX_lightmap": { "index": 0, "scale": odd } });
-        let scene = read(&file.to_string(), &["no pair of numbers"]);
+        let scene = read(&file.to_string(), &["not a pair of numbers"]);
         assert!(!scene.has_lightmap());
     }
     let mut file = square(json!({ "index": 0 }));

@@ -9,7 +9,7 @@ use azulejo_scene::{Attribute, Mesh, Scene};
 use serde_json::Value;
 
 /// Places of values that an edit may replace.
-const REPLACED: [&str; 14] = [
+const REPLACED: [&str; 16] = [
     "meshes/*/primitives/*/attributes/*",
     "meshes/*/primitives/*/targets/*/*",
     "meshes/*/primitives/*/indices",
@@ -23,7 +23,9 @@ const REPLACED: [&str; 14] = [
     "materials/*/extensions/MOZ_lightmap/*",
     "buffers/0/byteLength",
     "extensionsUsed",
+    "extensionsUsed/*",
     "extensionsRequired",
+    "extensionsRequired/*",
 ];
 
 /// What an edit gave is the file that it was, once its mark is undone: the same JSON, with its order and the spelling
