@@ -18,7 +18,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-radiosity", 6100),
     ("azulejo-render", 4900),
     ("azulejo-scene", 15_300),
-    ("azulejo-testing", 600),
+    ("azulejo-testing", 540),
     ("azulejo-trace", 12_400),
     ("azulejo-workbench", 28_000),
 ];
