@@ -19,7 +19,7 @@
 //! This crate knows texels, not how light is computed: that comes from the caller, through
 //! [`LookRequest`] and [`PairRequest`]. `azulejo::lightmap::bake` brings both together.
 //!
-//! Several processes can share the work ([`Work`](azulejo_trace::Work)): what is expensive is divided between them, and all get the
+//! Several processes can share the work ([`Run`](azulejo_trace::Run)): what is expensive is divided between them, and all get the
 //! results of all, with the bits of one process.
 
 mod atlas;
