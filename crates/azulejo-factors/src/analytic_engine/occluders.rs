@@ -57,6 +57,9 @@ impl SceneOccluders {
         let known = flat.iter().zip(&flat_surfaces);
         known.for_each(|(&i, &of)| surface[i] = of);
         let mut entered = seen_from_inside(patches, surfaces, sides, &surface);
+        // Rows on backs see the backs of their own surface wherever it is not convex.
+        let own_backs = sides.iter().filter(|&side| side % 2 == 1);
+        entered.extend(own_backs.filter_map(|&side| surface[(side / 2) as usize]));
         entered.extend(inside_out(&polygons, &flat_surfaces, &bounds));
         let is_inside = |of: &Option<u32>| of.is_none_or(|s| entered.contains(&s));
         let shows_back = surface.iter().map(is_inside).collect();

@@ -408,6 +408,35 @@ fn check_against_rays(scene: &Scene) {
     assert!(chi < 1.5 * count, "χ² {chi} of {count}");
 }
 
+/// Outside of the notch of an L-shaped room, the backs of two walls see each other, and nothing in the room sees them.
+#[test]
+fn backs_of_a_room_with_a_notch_are_hidden_from_inside() {
+    let mut scene = Scene::default();
+    let outline = [[0, 0], [4, 0], [4, 2], [2, 2], [2, 5], [0, 5]].map(|p| p.map(f64::from));
+    let mut mesh = Mesh::default();
+    for height in [0.0, 2.5] {
+        mesh.positions
+            .extend(outline.map(|[x, y]| dvec3(x, y, height)));
+    }
+    let grey = scene.add_material(scenes::surface(0.5, 0.0, 0.0));
+    mesh.push_face(&[0, 1, 2, 3, 4, 5], grey);
+    mesh.push_face(&[11, 10, 9, 8, 7, 6], grey);
+    for p in 0..6 {
+        let q = (p + 1) % 6;
+        mesh.push_face(&[q, p, p + 6, q + 6], grey);
+    }
+    scene.objects.push(Object::new("room", Shape::Mesh(mesh)));
+    let (along, across) = (DVec3::Y, DVec3::X);
+    scenes::add_sheet(
+        &mut scene,
+        dvec3(0.5, 3.5, 2.4),
+        along,
+        across,
+        scenes::surface(0.0, 0.0, 1.0),
+    );
+    check_against_rays(&scene);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if azulejo_testing::is_thorough() { 4 } else { 2 }))]
     #[test]

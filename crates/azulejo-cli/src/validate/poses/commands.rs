@@ -86,7 +86,9 @@ pub fn commands() -> Vec<PosedCommand> {
             };
             commands.push(PosedCommand {
                 most_faces,
-                takes_solids: takes_solids && by_object,
+                // A solid stands on something: which of the two surfaces in one place a ray from inside meets has no
+                // answer.
+                takes_solids: takes_solids && by_object && !is_two_sided,
                 ..PosedCommand::new(
                     format!("form-factors {engine} by {group}{words}"),
                     &format!("--engine {engine} {options} {formulas}{sides}"),
