@@ -29,6 +29,10 @@ const FAR: f64 = 0.1;
 /// measured.
 const UNCUT: f64 = 0.01;
 
+/// Relative error of cells where the facets and an obstruction touch, which no quartering ends: measured, at the
+/// walls of a box without bottom, from inside.
+const TOUCHING: f64 = 5e-3;
+
 /// A blocker or window, with the edges that matter.
 #[derive(Clone, Copy)]
 struct Obstruction<'a> {
@@ -47,8 +51,10 @@ pub(super) struct PartialVisibility {
     rest: [ClippedPolygon; 2],
     /// Whether there are more cells than are cut.
     is_uncut: bool,
-    /// Error of the present pair beyond its goal.
+    /// Error of the present pair beyond its goal: of cells with discontinuities inside, and of those at contacts,
+    /// whose errors are alike.
     doubt: f64,
+    contact_doubt: f64,
     /// What was done.
     pub work: PairWork,
 }
@@ -170,6 +176,7 @@ impl PartialVisibility {
             wants_seen,
         };
         self.doubt = 0.0;
+        self.contact_doubt = 0.0;
         self.work.count(WorkKind::Contour, 1);
         let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
         let value = base
@@ -180,7 +187,7 @@ impl PartialVisibility {
             };
         Approximate {
             value: value.max(0.0),
-            error: goal.error + self.doubt,
+            error: goal.error + self.doubt + self.contact_doubt,
         }
     }
 
@@ -243,8 +250,11 @@ impl PartialVisibility {
             self.work.count(WorkKind::Contour, 2 * slabs);
             return value;
         }
-        if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
-            return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
+        if points == 3 && !fits(3) {
+            if pair.depth < MOST_DEPTH {
+                return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
+            }
+            self.contact_doubt += TOUCHING * size;
         }
         let (from_to, way, is_far) = if ratio_a <= ratio_b {
             ([a, b], 1.0, is_far(ratio_b))
