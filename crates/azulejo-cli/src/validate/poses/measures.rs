@@ -368,7 +368,9 @@ impl Inquiry<'_> {
         if emitted <= 0.0 || self.posed.traits().has_lights {
             return Vec::new();
         }
-        let error = number(report, "error_noise") / number(report, "points").max(1.0).sqrt();
+        // The balance is that of the patches, of which a few lamps may send all light.
+        let noise = number(report, "error_noise") / number(report, "points").max(1.0).sqrt();
+        let error = noise.max(number(report, "patch_error"));
         let share = |key: &str| Quantity {
             name: format!("{key} share"),
             value: sum(key) / emitted,
