@@ -308,7 +308,7 @@ impl<'a> PreparedPlan<'a> {
         self.engine != Engine::Analytic && factors.seeing_lose_no_light(is_seeing)
     }
 
-    /// The engine: the one that was chosen, if it was to be chosen.
+    /// The engine of the matrix: as requested, or as chosen automatically.
     pub fn engine(&self) -> &Engine {
         &self.engine
     }

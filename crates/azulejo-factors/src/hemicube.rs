@@ -118,7 +118,7 @@ impl<'a> HemicubeEstimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> HemicubeEstimator<'a> {
-        // The scene as facets, and the patches that item buffers cannot render the light of.
+        // The scene as facets, and the patches whose reflections item buffers cannot render.
         let facets = PatchFacets::new(patches);
         let world = world::world(gatherer.surfaces().scene, patches, &facets);
         let is_window = |m: u32| m != NO_MIRROR && mirrors == MirrorHandling::Rays;
@@ -136,7 +136,7 @@ impl<'a> HemicubeEstimator<'a> {
                 MirrorHandling::Rays => Beyond::List,
             },
         };
-        // As many hemicubes for each replicate of a row.
+        // Every replicate of a row has equally many hemicubes.
         let eyes = match points {
             Some(points) => points.map(|n| eyes(n.max(2))),
             None => SampleCounts::Alike(options.eyes()),

@@ -285,7 +285,7 @@ fn notes(pairs: &AllPairs, exchanger: &Exchanger, rays: Option<u32>) -> Vec<Stri
     )];
     if t.unresolved > 0 {
         notes.push(format!(
-            "{} pairs with too many occluders took shadow rays",
+            "shadow rays estimated {} pairs with too many occluders",
             t.unresolved
         ));
     }
@@ -304,7 +304,7 @@ fn notes(pairs: &AllPairs, exchanger: &Exchanger, rays: Option<u32>) -> Vec<Stri
     }
     if let Some(rays) = rays {
         notes.push(format!(
-            "{rays} rays per row found the light without formulas"
+            "rays found the light without formulas, {rays} per row"
         ));
     }
     notes

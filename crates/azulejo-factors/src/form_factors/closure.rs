@@ -108,32 +108,11 @@ impl FormFactors {
         weight: ClosureWeight,
         progress: &Progress,
     ) -> Result<Option<Vec<f64>>, Cancelled> {
-        // The smallest change that makes all rows complete.
-        let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
-        let ended = self.ended();
-        let rows = || self.areas.iter().zip(&self.rest);
-        let outside = |a: f64, value: f64, error: f64| a * a * weight.variance(error, value);
-        let deficit = |((a, r), ended): ((&f64, &RowRemainder), &f64)| {
-            let lacks = 1.0 - r.sum() - ended;
-            let is_missing = weight.is_spread() && lacks.abs() > MISSING;
-            if is_missing { 0.0 } else { a * lacks }
-        };
-        let smoothing = Smoothing {
-            exchange: &self.exchange,
-            variance: |_, e: &Exchange| variance(e),
-            weights: &self.ends,
-            free: rows()
-                .map(|(&a, r)| {
-                    outside(a, r.sky, r.sky_error) + outside(a, r.ground, r.ground_error)
-                })
-                .collect(),
-            deficits: rows().zip(&ended).map(deficit).collect(),
-            tolerated: self.areas.iter().map(|a| a * TOLERANCE).collect(),
-        };
-        let change = smoothing.solve(progress)?;
+        let change = self.smoothing(weight).solve(progress)?;
         // How far it would move each row, which has to agree with the row's errors.
         let changed = |i| changed_rest(&self.rest[i], weight, &change, i, self.areas[i]);
         let rest: Vec<RowRemainder> = (0..self.len()).map(changed).collect();
+        let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
         let ratio = |i: usize, e: &Exchange| Some(change.ratio(variance(e), i, e));
         let mut moved = self.moved(ratio);
         for (i, moved) in moved.iter_mut().enumerate() {
@@ -148,6 +127,30 @@ impl FormFactors {
         self.scale(false, ratio);
         self.rest = rest;
         Ok(Some(moved))
+    }
+
+    /// The smallest change that makes all rows complete.
+    fn smoothing(
+        &self,
+        weight: ClosureWeight,
+    ) -> Smoothing<'_, impl Fn(usize, &Exchange) -> f64 + Sync> {
+        let (mut free, mut deficits) = (Vec::new(), Vec::new());
+        for ((&a, rest), ended) in self.areas.iter().zip(&self.rest).zip(self.ended()) {
+            let shares = [(rest.sky, rest.sky_error), (rest.ground, rest.ground_error)];
+            let [sky, ground] = shares.map(|(value, error)| a * a * weight.variance(error, value));
+            free.push(sky + ground);
+            let lacks = 1.0 - rest.sum() - ended;
+            let is_missing = weight.is_spread() && lacks.abs() > MISSING;
+            deficits.push(if is_missing { 0.0 } else { a * lacks });
+        }
+        Smoothing {
+            exchange: &self.exchange,
+            variance: move |_, e: &Exchange| weight.variance(f64::from(e.error), e.value),
+            weights: &self.ends,
+            free,
+            deficits,
+            tolerated: self.areas.iter().map(|a| a * TOLERANCE).collect(),
+        }
     }
 
     /// The largest Σ_j |ΔX_ij| of each row that its errors and the deficits explain.

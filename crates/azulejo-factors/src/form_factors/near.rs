@@ -24,7 +24,7 @@ pub(super) struct PairEstimate {
 /// The exact estimates of one row, by column.
 pub(super) type PairEstimates = Vec<PairEstimate>;
 
-/// The exact estimates of row `i`; none where no pair has any.
+/// The exact estimates of row `i`; none if `exact` has no rows.
 pub(super) fn formulas(exact: &[PairEstimates], i: usize) -> &[PairEstimate] {
     exact.get(i).map_or(&[][..], |row| row)
 }

@@ -27,16 +27,10 @@ impl PreparedPlan<'_> {
         let n = factors.len();
         let missing: Vec<f64> = factors.ended().iter().map(|ended| 1.0 - ended).collect();
         let errors = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
-        let is_seeing: Vec<bool> = factors
-            .exchange
-            .row_lengths()
-            .iter()
-            .map(|&count| count > 0)
-            .collect();
-        let allowed = |i: usize| 2.0 * errors[i] + ROUNDING + exchanger.crack(i);
-        let lacks = |i: usize, share: f64| share > allowed(i);
-        let is_short = |i: usize| lacks(i, missing[i]);
-        let is_short_somewhere = (0..n).any(|i| is_seeing[i] && is_short(i));
+        let lengths = factors.exchange.row_lengths();
+        let is_seeing: Vec<bool> = lengths.iter().map(|&count| count > 0).collect();
+        let lacks = |i: usize, share: f64| share > 2.0 * errors[i] + ROUNDING + exchanger.crack(i);
+        let is_short_somewhere = (0..n).any(|i| is_seeing[i] && lacks(i, missing[i]));
         let rows: Vec<usize> = (0..n)
             .filter(|&i| missing[i] > ROUNDING && (is_short_somewhere || !is_seeing[i]))
             .collect();

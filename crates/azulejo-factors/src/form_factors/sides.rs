@@ -91,8 +91,8 @@ impl<'a> Sides<'a> {
         let step = narrow.iter().map(|row| row.0).fold(0.0, f64::max);
         (!narrow.is_empty()).then(|| {
             format!(
-                "{} rows are less than {NARROW} times as wide as the {step:.1e} that rays start off a surface in so \
-                 large a scene, and see what is close to them less exactly than their errors say",
+                "{} rows are less than {NARROW} times as wide as the distance of {step:.1e} at which rays start \
+                 off surfaces in a scene of this size: they see what is close less exactly than their errors say",
                 narrow.len()
             )
         })

@@ -104,7 +104,7 @@ impl Division {
         let mut edge_points = EdgePoints::even(edge_pieces(outline, size));
         edge_points.cut_at_ends(outline, plan.contacts, &lines, size);
         let cells = |(region, lines): (&Region, &Option<Box<Lines>>)| {
-            let size = plan.size_of(region, size);
+            let size = plan.region_size(region, size);
             cells(outline, region, &edge_points, lines.as_deref(), size)
         };
         let regions = outline.regions.par_iter().zip(&lines);
@@ -166,7 +166,7 @@ struct DivisionPlan<'a> {
 
 impl DivisionPlan<'_> {
     /// The size of the cells of a region where it is `size` in general.
-    fn size_of(self, region: &Region, size: f64) -> f64 {
+    fn region_size(self, region: &Region, size: f64) -> f64 {
         let shape = &self.outline.scene.objects[region.object as usize].shape;
         match shape {
             Shape::Primitive(primitive) if !is_flat(primitive.kind) => size.min(self.curved),
