@@ -94,18 +94,18 @@ fn room(scene: &Scene) -> (f64, f64) {
     };
     let (wall, cpu) = (Instant::now(), cpu_seconds());
     let tracer = Tracer::new(scene);
-    let found = form_factors(scene, &tracer, &options, &Progress::new()).expect("a room");
+    let factors = form_factors(scene, &tracer, &options, &Progress::new()).expect("a room");
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
-    let off: Vec<f64> = found.row_sums().iter().map(|s| s - 1.0).collect();
+    let off: Vec<f64> = factors.row_sums().iter().map(|s| s - 1.0).collect();
     let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
     let max = off.iter().map(|d| d.abs()).fold(0.0, f64::max);
     println!(
         "{:6} {wall:8.2} {cpu:8.2}            {:9}  {:8.0}       {rms:.2e} {max:.2e}",
-        found.len(),
-        found.exchange.pairs(),
+        factors.len(),
+        factors.exchange.pairs(),
         peak_mebibytes(),
     );
-    found
+    factors
         .engine_used
         .notes
         .iter()
@@ -115,5 +115,5 @@ fn room(scene: &Scene) -> (f64, f64) {
         "         worst row {worst:?}, mean {:.1e}",
         off.iter().sum::<f64>() / off.len() as f64
     );
-    (found.len() as f64, cpu)
+    (factors.len() as f64, cpu)
 }

@@ -43,9 +43,9 @@ fn truths() {
         for analytic in [false, true] {
             let options = options(1 << 16, analytic);
             let tracer = Tracer::new(&case.scene);
-            let found = case.ask(&tracer, &options, &Progress::new());
-            let (found, _) = found.expect("there are surfaces");
-            let (f, error) = (found.value, found.error);
+            let factor = case.ask(&tracer, &options, &Progress::new());
+            let (factor, _) = factor.expect("there are surfaces");
+            let (f, error) = (factor.value, factor.error);
             let off = (f - case.truth.value) / error;
             print!("   {f:.9} ± {error:.1e} {off:+6.2} SE");
         }
@@ -70,9 +70,9 @@ fn room(rays: u32) {
     let scene = furnished_room(14_500);
     for analytic in [false, true] {
         let (wall, cpu) = (Instant::now(), cpu_seconds());
-        let found = compute(&scene, &options(rays, analytic));
+        let factors = compute(&scene, &options(rays, analytic));
         let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
-        let (n, entries) = (found.len() as f64, found.exchange.entries() as f64);
+        let (n, entries) = (factors.len() as f64, factors.exchange.entries() as f64);
         let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
         println!(
             "\nroom, {n} patches, {rays} rays each, formulas {analytic}\n\
@@ -80,14 +80,14 @@ fn room(rays: u32) {
              {:.0} entries a row, {:.0} bytes a patch, peak {:.0} MiB\n\
              row error {:.4}, correction {:.3}, closed {}, escaped {:.1e}",
             n / wall,
-            found.rays as f64 / wall,
+            factors.rays as f64 / wall,
             entries / n,
-            found.exchange.bytes() as f64 / n,
+            factors.exchange.bytes() as f64 / n,
             peak_mebibytes(),
-            mean(&found.row_errors),
-            found.closed.map_or(0.0, |m| m.total),
-            found.is_closed,
-            found.rest.iter().map(|r| r.escaped()).sum::<f64>() / n,
+            mean(&factors.row_errors),
+            factors.closed.map_or(0.0, |m| m.total),
+            factors.is_closed,
+            factors.rest.iter().map(|r| r.escaped()).sum::<f64>() / n,
         );
     }
 }

@@ -93,12 +93,12 @@ fn box_errors(
             ..FormFactorOptions::default()
         };
         let tracer = Tracer::new(scene);
-        let found = form_factors(scene, &tracer, &options, &Progress::new());
-        let found = found.expect("there are surfaces");
-        let objects: Vec<Option<u32>> = found.faces.iter().map(|f| Some(f.object)).collect();
-        let found = found.grouped(&objects, 6);
+        let factors = form_factors(scene, &tracer, &options, &Progress::new());
+        let factors = factors.expect("there are surfaces");
+        let objects: Vec<Option<u32>> = factors.faces.iter().map(|f| Some(f.object)).collect();
+        let factors = factors.grouped(&objects, 6);
         for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
-            let ((factor, error), truth) = (found.get(i, j as u32), between_walls(i, j));
+            let ((factor, error), truth) = (factors.get(i, j as u32), between_walls(i, j));
             off += (factor / truth - 1.0).powi(2);
             stated += (f64::from(error) / truth).powi(2);
             count += 1.0;
@@ -172,9 +172,9 @@ fn print_body() {
             };
             let before = usage::cpu_seconds();
             let tracer = Tracer::new(&scene);
-            let found = form_factors(&scene, &tracer, &options, &Progress::new());
+            let result = form_factors(&scene, &tracer, &options, &Progress::new());
             let took = usage::cpu_seconds() - before;
-            match found.map(|factors| radiosity(&factors, diffuse, truth)) {
+            match result.map(|factors| radiosity(&factors, diffuse, truth)) {
                 Ok((mean, error)) => {
                     println!("  {name:<22}  {took:>7.2}  {mean:>10.4}  {error:>14.5}");
                 }

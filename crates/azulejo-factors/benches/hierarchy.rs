@@ -78,10 +78,10 @@ struct Seconds {
 /// What something takes, with its result.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     let (start, cpu) = (Instant::now(), cpu_seconds());
-    let found = work();
+    let result = work();
     let wall = start.elapsed().as_secs_f64();
     let cpu = cpu_seconds() - cpu;
-    (found, Seconds { wall, cpu })
+    (result, Seconds { wall, cpu })
 }
 
 /// Seconds of a product with a vector, mean of a few.
@@ -105,11 +105,11 @@ fn compress(scene: &Scene, options: &FormFactorOptions) {
             keep_sums: true,
         };
         let new = || CompressedFactors::new(&full, &places, &options, &Progress::new());
-        let (found, seconds) = timed(new);
-        let found = found.expect("a tolerance");
-        describe(&format!("{tolerance:e}"), &found, seconds);
-        structure(&found);
-        errors(&found, &full);
+        let (compressed, seconds) = timed(new);
+        let compressed = compressed.expect("a tolerance");
+        describe(&format!("{tolerance:e}"), &compressed, seconds);
+        structure(&compressed);
+        errors(&compressed, &full);
     }
 }
 
@@ -130,21 +130,21 @@ fn describe(name: &str, operator: &dyn FactorOperator, seconds: Seconds) {
     );
 }
 
-fn structure(found: &CompressedFactors) {
-    let ([sparse, dense, low], [mean, most]) = (found.kinds(), found.deficit);
+fn structure(compressed: &CompressedFactors) {
+    let ([sparse, dense, low], [mean, most]) = (compressed.kinds(), compressed.deficit);
     println!(
         "   {sparse} sparse, {dense} dense, {low} of low rank; bound {:.1e}; rows scaled by up to {:.1e}, sums off by {mean:.1e} RMS, {most:.1e} at most",
-        found.bound, found.scaled
+        compressed.bound, compressed.scaled
     );
 }
 
-fn errors(found: &dyn FactorOperator, exact: &dyn FactorOperator) {
+fn errors(compressed: &dyn FactorOperator, exact: &dyn FactorOperator) {
     let OperatorError {
         product,
         worst,
         most_of_sum,
         mean_of_sum,
-    } = OperatorError::of(found, exact, 4, 1);
+    } = OperatorError::of(compressed, exact, 4, 1);
     println!(
         "   product {product:.1e}, worst x {worst:.1e}; row sums {mean_of_sum:.1e} RMS, {most_of_sum:.1e} at most"
     );
@@ -173,11 +173,11 @@ fn rays(scene: &Scene, options: &FormFactorOptions) {
     let plan = Plan::new(scene, &tracer, options).expect("there are surfaces");
     let plan = plan.prepare();
     for tolerance in [0.0, 1e-2, 1e-3] {
-        let found = built(&plan, tolerance);
-        structure(&found);
-        errors(&found, &exact);
-        light(&found, &exact);
-        calibration(&found, &exact);
+        let compressed = built(&plan, tolerance);
+        structure(&compressed);
+        errors(&compressed, &exact);
+        light(&compressed, &exact);
+        calibration(&compressed, &exact);
     }
 }
 
@@ -187,40 +187,42 @@ fn built(plan: &PreparedPlan, tolerance: f64) -> CompressedFactors {
         keep_sums: true,
     };
     let build = || CompressedFactors::from_rays(plan, &options, &Progress::new());
-    let (found, seconds) = timed(build);
-    let found = found.expect("a tolerance");
-    describe(&format!("by rays, {tolerance:e}"), &found, seconds);
-    found
+    let (compressed, seconds) = timed(build);
+    let compressed = compressed.expect("a tolerance");
+    describe(&format!("by rays, {tolerance:e}"), &compressed, seconds);
+    compressed
 }
 
 /// The error of radiosities: one row in 16 emits, all reflect 0.7.
-fn light(found: &dyn FactorOperator, exact: &dyn FactorOperator) {
-    let n = found.row_areas().len();
+fn light(compressed: &dyn FactorOperator, exact: &dyn FactorOperator) {
+    let n = compressed.row_areas().len();
     let exitance: Vec<f64> = (0..n)
         .map(|i| if i % 1_600 < 100 { 1.0 } else { 0.0 })
         .collect();
     let solve = |operator: &dyn FactorOperator| {
         let ends = (1e-8, 200);
         let work = || radiosities(operator, &exitance, &vec![0.7; n], ends, &Progress::new());
-        let (found, seconds) = timed(work);
-        let (found, iterations) = found.expect("nobody cancels");
-        (found, iterations, seconds)
+        let (solution, seconds) = timed(work);
+        let (solution, iterations) = solution.expect("nobody cancels");
+        (solution, iterations, seconds)
     };
-    let ((b, iterations, seconds), (truth, ..)) = (solve(found), solve(exact));
+    let ((b, iterations, seconds), (truth, ..)) = (solve(compressed), solve(exact));
     let reflected = |k: usize| truth[k] - exitance[k];
     let off: f64 = (0..n).map(|k| (b[k] - truth[k]).powi(2)).sum();
-    let all: f64 = (0..n).map(|k| reflected(k).powi(2)).sum();
+    let whole: f64 = (0..n).map(|k| reflected(k).powi(2)).sum();
     println!(
         "   radiosity: {iterations} iterations, {:.2} s, reflected light off by {:.1e} (RMS over RMS)",
         seconds.wall,
-        (off / all).sqrt()
+        (off / whole).sqrt()
     );
 }
 
 /// Stated over actual errors of a product, and the share within two of them.
-fn calibration(found: &CompressedFactors, exact: &dyn FactorOperator) {
-    let x: Vec<f64> = (0..found.len()).map(|i| ((i / 100) % 7) as f64).collect();
-    let ((y, stated), truth) = (found.apply_with_errors(&x), exact.apply(&x));
+fn calibration(compressed: &CompressedFactors, exact: &dyn FactorOperator) {
+    let x: Vec<f64> = (0..compressed.len())
+        .map(|i| ((i / 100) % 7) as f64)
+        .collect();
+    let ((y, stated), truth) = (compressed.apply_with_errors(&x), exact.apply(&x));
     let off: Vec<f64> = y.iter().zip(&truth).map(|(y, t)| (y - t).abs()).collect();
     let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let within = off
@@ -245,11 +247,11 @@ fn large(scene: &Scene, options: &FormFactorOptions, tolerance: f64) {
         start.elapsed().as_secs_f64(),
         peak_mebibytes()
     );
-    let found = built(&plan, tolerance);
-    structure(&found);
+    let compressed = built(&plan, tolerance);
+    structure(&compressed);
     println!(
         "   {:.2e} rays; {:.1} s and {:.0} MiB in all",
-        found.rays as f64,
+        compressed.rays as f64,
         start.elapsed().as_secs_f64(),
         peak_mebibytes()
     );

@@ -117,11 +117,8 @@ pub(crate) fn exchange_area_fast(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> f
         return 0.0;
     };
     let area = pair.fast(accuracy) * pair.scale * pair.scale;
-    if area > 0.0 && area.is_finite() {
-        area
-    } else {
-        0.0
-    }
+    let is_area = area > 0.0 && area.is_finite();
+    if is_area { area } else { 0.0 }
 }
 
 /// The form factor with both polygons replaced by their centroids, where that is accurate enough:
@@ -170,28 +167,19 @@ impl Pair {
     /// `None` if no point of one polygon sees a point of the other, or there is no polygon.
     fn new(p1: &[DVec3], p2: &[DVec3]) -> Option<Pair> {
         let origin = *p1.first()?;
-        let largest = |p: &[DVec3]| {
-            p.iter()
-                .map(|c| (c - origin).abs().max_element())
-                .fold(0.0, f64::max)
-        };
-        let scale = largest(p1).max(largest(p2));
-        let scaled = |p: &[DVec3]| {
-            p.iter()
-                .map(|&c| (c - origin) / scale)
-                .collect::<ArrayPolygon>()
-        };
-        let (p1, p2) = (scaled(p1), scaled(p2));
-        let finite = |p: &[DVec3]| p.iter().all(|c| c.is_finite());
-        if !finite(&p1) || !finite(&p2) {
+        let reaches = p1
+            .iter()
+            .chain(p2)
+            .map(|c| (c - origin).abs().max_element());
+        let scale = reaches.fold(0.0, f64::max);
+        let [p1, p2] = [p1, p2].map(|p| scaled(p, origin, scale));
+        if !p1.iter().chain(p2.iter()).all(|c| c.is_finite()) {
             return None;
         }
         // The coordinates were rounded before they were moved to the origin.
         let rounding = 8.0 * f64::EPSILON * (1.0 + origin.abs().max_element() / scale);
-        let (plane1, plane2) = (
-            PolygonPlane::new(&p1, rounding)?,
-            PolygonPlane::new(&p2, rounding)?,
-        );
+        let plane1 = PolygonPlane::new(&p1, rounding)?;
+        let plane2 = PolygonPlane::new(&p2, rounding)?;
         Some(Pair {
             p1: Side::new(plane2.cut(p1)?, plane1.normal)?,
             p2: Side::new(plane1.cut(p2)?, plane2.normal)?,
@@ -273,6 +261,11 @@ impl Pair {
     }
 }
 
+/// A polygon in coordinates from `origin`, in units of `scale`.
+fn scaled(polygon: &[DVec3], origin: DVec3, scale: f64) -> ArrayPolygon {
+    polygon.iter().map(|&c| (c - origin) / scale).collect()
+}
+
 /// Form factor density cos₁ cos₂ / (π r²) between two points.
 fn kernel(x: DVec3, normal_x: DVec3, y: DVec3, normal_y: DVec3) -> f64 {
     let r = y - x;
@@ -322,9 +315,7 @@ impl Side {
     }
 
     fn distance_to_contour(&self, point: DVec3) -> f64 {
-        let next = self.polygon.iter().cycle().skip(1);
-        let edges = self.polygon.iter().zip(next);
-        let squared = edges.map(|(&a, &b)| {
+        let squared = edges(&self.polygon).map(|(a, b)| {
             let along = ((point - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
             (point - a.lerp(b, along)).length_squared()
         });
@@ -350,6 +341,19 @@ fn radius_squared(polygon: &[DVec3], centre: DVec3) -> f64 {
         .iter()
         .map(|c| (c - centre).length_squared())
         .fold(0.0, f64::max)
+}
+
+/// The lowest and the highest of some numbers.
+fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    })
+}
+
+/// The edges of a polygon, from each corner to the next.
+fn edges(polygon: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
+    let next = polygon.iter().cycle().skip(1);
+    polygon.iter().copied().zip(next.copied())
 }
 
 /// The plane of a polygon.
@@ -379,9 +383,7 @@ impl PolygonPlane {
     /// The part of `polygon` in front; `None` if that is empty or within rounding.
     fn cut(&self, polygon: ArrayPolygon) -> Option<ArrayPolygon> {
         let heights = polygon.iter().map(|&c| (c - self.point).dot(self.normal));
-        let (lowest, highest) = heights.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), h| {
-            (low.min(h), high.max(h))
-        });
+        let (lowest, highest) = extremes(heights);
         if highest <= self.rounding {
             None
         } else if lowest >= 0.0 {

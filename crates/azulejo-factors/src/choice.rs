@@ -10,6 +10,7 @@ use crate::analytic_engine::exchanger::{Exchanger, ExchangerOptions};
 use crate::engine::Engine;
 use crate::patch::Patches;
 use crate::row::Side;
+use crate::shadow_rays::facing_ray;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::sampling::{cosine_about, seeds, sobol};
 use azulejo_trace::{KernelRay, Surfaces};
@@ -21,10 +22,10 @@ const WORTH: f64 = 4.0;
 /// Seconds that formulas may always take.
 const SHORT: f64 = 1.0;
 
-/// What takes this many times its forecast is left to rays.
+/// Rows that take this many times their forecast are left to rays.
 const OUTLASTED: f64 = 5.0;
 
-/// Seconds of a row that are no surprise.
+/// Seconds that any row may take.
 const LEAST_ROW: f64 = 1e-3;
 
 /// Share of the time of rays that a forecast may take, and seconds that it always may.
@@ -73,7 +74,7 @@ pub struct EngineChoice {
     /// Seconds that formulas for all pairs take on one core, by counted work; infinite where they are not
     /// considered.
     pub seconds: f64,
-    /// Seconds that the view factors of the sky take besides.
+    /// Additional seconds for the view factors of the sky.
     pub sky_seconds: f64,
     /// Seconds of the pairs of the longest of a few rows.
     pub row_seconds: f64,
@@ -82,17 +83,17 @@ pub struct EngineChoice {
 }
 
 impl EngineChoice {
-    /// The properties of a scene as divided into `patches`; rows by rays have formulas for so many close pairs.
+    /// The properties of a scene as divided into `patches`; rows by rays have formulas for `close_pairs`.
     pub fn of(
         surfaces: &Surfaces,
         patches: &Patches,
         memory: u64,
         close_pairs: usize,
     ) -> EngineChoice {
-        let (mut flat, mut all) = (0.0, 0.0);
+        let (mut flat, mut whole) = (0.0, 0.0);
         for p in 0..patches.len() {
             let area = patches.area(p);
-            all += area;
+            whole += area;
             if patches.polygon(p).is_some() {
                 flat += area;
             }
@@ -100,7 +101,7 @@ impl EngineChoice {
         let materials = patches.materials_in_use(surfaces.scene);
         let choice = EngineChoice {
             patches: patches.len(),
-            flat: flat / f64::max(all, f64::MIN_POSITIVE),
+            flat: flat / f64::max(whole, f64::MIN_POSITIVE),
             is_specular: materials.iter().any(|m| m.is_specular()),
             visible: visible_shares(surfaces, patches),
             met: met_share(surfaces, patches),
@@ -112,11 +113,8 @@ impl EngineChoice {
         };
         let tracer = surfaces.tracer;
         let is_for_rays = tracer.is_repeated() || tracer.has_see_through();
-        if is_for_rays
-            || choice.flat < MOSTLY_FLAT
-            || !choice.fits()
-            || choice.patches > MOST_PATCHES
-        {
+        let is_for_formulas = choice.flat >= MOSTLY_FLAT && choice.fits();
+        if is_for_rays || !is_for_formulas || choice.patches > MOST_PATCHES {
             return choice;
         }
         choice.with_forecast(surfaces, patches)
@@ -137,7 +135,7 @@ impl EngineChoice {
         let sky_seconds = if work.open.is_empty() {
             0.0
         } else {
-            // Light ends on backs, too, which are no rows.
+            // Light ends on backs, too, which are not rows.
             let backs = exchanger.hidden_sides(|_, is_front| is_front);
             let sides = fronts().chain(backs).collect();
             let exchanger = Exchanger::new(patches, surfaces, sides, options);
@@ -151,7 +149,7 @@ impl EngineChoice {
         }
     }
 
-    /// Seconds that so many rays from each patch take.
+    /// Seconds that `rays` rays from each patch take.
     fn ray_seconds(&self, rays: f64) -> f64 {
         let patches = self.patches.max(1) as f64;
         let [start, meeting, locating, curved] = SECONDS_PER_RAY;
@@ -159,7 +157,7 @@ impl EngineChoice {
         patches * rays * (start + meeting + curved * (1.0 - self.flat))
     }
 
-    /// Seconds of a matrix by so many rays from each patch, with formulas for close pairs.
+    /// Seconds of a matrix by `rays` rays from each patch, with formulas for close pairs.
     fn matrix_seconds(&self, rays: f64) -> f64 {
         self.ray_seconds(rays) + self.close_pairs as f64 * SECONDS_PER_PAIR
     }
@@ -167,7 +165,7 @@ impl EngineChoice {
     /// Seconds of CPU time of an engine that was chosen for form factors.
     pub fn seconds_of(&self, engine: &Engine, rays: f64) -> f64 {
         match engine {
-            // Rays follow what has no formula.
+            // Rays follow the light without formulas.
             Engine::Analytic if self.is_specular || self.flat < 1.0 => {
                 self.seconds + self.sky_seconds + self.ray_seconds(rays)
             }
@@ -196,7 +194,7 @@ impl EngineChoice {
         self.pair_bytes() <= self.memory as f64
     }
 
-    /// The engine for a matrix of form factors, where a row takes so many `rays`, and the reason.
+    /// The engine for a matrix of form factors, where a row takes `rays`, and the reason.
     pub fn for_factors(&self, rays: f64) -> (Engine, String) {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
@@ -208,24 +206,25 @@ impl EngineChoice {
                 "rays, because the {seen:.1}% of the pairs of {n} patches that see each other may \
                  take {gibibytes:.1} GiB"
             );
-            (Engine::Rays, why)
-        } else if self.flat < MOSTLY_FLAT {
+            return (Engine::Rays, why);
+        }
+        if self.flat < MOSTLY_FLAT {
             let curved = 100.0 * (1.0 - self.flat);
             let why = format!("rays, because {curved:.0}% of the area is curved");
-            (Engine::Rays, why)
-        } else if by_formulas > f64::max(WORTH * by_rays, SHORT) {
+            return (Engine::Rays, why);
+        }
+        if by_formulas > f64::max(WORTH * by_rays, SHORT) {
             let why = format!(
                 "rays, because they take about {by_rays:.2} s of CPU time, and formulas for {n} patches, of \
                  whose pairs {seen:.1}% see each other, {by_formulas:.0} s or more"
             );
-            (Engine::Rays, why)
-        } else {
-            let why = format!(
-                "analytic, because formulas for {n} flat patches, of whose pairs {seen:.1}% see each other, \
-                 take about {by_formulas:.2} s of CPU time"
-            );
-            (Engine::Analytic, why)
+            return (Engine::Rays, why);
         }
+        let why = format!(
+            "analytic, because formulas for {n} flat patches, of whose pairs {seen:.1}% see each other, \
+             take about {by_formulas:.2} s of CPU time"
+        );
+        (Engine::Analytic, why)
     }
 
     /// The engine for solving light to a relative `error`, and the reason. Formulas pay where
@@ -315,24 +314,12 @@ fn met_share(surfaces: &Surfaces, patches: &Patches) -> f64 {
 fn between(
     surfaces: &Surfaces,
     patches: &Patches,
-    pair: [usize; 2],
+    [i, j]: [usize; 2],
     [u, v]: [f64; 2],
 ) -> Option<KernelRay> {
-    let tracer = surfaces.tracer;
-    // Different points on either side, so that the four rays of a pair are no parallels.
-    let [x, y] = [(pair[0], u, v), (pair[1], v, 1.0 - u)].map(|(p, u, v)| patches.sample(p, u, v));
-    let way = y.position - x.position;
-    let faces = way.dot(x.normal) > 0.0 && way.dot(y.normal) < 0.0;
-    let ends = || {
-        (
-            tracer.leaving(x.position, x.normal),
-            tracer.leaving(y.position, y.normal),
-        )
-    };
-    faces.then(|| {
-        let (from, to) = ends();
-        tracer.kernel_ray(&Ray::between(from, to))
-    })
+    // Different points on either side, so that the four rays of a pair are not parallel.
+    let points = [patches.sample(i, u, v), patches.sample(j, v, 1.0 - u)];
+    facing_ray(surfaces.tracer, points.map(|p| (p.position, p.normal)))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! factors are blocks between them ([`hierarchy`](crate::hierarchy)).
 
 use glam::DVec3;
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Weight of normals against positions: opposite normals count as far apart as this share of the
@@ -40,18 +41,18 @@ impl ClusterNode {
 impl ClusterTree {
     /// A tree over facets with these centres and unit normals, in a scene of this size, with at most
     /// `leaf` ≥ 1 facets per leaf.
-    pub fn new(keys_of: &[(DVec3, DVec3)], size: f64, leaf: usize) -> ClusterTree {
+    pub fn new(places: &[(DVec3, DVec3)], size: f64, leaf: usize) -> ClusterTree {
         let key = |&(centre, normal): &(DVec3, DVec3)| {
             let turn = 0.5 * TURN * size * normal;
             [centre.x, centre.y, centre.z, turn.x, turn.y, turn.z]
         };
-        let keys: Vec<[f64; 6]> = keys_of.iter().map(key).collect();
+        let keys: Vec<[f64; 6]> = places.iter().map(key).collect();
         let mut tree = ClusterTree {
-            order: (0..keys_of.len() as u32).collect(),
+            order: (0..places.len() as u32).collect(),
             nodes: Vec::new(),
         };
-        if !keys_of.is_empty() {
-            tree.split(&keys, 0..keys_of.len(), leaf);
+        if !places.is_empty() {
+            tree.split(&keys, 0..places.len(), leaf);
         }
         tree
     }
@@ -67,11 +68,9 @@ impl ClusterTree {
         }
         let items = &mut self.order[range.clone()];
         let extent = |axis: usize| {
-            let values = items.iter().map(|&i| keys[i as usize][axis]);
-            let ends = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            });
-            (ends.0, ends.1 - ends.0)
+            let values = || items.iter().map(|&i| keys[i as usize][axis]);
+            let low = values().fold(f64::INFINITY, f64::min);
+            (low, values().fold(f64::NEG_INFINITY, f64::max) - low)
         };
         let axis = (0..6)
             .max_by(|&a, &b| extent(a).1.total_cmp(&extent(b).1))
@@ -82,9 +81,7 @@ impl ClusterTree {
         let middle = if axis < 3 {
             let half = items.len() / 2;
             items.select_nth_unstable_by(half, |&a, &b| {
-                value(a)
-                    .partial_cmp(&value(b))
-                    .unwrap_or(std::cmp::Ordering::Equal)
+                value(a).partial_cmp(&value(b)).unwrap_or(Ordering::Equal)
             });
             half
         } else {
@@ -118,8 +115,8 @@ mod tests {
                 },
             )
         };
-        let keys_of: Vec<_> = (0..1000).map(place).collect();
-        let tree = ClusterTree::new(&keys_of, 1.0, 4);
+        let places: Vec<_> = (0..1000).map(place).collect();
+        let tree = ClusterTree::new(&places, 1.0, 4);
         let mut order = tree.order.clone();
         order.sort_unstable();
         assert_eq!(order, (0..1000).collect::<Vec<u32>>());

@@ -18,10 +18,10 @@ pub enum Engine {
     Hemicube(Hemicube),
     /// Item buffers for what is seen directly, rays from the pixels of specular surfaces.
     Hybrid(Hemicube),
-    /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
+    /// Closed forms for pairs of polygons, with exact shadows; rays for light without formulas.
     Analytic,
     /// Particles shot from the lights, for solving light alone: no form factors. Where rows are
-    /// wanted all the same, rays compute them.
+    /// needed all the same, rays compute them.
     Particles,
 }
 
@@ -50,15 +50,11 @@ impl Engine {
 
     /// The same with another resolution of its hemicubes, if it has any.
     pub fn with_resolution(self, resolution: u32) -> Engine {
-        let with = |options| Hemicube {
-            resolution,
-            ..options
-        };
-        match self {
-            Engine::Hemicube(options) => Engine::Hemicube(with(options)),
-            Engine::Hybrid(options) => Engine::Hybrid(with(options)),
-            other => other,
+        let mut engine = self;
+        if let Engine::Hemicube(options) | Engine::Hybrid(options) = &mut engine {
+            options.resolution = resolution;
         }
+        engine
     }
 
     /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`](crate::estimator::Estimator::rays) returns them.
@@ -137,6 +133,15 @@ pub struct EngineUsed {
 }
 
 impl EngineUsed {
+    /// An engine on a kernel or device, without notes.
+    pub fn new(name: &str, device: String) -> EngineUsed {
+        EngineUsed {
+            name: name.to_owned(),
+            device,
+            notes: Vec::new(),
+        }
+    }
+
     /// The same with the reason for an automatic choice as the first note.
     pub fn because(mut self, why: Option<String>) -> EngineUsed {
         self.notes.splice(0..0, why);

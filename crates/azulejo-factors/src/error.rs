@@ -1,4 +1,4 @@
-//! Why there are no form factors.
+//! Errors of form factor computations.
 
 use azulejo_trace::Cancelled;
 use std::fmt;

@@ -70,11 +70,7 @@ impl<'a> Estimator<'a> {
     /// as a lost device.
     pub fn engine_used(&self) -> EngineUsed {
         match self {
-            Estimator::Rays(estimator) => EngineUsed {
-                name: "rays".to_owned(),
-                device: estimator.kernel_name(),
-                notes: Vec::new(),
-            },
+            Estimator::Rays(estimator) => EngineUsed::new("rays", estimator.kernel_name()),
             Estimator::Hemicube(estimator) => estimator.engine_used(),
             Estimator::Analytic(estimator) => estimator.engine_used(),
         }

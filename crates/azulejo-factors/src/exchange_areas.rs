@@ -115,10 +115,10 @@ impl ExchangeAreas {
     pub fn get(&self, i: usize, j: usize) -> Exchange {
         let (low, high) = (i.min(j), i.max(j) as u32);
         let row = &self.rows[low];
-        let found = row.binary_search_by_key(&high, |e| e.column);
+        let place = row.binary_search_by_key(&high, |e| e.column);
         Exchange {
             column: j as u32,
-            ..found.map_or(Exchange::default(), |k| row[k])
+            ..place.map_or(Exchange::default(), |k| row[k])
         }
     }
 
@@ -132,10 +132,8 @@ impl ExchangeAreas {
         for (i, upper) in self.rows[..range.end].iter().enumerate() {
             // The entries below the diagonal come from the rows above.
             let first = upper.partition_point(|e| (e.column as usize) < range.start.max(i + 1));
-            for e in upper[first..]
-                .iter()
-                .take_while(|e| (e.column as usize) < range.end)
-            {
+            let is_inside = |e: &&Exchange| (e.column as usize) < range.end;
+            for e in upper[first..].iter().take_while(is_inside) {
                 let mirrored = Exchange {
                     column: i as u32,
                     ..*e
@@ -156,14 +154,17 @@ impl ExchangeAreas {
         let column = j as u32;
         match row.binary_search_by_key(&column, |e| e.column) {
             Ok(k) => row[k].value += value,
-            Err(k) => row.insert(
-                k,
-                Exchange {
-                    column,
-                    value,
-                    error: 0.0,
-                },
-            ),
+            Err(k) => {
+                let error = 0.0;
+                row.insert(
+                    k,
+                    Exchange {
+                        column,
+                        value,
+                        error,
+                    },
+                );
+            }
         }
         self.rows[i] = row.into();
     }

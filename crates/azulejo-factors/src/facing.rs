@@ -68,9 +68,9 @@ pub fn inside_out(
     });
     let counts: Vec<(FacingCounts, [u32; 2])> = counts.collect::<Result<_, _>>()?;
     let turned = counts.iter().enumerate();
-    let turned = turned.filter(|(_, (of_others, _))| of_others.is_turned());
+    let turned = turned.filter(|(_, (others, _))| others.is_turned());
     let turned: Vec<u32> = turned.map(|(k, _)| k as u32).collect();
-    let sum = |of: fn(&(FacingCounts, [u32; 2])) -> u32| counts.iter().map(of).sum::<u32>();
+    let sum = |hits: fn(&(FacingCounts, [u32; 2])) -> u32| counts.iter().map(hits).sum::<u32>();
     let fronts = sum(|(others, own)| others.front.iter().sum::<u32>() + own[0]);
     let backs = sum(|(others, own)| others.back[1] + own[1]);
     Ok(if !turned.is_empty() {
@@ -90,8 +90,8 @@ fn count(patches: &Patches, tracer: &Tracer, object: u32) -> (FacingCounts, [u32
     let (mut patch, mut reached) = (rows.start, 0.0);
     for ray in 0..RAYS {
         // Patches by their areas, at even steps.
-        let wanted = area * (f64::from(ray) + 0.5) / f64::from(RAYS);
-        while patch + 1 < rows.end && reached + patches.area(patch) < wanted {
+        let target = area * (f64::from(ray) + 0.5) / f64::from(RAYS);
+        while patch + 1 < rows.end && reached + patches.area(patch) < target {
             reached += patches.area(patch);
             patch += 1;
         }
@@ -123,14 +123,14 @@ mod tests {
     use azulejo_scene::synthetic::{cube_room, room_with_table, street_with_detail};
     use glam::{DAffine3, DVec3};
 
-    fn found(scene: &Scene) -> InsideOut {
+    fn orientation(scene: &Scene) -> InsideOut {
         inside_out(scene, &Tracer::new(scene), &Progress::new()).unwrap()
     }
 
     #[test]
     fn what_is_right_stays() {
         for scene in [cube_room(), room_with_table(500), street_with_detail(0.02)] {
-            assert_eq!(found(&scene), InsideOut::Nothing);
+            assert_eq!(orientation(&scene), InsideOut::Nothing);
         }
     }
 
@@ -141,13 +141,13 @@ mod tests {
         let smaller = DAffine3::from_translation(DVec3::splat(0.4));
         let smaller = smaller * DAffine3::from_scale(DVec3::splat(0.2));
         scene.merge(cube_room().transformed(&smaller));
-        assert_eq!(found(&scene), InsideOut::Objects(vec![1]));
+        assert_eq!(orientation(&scene), InsideOut::Objects(vec![1]));
         scene.objects[1].turn_inside_out();
-        assert_eq!(found(&scene), InsideOut::Nothing);
+        assert_eq!(orientation(&scene), InsideOut::Nothing);
         let mut scene = cube_room();
         scene.objects[0].turn_inside_out();
-        assert_eq!(found(&scene), InsideOut::Everything);
-        assert_eq!(found(&Scene::default()), InsideOut::Nothing);
+        assert_eq!(orientation(&scene), InsideOut::Everything);
+        assert_eq!(orientation(&Scene::default()), InsideOut::Nothing);
     }
 
     #[test]

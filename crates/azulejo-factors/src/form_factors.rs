@@ -50,7 +50,7 @@ use crate::row::Columns;
 use crate::samples::{RowSamples, SampleCounts};
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Gatherer, Progress, Run, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 pub use design_effect::DesignEffect;
 pub use enclosure::{InterchangeError, Scaled};
 use forecast::Costs;
@@ -117,10 +117,7 @@ impl<'a> Plan<'a> {
     ) -> Result<Plan<'a>, FactorsError> {
         let (proxy_size, size) = match options.groups {
             None => (options.size, options.size),
-            Some(_) => {
-                let proxy_size = PatchSize::Squares(group_plan::PROXY_SQUARES);
-                (proxy_size, group_plan::size(&options.engine))
-            }
+            Some(_) => (group_plan::PROXY_SIZE, group_plan::size(&options.engine)),
         };
         if let PatchSize::Count(rows) | PatchSize::Squares(rows) = size {
             refuse(options, rows, rows as f64 * forecast::PATCH_BYTES)?;
@@ -135,6 +132,12 @@ impl<'a> Plan<'a> {
             proxy,
             patches,
         })
+    }
+
+    /// What in the scene makes form factors wrong without a trace in their sums, in sentences: faces that overlap
+    /// in one plane, and faces without area. Empty if there is nothing of the kind.
+    pub fn flaws(&self) -> Vec<String> {
+        self.patches.flaws(&self.proxy.scene)
     }
 
     /// The patches.
@@ -197,18 +200,11 @@ pub struct PreparedPlan<'a> {
     forecast: OnceLock<Forecast>,
 }
 
-impl Plan<'_> {
-    /// What of the scene makes form factors wrong without a trace in their sums, in sentences: faces that overlap
-    /// in one plane, and faces without area. Empty if there is nothing of the kind.
-    pub fn flaws(&self) -> Vec<String> {
-        self.patches.flaws(&self.proxy.scene)
-    }
-}
-
 impl<'a> PreparedPlan<'a> {
     fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
         let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);
         let seed = plan.options.seed;
+        // Where only sums over groups are needed, each row takes the samples that these need.
         let groups = plan.options.groups;
         let groups = groups.map(|by| GroupAreas::new(&plan.patches, by));
         let samples = match &groups {
@@ -216,6 +212,7 @@ impl<'a> PreparedPlan<'a> {
             None => RowSamples::of_rays(plan.options.rays.min(MOST_RAYS)),
         };
         let sides = Sides::new(&plan.patches, plan.options.two_sided);
+        // The engine: as requested, or chosen by the work that formulas and rays would take.
         let (mut row_budget, mut seconds) = (f64::INFINITY, None);
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
@@ -261,20 +258,27 @@ impl<'a> PreparedPlan<'a> {
         if let Some(&known) = self.forecast.get() {
             return Ok(known);
         }
-        let forecast = if self.engine == Engine::Analytic {
-            self.forecast_of_formulas(progress)?
-        } else {
-            let rays = match self.groups {
-                None => self.engine.rays_per_row(self.row_rays()),
-                Some(_) => RayEstimator::rounded(self.row_rays()),
-            };
-            self.forecast_of_rows(rays, progress)?
+        let rays = match (&self.engine, &self.groups) {
+            (Engine::Analytic, _) => None,
+            (engine, None) => Some(engine.rays_per_row(self.row_rays())),
+            (_, Some(_)) => Some(RayEstimator::rounded(self.row_rays())),
         };
-        let seconds = self.seconds;
-        Ok(*self.forecast.get_or_init(|| Forecast {
-            seconds,
-            ..forecast
-        }))
+        let sampled = rays.unwrap_or(FORECAST_RAYS);
+        let costs = Costs {
+            sides: &self.sides,
+            tracer: self.gatherer.surfaces().tracer,
+            sampler: &self.ray_estimator(sampled.min(FORECAST_RAYS), hash(&[self.seed, 1])),
+            rays: sampled,
+            by_rows: rays.is_some(),
+            // Besides the parts there is their sum.
+            matrices: if self.plan.options.separate { 2 } else { 1 },
+            seed: self.seed,
+        };
+        let forecast = Forecast {
+            seconds: self.seconds,
+            ..costs.forecast(progress)?
+        };
+        Ok(*self.forecast.get_or_init(|| forecast))
     }
 
     /// Computes the matrix, except blocks that are stored. A `&Progress` is a run of one process.
@@ -304,7 +308,7 @@ impl<'a> PreparedPlan<'a> {
         self.engine != Engine::Analytic && factors.seeing_lose_no_light(is_seeing)
     }
 
-    /// The engine, where it was to be chosen the chosen one.
+    /// The engine of the matrix: as requested, or as chosen automatically.
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
@@ -364,12 +368,16 @@ impl<'a> PreparedPlan<'a> {
         if !run.role().assembles {
             return Ok(());
         }
-        let forecast = self.forecast(run.progress)?;
-        refuse(self.plan.options, forecast.rows, forecast.bytes as f64)
+        self.refuse_above_memory(self.forecast(run.progress)?.bytes)
+    }
+
+    /// An error if `bytes` exceed the memory that may be used.
+    pub(crate) fn refuse_above_memory(&self, bytes: u64) -> Result<(), FactorsError> {
+        refuse(self.plan.options, self.rows(), bytes as f64)
     }
 
     /// The estimator of an engine with the samples of the plan.
-    fn estimator_of(&self, engine: &Engine) -> Estimator<'_> {
+    fn sampled_estimator(&self, engine: &Engine) -> Estimator<'_> {
         Estimator::sampled(
             engine,
             &self.gatherer,
@@ -392,22 +400,6 @@ impl<'a> PreparedPlan<'a> {
     fn uses_formulas(&self) -> bool {
         let tracer = &self.plan.proxy.tracer;
         self.plan.options.analytic && !tracer.has_see_through() && !tracer.is_repeated()
-    }
-
-    /// The memory for rows of so many rays or pixels.
-    fn forecast_of_rows(&self, rays: u32, progress: &Progress) -> Result<Forecast, Cancelled> {
-        let sampler = self.ray_estimator(rays.min(FORECAST_RAYS));
-        let costs = Costs {
-            sides: &self.sides,
-            tracer: self.gatherer.surfaces().tracer,
-            sampler: &sampler,
-            rays,
-            by_rows: true,
-            // Beside the parts there is their sum.
-            matrices: if self.plan.options.separate { 2 } else { 1 },
-            seed: self.seed,
-        };
-        costs.forecast(progress)
     }
 
     /// All rows as estimated, before closure.
@@ -435,30 +427,25 @@ impl<'a> PreparedPlan<'a> {
         why: Option<String>,
         run: Run,
     ) -> Result<FormFactors, FactorsError> {
-        let options = self.plan.options;
         self.refuse_too_large(run)?;
-        let estimator = self.estimator_of(engine);
+        let estimator = self.sampled_estimator(engine);
         let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
             near::exact(&self.sides, self.gatherer.surfaces(), seed, run)?
         } else {
-            vec![Vec::new(); self.sides.len()]
+            Vec::new()
         };
         let tracing = RowTracing {
-            sides: &self.sides,
-            gatherer: &self.gatherer,
             exact: &exact,
-            estimator: &estimator,
-            separate: options.separate,
-            is_known: &|_, _, _| false,
+            separate: self.plan.options.separate,
+            ..RowTracing::new(self, &estimator)
         };
         let traced = tracing.trace(run)?;
         let traced = traced.ok_or(FactorsError::Elsewhere)?;
         let factors = merge::merge(&self.sides, traced, &exact, run.progress)?;
         let mut engine_used = estimator.engine_used().because(why);
-        engine_used
-            .notes
-            .extend(self.sides.narrow_note(self.gatherer.surfaces().tracer));
+        let narrow = self.sides.narrow_note(self.gatherer.surfaces().tracer);
+        engine_used.notes.extend(narrow);
         Ok(FormFactors {
             engine_used,
             ..factors

@@ -118,6 +118,7 @@ impl<'a> HemicubeEstimator<'a> {
         seed: u32,
         columns: Columns,
     ) -> HemicubeEstimator<'a> {
+        // The scene as facets, and the patches whose reflections item buffers cannot render.
         let facets = PatchFacets::new(patches);
         let world = world::world(gatherer.surfaces().scene, patches, &facets);
         let is_window = |m: u32| m != NO_MIRROR && mirrors == MirrorHandling::Rays;
@@ -135,6 +136,7 @@ impl<'a> HemicubeEstimator<'a> {
                 MirrorHandling::Rays => Beyond::List,
             },
         };
+        // Every replicate of a row has equally many hemicubes.
         let eyes = match points {
             Some(points) => points.map(|n| eyes(n.max(2))),
             None => SampleCounts::Alike(options.eyes()),
@@ -192,21 +194,16 @@ impl<'a> HemicubeEstimator<'a> {
 
     /// The device, and deviations from what was requested so far.
     pub fn engine_used(&self) -> EngineUsed {
-        let engine = match self.mirrors {
-            MirrorHandling::Windows => "hemicube",
-            MirrorHandling::Rays => "hybrid",
+        let listed = self.is_listed.iter().filter(|&&l| l).count();
+        let (engine, specular) = match self.mirrors {
+            MirrorHandling::Windows => ("hemicube", "patches of curved mirrors or glass"),
+            MirrorHandling::Rays => ("hybrid", "specular patches"),
         };
         let mut notes = self.buffers.notes();
-        let listed = self.is_listed.iter().filter(|&&l| l).count();
         if listed > 0 {
-            notes.push(match self.mirrors {
-                MirrorHandling::Windows => format!(
-                    "rays continue from the pixels of {listed} patches of curved mirrors or glass"
-                ),
-                MirrorHandling::Rays => {
-                    format!("rays continue from the pixels of {listed} specular patches")
-                }
-            });
+            notes.push(format!(
+                "rays continue from the pixels of {listed} {specular}"
+            ));
         }
         if !self.knows_its_spread() {
             notes.push(
@@ -216,9 +213,8 @@ impl<'a> HemicubeEstimator<'a> {
             );
         }
         EngineUsed {
-            name: engine.to_owned(),
-            device: self.device(listed > 0),
             notes,
+            ..EngineUsed::new(engine, self.device(listed > 0))
         }
     }
 
@@ -243,30 +239,30 @@ impl<'a> HemicubeEstimator<'a> {
         let mut order: Vec<usize> = (0..sides.len()).collect();
         order.sort_by_key(|&k| self.points_of(sides[k]));
         let part = |&k: &usize| (0..replicates).map(move |r| (sides[k], r));
-        let wanted: Vec<(Side, usize)> = order.iter().flat_map(part).collect();
-        let mut parts = Vec::with_capacity(wanted.len());
-        for alike in wanted.chunk_by(|a, b| self.points_of(a.0) == self.points_of(b.0)) {
+        let replicate_keys: Vec<(Side, usize)> = order.iter().flat_map(part).collect();
+        let mut parts = Vec::with_capacity(replicate_keys.len());
+        for alike in replicate_keys.chunk_by(|a, b| self.points_of(a.0) == self.points_of(b.0)) {
             let at_once = (self.buffers.batch() / self.points_of(alike[0].0)).max(1);
             for some in alike.chunks(at_once) {
                 progress.advance(0)?;
                 parts.extend(self.parts(some));
-                let steps = some
-                    .iter()
-                    .map(|&(side, r)| steps_of_part(self.steps(side), r, replicates));
+                let steps =
+                    |&(side, r): &(Side, usize)| steps_of_part(self.steps(side), r, replicates);
+                let steps = some.iter().map(steps);
                 progress.advance(steps.sum())?;
             }
         }
         let mut rows = vec![Row::default(); sides.len()];
         let mut parts = parts.into_iter();
         for k in order {
-            rows[k] = self.row_of(sides[k], parts.by_ref().take(replicates));
+            rows[k] = self.joined(sides[k], parts.by_ref().take(replicates));
         }
         Ok(rows)
     }
 
     /// The row of its replicates.
-    fn row_of(&self, side: Side, parts: impl Iterator<Item = Row>) -> Row {
-        let mut row = Row::of_parts(parts);
+    fn joined(&self, side: Side, parts: impl Iterator<Item = Row>) -> Row {
+        let mut row = Row::from_parts(parts);
         row.rays = self.pixels_of(side);
         if self.replicates == 1 {
             repeat(&mut row);
@@ -275,7 +271,7 @@ impl<'a> HemicubeEstimator<'a> {
     }
 
     /// Some replicates of rows with as many hemicubes each, rendered together.
-    fn parts(&self, wanted: &[(Side, usize)]) -> Vec<Row> {
+    fn parts(&self, replicates: &[(Side, usize)]) -> Vec<Row> {
         let part = |&(side, replicate): &(Side, usize)| RowPart {
             side,
             replicate,
@@ -283,11 +279,11 @@ impl<'a> HemicubeEstimator<'a> {
             row: Row::default(),
             work: None,
         };
-        let mut parts: Vec<RowPart> = wanted.par_iter().map(part).collect();
-        let batch = (self.buffers.batch() / wanted.len()).max(1);
-        let all = parts.first().map_or(0, |part| part.points.len());
-        for first in (0..all).step_by(batch) {
-            let stretch = first..(first + batch).min(all);
+        let mut parts: Vec<RowPart> = replicates.par_iter().map(part).collect();
+        let batch = (self.buffers.batch() / replicates.len()).max(1);
+        let count = parts.first().map_or(0, |part| part.points.len());
+        for first in (0..count).step_by(batch) {
+            let stretch = first..(first + batch).min(count);
             let some = parts.iter().flat_map(|p| &p.points[stretch.clone()]);
             let views: Vec<View> = some.map(|p| p.view).collect();
             let seen = self.buffers.draw(&views);
@@ -296,7 +292,7 @@ impl<'a> HemicubeEstimator<'a> {
                 for (k, seen) in stretch.clone().zip(seen) {
                     self.add(part, k, seen);
                 }
-                if stretch.end == all {
+                if stretch.end == count {
                     self.finish(part);
                 }
             });
@@ -319,12 +315,12 @@ impl<'a> HemicubeEstimator<'a> {
         let is_central = !self.knows_its_spread() && self.patches.polygon(patch).is_some();
         let point = |k: usize| {
             let [u1, u2, u3, _] = self.table.point(k, scrambling).map(f64::from);
+            let turn = TAU * u3;
             if is_central {
                 let normal = self.patches.normal(patch);
                 let normal = if is_front { normal } else { -normal };
                 let centre = self.facets.above(patch, self.patches.centre(patch));
                 let eye = tracer.leaving(centre, normal);
-                let turn = TAU * u3;
                 return HemicubePoint {
                     view: View { eye, normal, turn },
                     start: eye,
@@ -333,7 +329,6 @@ impl<'a> HemicubeEstimator<'a> {
             }
             let at = self.facets.sample(patch, u1, u2);
             let (eye, normal) = leaving(&at);
-            let turn = TAU * u3;
             HemicubePoint {
                 view: View { eye, normal, turn },
                 start: leaving(&self.patches.sample(patch, u1, u2)).0,
@@ -352,26 +347,26 @@ impl<'a> HemicubeEstimator<'a> {
         let mut work = part.work.take().unwrap_or_else(|| self.rays.work());
         let row = &mut part.row;
         let share = 1.0 / self.replicates as f64;
-        for found in &seen.shares {
-            if self.is_listed[(found.side / 2) as usize] {
+        for entry in &seen.shares {
+            if self.is_listed[(entry.side / 2) as usize] {
                 continue; // rays find it again and continue from there
             }
-            let arriving = found.weight * weight;
-            let material = self.material(found.side);
+            let arriving = entry.weight * weight;
+            let material = self.material(entry.side);
             let kept = Rgb::WHITE - material.mirror - material.diffuse;
             row.absorbed += arriving * kept * share;
-            row.stray[part.replicate] += arriving * self.stray(found.side, found.order);
+            row.stray[part.replicate] += arriving * self.stray(entry.side, entry.order);
             if self.columns == Columns::All || !material.diffuse.is_black() {
-                work.sums.add(found.side, found.order, arriving);
+                work.sums.add(entry.side, entry.order, arriving);
             }
         }
         let ambient = self.gatherer.ambient() * PI;
         let ways = row.escaped[part.replicate].iter_mut();
-        for (escaped, found) in ways.zip(seen.escaped) {
-            let found = found * weight;
-            *escaped += found;
-            row.stray[part.replicate] += found * ambient;
-            row.external += found * ambient * share;
+        for (escaped, seen) in ways.zip(seen.escaped) {
+            let seen = seen * weight;
+            *escaped += seen;
+            row.stray[part.replicate] += seen * ambient;
+            row.external += seen * ambient * share;
         }
         row.cut += seen.cut * (weight * share);
         for (number, pixels) in seen.specular.chunks(BATCH).enumerate() {
@@ -399,11 +394,8 @@ impl<'a> HemicubeEstimator<'a> {
     /// The path of a pixel, in units of `unit`, on the leg that ends at a specular patch: a ray
     /// finds the exact point where the pixel's centre hits it. The first leg begins at `start`.
     fn path(&self, pixel: &SpecularPixel, start: DVec3, unit: f64) -> Path {
-        let origin = if pixel.order == 0 {
-            start
-        } else {
-            pixel.origin
-        };
+        let is_first_leg = pixel.order == 0;
+        let origin = if is_first_leg { start } else { pixel.origin };
         let tracer = self.gatherer.surfaces().tracer;
         Path {
             ray: tracer.kernel_ray(&Ray::new(origin, pixel.direction)),
@@ -416,7 +408,7 @@ impl<'a> HemicubeEstimator<'a> {
         }
     }
 
-    /// The path class after so many rendered mirrors.
+    /// The path class after `order` rendered mirrors.
     fn via(&self, order: Order) -> Via {
         match (order, self.mirror_item) {
             (0, _) => Via::Direct,

@@ -39,6 +39,7 @@ mod analytic_engine;
 mod choice;
 pub mod cholesky;
 mod cluster_tree;
+mod disjoint_sets;
 pub mod engine;
 mod error;
 pub mod estimator;

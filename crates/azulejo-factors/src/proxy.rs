@@ -45,12 +45,12 @@ fn area(scene: &Scene) -> f64 {
         let areas = exact.areas(ROUGH * exact.bounds().diagonal());
         areas.values().sum()
     };
-    let of_shape = |shape: &Shape| match shape {
+    let shape_area = |shape: &Shape| match shape {
         Shape::Mesh(_) | Shape::Instance(_) => shape.placed_mesh().map_or(0.0, |m| m.area()),
         Shape::Primitive(primitive) => primitive.area(),
         Shape::Exact(exact) => rough(exact),
     };
-    scene.objects.iter().map(|o| of_shape(&o.shape)).sum()
+    scene.objects.iter().map(|o| shape_area(&o.shape)).sum()
 }
 
 /// A point and the side of a surface that receives light there.

@@ -215,7 +215,7 @@ impl<'a> RayEstimator<'a> {
     /// The row of one side of a patch. Depends only on the arguments of [`new`](RayEstimator::new)
     /// and on `side`.
     pub fn row(&self, side: Side) -> Row {
-        Row::of_parts((0..REPLICATES).map(|replicate| self.part(side, replicate)))
+        Row::from_parts((0..REPLICATES).map(|replicate| self.part(side, replicate)))
     }
 
     /// The rows of some sides, in order, as [`row`](RayEstimator::row) computes them. Advances
@@ -231,7 +231,7 @@ impl<'a> RayEstimator<'a> {
         };
         let parts = (0..sides.len() * REPLICATES).into_par_iter().map(part);
         let mut parts = parts.collect::<Result<Vec<Row>, _>>()?.into_iter();
-        let row = |_: &Side| Row::of_parts(parts.by_ref().take(REPLICATES));
+        let row = |_: &Side| Row::from_parts(parts.by_ref().take(REPLICATES));
         Ok(sides.iter().map(row).collect())
     }
 

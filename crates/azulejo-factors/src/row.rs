@@ -64,7 +64,7 @@ pub struct Row {
 
 impl Row {
     /// The row of parts that have its replicates, each of them one or several.
-    pub(crate) fn of_parts(mut parts: impl Iterator<Item = Row>) -> Row {
+    pub(crate) fn from_parts(mut parts: impl Iterator<Item = Row>) -> Row {
         let first = parts.next().unwrap_or_default();
         parts.fold(first, Row::with_replicates)
     }
@@ -116,7 +116,7 @@ pub struct RowAccumulator {
 const NOWHERE: u32 = u32::MAX;
 
 impl RowAccumulator {
-    /// An empty accumulator over so many sides.
+    /// An empty accumulator over this many sides.
     pub fn new(sides: usize) -> RowAccumulator {
         RowAccumulator {
             places: vec![NOWHERE; sides * ORDERS],
@@ -167,12 +167,12 @@ mod tests {
         for (side, order, weight) in [(3, 1, 0.25), (0, 2, 0.5), (3, 1, 0.125), (3, 0, 1.0)] {
             sums.add(side, order, Rgb::grey(weight));
         }
-        let found: Vec<(Side, Order, f64)> = sums
+        let entries: Vec<(Side, Order, f64)> = sums
             .take()
             .iter()
             .map(|e| (e.side, e.order, e.weight.g))
             .collect();
-        assert_eq!(found, [(0, 2, 0.5), (3, 0, 1.0), (3, 1, 0.375)]);
+        assert_eq!(entries, [(0, 2, 0.5), (3, 0, 1.0), (3, 1, 0.375)]);
         assert!(sums.take().is_empty());
         sums.add(3, 1, Rgb::WHITE);
         assert_eq!(sums.take()[0].weight, Rgb::WHITE);

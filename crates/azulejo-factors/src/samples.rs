@@ -63,7 +63,7 @@ pub struct RowSamples {
 }
 
 impl RowSamples {
-    /// So many rays per row, and as many hemicubes as the engine says.
+    /// `rays` rays per row, and as many hemicubes as the engine says.
     pub fn of_rays(rays: u32) -> RowSamples {
         RowSamples {
             rays: SampleCounts::Alike(rays),

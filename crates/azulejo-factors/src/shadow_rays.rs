@@ -3,7 +3,7 @@
 use crate::patch::Patches;
 use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};
-use azulejo_trace::{KernelRay, REPLICATES, Surfaces};
+use azulejo_trace::{KernelRay, REPLICATES, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -49,9 +49,9 @@ struct Kernels {
 impl View<'_> {
     /// The visible share.
     pub fn visible(&self) -> Visible {
-        let first = self.looked(RAYS);
+        let first = self.estimate(RAYS);
         if first.is_partial {
-            self.looked(MORE_RAYS)
+            self.estimate(MORE_RAYS)
         } else {
             first
         }
@@ -59,7 +59,7 @@ impl View<'_> {
 
     /// The visible share by `rays` shadow rays per replicate, between points stratified over both
     /// facets and weighted with the kernel (ratio estimator).
-    fn looked(&self, rays: u32) -> Visible {
+    fn estimate(&self, rays: u32) -> Visible {
         let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
         let mut is_down = Vec::new();
         for r in 0..REPLICATES as u32 {
@@ -98,6 +98,14 @@ impl View<'_> {
             way,
         )
     }
+}
+
+/// A ray between two points with normals, if these face each other.
+pub(crate) fn facing_ray(tracer: &Tracer, ends: [(DVec3, DVec3); 2]) -> Option<KernelRay> {
+    let [(x, m), (y, n)] = ends;
+    let way = y - x;
+    let is_facing = way.dot(m) > 0.0 && way.dot(n) < 0.0;
+    is_facing.then(|| tracer.kernel_ray(&Ray::between(tracer.leaving(x, m), tracer.leaving(y, n))))
 }
 
 impl Kernels {

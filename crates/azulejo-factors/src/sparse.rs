@@ -27,7 +27,7 @@ pub struct SparseRow {
 }
 
 impl SparseRow {
-    /// Of so many channels, from `entries` sorted by side. Orders to the same side are added up.
+    /// A row of one or three channels, from `entries` sorted by side. Orders to the same side are added up.
     pub fn new(channels: usize, entries: &[Entry]) -> SparseRow {
         let mut row = SparseRow::default();
         for ways in entries.chunk_by(|a, b| a.side == b.side) {

@@ -30,8 +30,8 @@ pub fn print_table(devices: &[&dyn Device]) {
         .collect();
     println!("hemicubes/s, {} threads", rayon::current_num_threads());
     println!("facets  pixels{names}        rays: rows/s (M rays/s)");
-    for wanted in FACETS {
-        let room = Room::new(furnished_room(2 * wanted));
+    for facets in FACETS {
+        let room = Room::new(furnished_room(2 * facets));
         for resolution in RESOLUTIONS {
             let drawn = room.all_drawn(devices, &room.world(), resolution, Beyond::List);
             let rows = room.traced(resolution);
@@ -163,14 +163,14 @@ impl Room {
         let rays = Hemicube::new(resolution).pixels();
         let estimator = RayEstimator::new(&gatherer, &self.patches, rays, 1, Columns::All);
         let batch = 4 * rayon::current_num_threads();
-        let found = rate(batch, |call| {
+        let rows_per_second = rate(batch, |call| {
             let rows = (call * batch..(call + 1) * batch).into_par_iter();
             let row = |k| estimator.row(side(self.patch(k) as u32, true));
             rows.map(row)
                 .for_each(|row| drop(std::hint::black_box(row)));
             Ok::<(), String>(())
         });
-        found.unwrap_or(0.0)
+        rows_per_second.unwrap_or(0.0)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A convex polygon that may occlude the view between two others.
 
+use super::{edges, extremes};
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::DVec3;
@@ -55,19 +56,16 @@ impl Blocker {
         }
         let next = |k: usize| polygon[(k + 1) % polygon.len()];
         let is_corner = |&k: &usize| normal.cross(next(k) - polygon[k]).length_squared() > 0.0;
-        let polygon: ArrayPolygon = (0..polygon.len())
-            .filter(is_corner)
-            .map(|k| polygon[k])
-            .collect();
-        let next = polygon.iter().cycle().skip(1);
-        let edge = |(&a, &b): (&DVec3, &DVec3)| {
+        let corners = (0..polygon.len()).filter(is_corner).map(|k| polygon[k]);
+        let polygon: ArrayPolygon = corners.collect();
+        let edge = |(a, b): (DVec3, DVec3)| {
             let inward = normal.cross(b - a).normalize_or_zero();
             (inward, inward.dot(a))
         };
         Some(Blocker {
             normal,
             offset: normal.dot(*polygon.first()?),
-            edges: polygon.iter().zip(next).map(edge).collect(),
+            edges: edges(&polygon).map(edge).collect(),
             polygon,
             is_one_sided: false,
             graze: 0.0,
@@ -93,14 +91,7 @@ impl Blocker {
     /// the depth that does not count, if it is more than the polygon's own.
     pub fn effect(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
         let graze = graze.max(self.graze);
-        let range = |points: &[DVec3]| {
-            points
-                .iter()
-                .map(|&p| self.height(p))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-                    (low.min(h), high.max(h))
-                })
-        };
+        let range = |points: &[DVec3]| extremes(points.iter().map(|&p| self.height(p)));
         let ((low_a, high_a), (low_b, high_b)) = (range(a), range(b));
         if low_a.min(low_b) >= -graze || high_a.max(high_b) <= graze {
             return Effect::None;
@@ -122,7 +113,7 @@ impl Blocker {
             Effect::Hides => Some(PLANE),
             Effect::Partial(edges) => Some(edges | PLANE),
         });
-        match edges.fold(0, |all, edges| all | edges) {
+        match edges.fold(0, |bits, edges| bits | edges) {
             0 => Effect::None,
             edges => Effect::Partial(edges),
         }
@@ -161,8 +152,8 @@ impl Blocker {
                 }
             }
         }
-        let all = u64::MAX >> (64 - self.edges.len().clamp(1, 63));
-        if inside & all != all {
+        let every_edge = u64::MAX >> (64 - self.edges.len().clamp(1, 63));
+        if inside & every_edge != every_edge {
             Effect::None
         } else if outside == 0 {
             Effect::Hides
@@ -215,7 +206,7 @@ mod tests {
             ]
         };
         let strip = [(-4., 0.), (4., 0.), (4., 9.), (-4., 9.)].map(|(x, y)| dvec3(x, y, 1.5));
-        let in_front = |of: &Blocker| clip(&strip, of.polygon[0], of.normal);
+        let in_front = |side: &Blocker| clip(&strip, side.polygon[0], side.normal);
         for seen in 0..128 {
             let mut target = Blocker::new(side(seen).into_iter().collect()).unwrap();
             if target.height(DVec3::ZERO) > 0.0 {

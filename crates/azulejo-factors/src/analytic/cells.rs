@@ -7,6 +7,7 @@
 //! direction only.
 
 use super::Approximate;
+use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -51,15 +52,15 @@ const FINE: [(f64, f64, f64); 15] = mirrored([
 const fn mirrored<const HALF: usize, const ALL: usize>(
     half: [(f64, f64, f64); HALF],
 ) -> [(f64, f64, f64); ALL] {
-    let mut all = [(0.0, 0.0, 0.0); ALL];
+    let mut nodes = [(0.0, 0.0, 0.0); ALL];
     let mut k = 0;
     while k < HALF {
         let (x, kronrod, gauss) = half[k];
-        all[k] = (0.5 - 0.5 * x, 0.5 * kronrod, 0.5 * gauss);
-        all[ALL - 1 - k] = (0.5 + 0.5 * x, 0.5 * kronrod, 0.5 * gauss);
+        nodes[k] = (0.5 - 0.5 * x, 0.5 * kronrod, 0.5 * gauss);
+        nodes[ALL - 1 - k] = (0.5 + 0.5 * x, 0.5 * kronrod, 0.5 * gauss);
         k += 1;
     }
-    all
+    nodes
 }
 
 /// Accuracy, relative to the integral of the absolute values, from which the finer rule pays off.
@@ -77,45 +78,33 @@ pub(super) fn integrate(
     most: usize,
     mut f: impl FnMut(DVec3) -> f64,
 ) -> Approximate {
-    let area: f64 = polygons
-        .iter()
-        .map(|p| azulejo_scene::math::area_vector(p).dot(normal))
-        .sum();
-    let rule: &Rule = if tolerance < FINE_FROM * area {
-        &FINE
-    } else {
-        &COARSE
-    };
-    let cost = rule.len() * rule.len();
+    let areas = polygons.iter().map(|p| area_vector(p).dot(normal));
+    let is_fine = tolerance < FINE_FROM * areas.sum::<f64>();
+    let rule: &Rule = if is_fine { &FINE } else { &COARSE };
     let mut spent = 0;
-    let mut measured = |corners: [DVec3; 4]| {
-        spent += cost;
-        (Cell::measure(corners, normal, rule, &mut f), spent)
-    };
     let mut cells = BinaryHeap::new();
     let mut error = 0.0;
-    for corners in polygons.iter().flat_map(|p| fan(p)) {
-        let cell = measured(corners).0;
-        error += cell.error;
+    let mut add = |cells: &mut BinaryHeap<Cell>, error: &mut f64, corners: [DVec3; 4]| {
+        let cell = Cell::measure(corners, normal, rule, &mut f);
+        spent += rule.len() * rule.len();
+        *error += cell.error;
         cells.push(cell);
+        spent
+    };
+    for corners in polygons.iter().flat_map(|p| fan(p)) {
+        add(&mut cells, &mut error, corners);
     }
     while let Some(worst) = cells.peek().filter(|_| error > tolerance) {
-        let halves = worst.halves();
+        let [first, second] = worst.halves();
         error -= worst.error;
         cells.pop();
-        let mut used = 0;
-        for corners in halves {
-            let (cell, spent) = measured(corners);
-            used = spent;
-            error += cell.error;
-            cells.push(cell);
-        }
-        if used > most {
+        add(&mut cells, &mut error, first);
+        if add(&mut cells, &mut error, second) > most {
             break;
         }
     }
     // The heap's internal order is a function of its history alone.
-    let total = |of: fn(&Cell) -> f64| cells.iter().map(of).sum::<f64>();
+    let total = |part: fn(&Cell) -> f64| cells.iter().map(part).sum::<f64>();
     Approximate {
         value: total(|c| c.value),
         error: total(|c| c.error),
@@ -221,11 +210,11 @@ mod tests {
     fn check(f: impl Fn(f64, f64) -> f64, expected: f64, tolerance: f64) {
         let square = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(x, y)| dvec3(x, y, 0.));
         let square: ArrayPolygon = square.into_iter().collect();
-        let found = integrate(&[square], DVec3::Z, tolerance, 1_000_000, |p| f(p.x, p.y));
-        let off = (found.value - expected).abs();
+        let integral = integrate(&[square], DVec3::Z, tolerance, 1_000_000, |p| f(p.x, p.y));
+        let off = (integral.value - expected).abs();
         assert!(
-            off <= found.error && found.error <= tolerance,
-            "{found:?}, off by {off}"
+            off <= integral.error && integral.error <= tolerance,
+            "{integral:?}, off by {off}"
         );
     }
 

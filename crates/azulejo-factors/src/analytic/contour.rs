@@ -65,11 +65,7 @@ impl Edge {
 }
 
 fn edges(polygon: &[DVec3]) -> impl Iterator<Item = Edge> {
-    let next = polygon.iter().cycle().skip(1);
-    polygon
-        .iter()
-        .zip(next)
-        .filter_map(|(&a, &b)| Edge::new(a, b))
+    super::edges(polygon).filter_map(|(a, b)| Edge::new(a, b))
 }
 
 /// ∫∫ ln|r| ds dt over two edges by arc length.
@@ -137,11 +133,8 @@ fn twice_integrated(v: f64, h: f64) -> f64 {
 fn near(a: &Edge, b: &Edge, tolerance: f64) -> f64 {
     let singular = singularities(a, b);
     let points = |from: f64, to: f64| {
-        let nearest = singular
-            .iter()
-            .map(|s| s.ellipse(from, to))
-            .fold(f64::INFINITY, f64::min);
-        gauss_points(nearest, tolerance)
+        let ellipses = singular.iter().map(|s| s.ellipse(from, to));
+        gauss_points(ellipses.fold(f64::INFINITY, f64::min), tolerance)
     };
     let whole = points(0.0, a.length);
     if whole <= MOST_WHOLE_POINTS {

@@ -8,6 +8,7 @@
 //! the adaptive rule.)
 
 use super::shadow::Obstructions;
+use super::{edges, extremes};
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::DVec3;
@@ -50,11 +51,11 @@ pub(super) fn cells(
     let mut done = Vec::new();
     let mut rest = vec![(whole, discontinuities)];
     while let Some((cell, mut discontinuities)) = rest.pop() {
-        discontinuities.retain(|discontinuity| discontinuity.length_in(&cell, normal) > SHORTEST);
-        let longest = discontinuities.iter().max_by(|a, b| {
-            a.length_in(&cell, normal)
-                .total_cmp(&b.length_in(&cell, normal))
-        });
+        discontinuities.retain(|line| line.length_in(&cell, normal) > SHORTEST);
+        let length = |discontinuity: &Discontinuity| discontinuity.length_in(&cell, normal);
+        let longest = discontinuities
+            .iter()
+            .max_by(|a, b| length(a).total_cmp(&length(b)));
         let Some(&discontinuity) = longest.filter(|_| done.len() + rest.len() < MOST_CELLS) else {
             done.push(cell);
             continue;
@@ -72,12 +73,8 @@ pub(super) fn cells(
 
 impl ReceiverPlane {
     fn discontinuities(&self, target: &[DVec3], between: &Obstructions) -> Vec<Discontinuity> {
-        let others: Vec<&[DVec3]> = between
-            .windows
-            .iter()
-            .chain(&between.blockers)
-            .map(|p| &p[..])
-            .collect();
+        let others = between.windows.iter().chain(&between.blockers);
+        let others: Vec<&[DVec3]> = others.map(|p| &p[..]).collect();
         let mut discontinuities = Vec::new();
         for (k, other) in others.iter().enumerate() {
             discontinuities.extend(self.crossing(other));
@@ -99,28 +96,23 @@ impl ReceiverPlane {
 
     /// Edges of either polygon through corners of the other, `far` behind `near`.
     fn project(&self, far: &[DVec3], near: &[DVec3], discontinuities: &mut Vec<Discontinuity>) {
-        let edges = |p: &'_ [DVec3]| -> Vec<[DVec3; 2]> {
-            (0..p.len()).map(|k| [p[k], p[(k + 1) % p.len()]]).collect()
-        };
         let through = |far: DVec3, near: DVec3| {
             let (high, low) = (self.height(far), self.height(near));
             // The line through both intersects the plane at (point times weight, weight).
-            (
-                (near - self.point) * high - (far - self.point) * low,
-                high - low,
-            )
+            let point = (near - self.point) * high - (far - self.point) * low;
+            (point, high - low)
         };
-        for [a, b] in edges(far) {
-            discontinuities.extend(
-                near.iter()
-                    .filter_map(|&v| self.discontinuity(through(a, v), through(b, v))),
-            );
+        for (a, b) in edges(far) {
+            let events = near
+                .iter()
+                .map(|&v| self.discontinuity(through(a, v), through(b, v)));
+            discontinuities.extend(events.flatten());
         }
-        for [a, b] in edges(near) {
-            discontinuities.extend(
-                far.iter()
-                    .filter_map(|&v| self.discontinuity(through(v, a), through(v, b))),
-            );
+        for (a, b) in edges(near) {
+            let events = far
+                .iter()
+                .map(|&v| self.discontinuity(through(v, a), through(v, b)));
+            discontinuities.extend(events.flatten());
         }
     }
 
@@ -173,15 +165,12 @@ impl Discontinuity {
     fn length_in(&self, cell: &[DVec3], normal: DVec3) -> f64 {
         let across = normal.cross(self.direction);
         let height = |p: DVec3| (p - self.origin).dot(across);
-        let (lowest, highest) = cell.iter().fold((0.0, 0.0), |(low, high): (f64, f64), &p| {
-            (low.min(height(p)), high.max(height(p)))
-        });
+        let (lowest, highest) = extremes(cell.iter().map(|&p| height(p)));
         if lowest > -SHORTEST || highest < SHORTEST {
             return 0.0;
         }
         let (mut start, mut end) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (k, &a) in cell.iter().enumerate() {
-            let b = cell[(k + 1) % cell.len()];
+        for (a, b) in edges(cell) {
             let (u, v) = (height(a), height(b));
             if (u < 0.0) != (v < 0.0) {
                 let along = (a.lerp(b, u / (u - v)) - self.origin).dot(self.direction);

@@ -37,8 +37,8 @@ const SAME: f64 = 1e-9;
 /// ceiling.reverse();
 /// let wall = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)].map(|(y, z)| dvec3(0.0, y, z));
 /// let none: [&[_]; 0] = [];
-/// let found = mirrored_form_factor(&floor, &ceiling, &[wall], &none, 1e-10);
-/// assert!((found.value - 0.0860504892).abs() < 1e-10);
+/// let share = mirrored_form_factor(&floor, &ceiling, &[wall], &none, 1e-10);
+/// assert!((share.value - 0.0860504892).abs() < 1e-10);
 /// ```
 ///
 /// [`visible_form_factor`]: super::visible_form_factor
@@ -58,11 +58,11 @@ pub fn mirrored_form_factor<M: AsRef<[DVec3]>, O: AsRef<[DVec3]>>(
         };
         chains = chains.iter().flat_map(longer).collect();
     }
-    let found = chains.iter().map(|chain| {
+    let shares = chains.iter().map(|chain| {
         let blockers = chain.blockers(&occluders);
         chain.form_factor(p1, p2, &blockers, accuracy)
     });
-    found.fold(Approximate::default(), |sum, f| Approximate {
+    shares.fold(Approximate::default(), |sum, f| Approximate {
         value: sum.value + f.value,
         error: sum.error + f.error,
     })
@@ -109,11 +109,9 @@ struct MirrorPlane {
 impl MirrorPlane {
     /// The part of a polygon in front; `None` if that is empty or within rounding.
     fn front(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
-        let heights = || polygon.iter().map(|&c| (c - self.point).dot(self.normal));
-        let size = polygon
-            .iter()
-            .map(|&c| (c - self.point).length())
-            .fold(0.0, f64::max);
+        let heights = || polygon.iter().map(|&c| self.height(c));
+        let reaches = polygon.iter().map(|&c| (c - self.point).length());
+        let size = reaches.fold(0.0, f64::max);
         let graze = self.graze.max(IN_PLANE * size);
         if heights().all(|h| h <= graze) {
             None
@@ -199,12 +197,12 @@ impl Chain {
 
     /// Image of a polygon on the last leg, clipped to what lies beyond the mirrors.
     pub fn placed(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
-        self.beyond(self.image_of(polygon))
+        self.beyond(self.imaged(polygon))
     }
 
     /// The same, clipped at the last mirror only, if it does not lie in one whose window needs no test.
     pub fn placed_roughly(&self, polygon: &[DVec3]) -> Option<ArrayPolygon> {
-        let image = self.image_of(polygon);
+        let image = self.imaged(polygon);
         let is_beyond = |plane: &MirrorPlane| plane.back(&image).is_some();
         if !self.passed.iter().all(is_beyond) {
             return None;
@@ -216,7 +214,7 @@ impl Chain {
     }
 
     /// As in [`mirror_polygon`](azulejo_trace::lambert::mirror_polygon), fronts stay fronts.
-    fn image_of(&self, polygon: &[DVec3]) -> ArrayPolygon {
+    fn imaged(&self, polygon: &[DVec3]) -> ArrayPolygon {
         let image = |&p: &DVec3| self.image.transform_point3(p);
         if self.length.is_multiple_of(2) {
             polygon.iter().map(image).collect()
@@ -268,7 +266,7 @@ impl Chain {
         };
         let (tested, passed): (Vec<_>, Vec<_>) = chain.mirrors.into_iter().partition(is_tested);
         chain.mirrors = tested;
-        // What lies behind others is nothing that light comes from.
+        // No light comes from behind the others.
         let is_touched = |plane: &MirrorPlane| from.iter().any(|&p| plane.height(p) <= graze);
         let planes = passed.iter().map(|stage| stage.plane);
         chain.passed.extend(planes.filter(is_touched));
@@ -307,16 +305,12 @@ impl Chain {
         };
         let own: Vec<Vec<ArrayPolygon>> = chains.iter().map(windows).collect::<Option<_>>()?;
         for (k, stage) in joined.mirrors.iter_mut().enumerate() {
-            stage.window = convex_hull(
-                own.iter().flat_map(|w| w[k].iter().copied()),
-                stage.plane.normal,
-            );
+            let corners = own.iter().flat_map(|windows| windows[k].iter().copied());
+            stage.window = convex_hull(corners, stage.plane.normal);
         }
-        let all = windows(&joined)?;
-        if !orders(count)
-            .iter()
-            .all(|order| is_covered(&all, &own, &planes, order))
-        {
+        let joint_windows = windows(&joined)?;
+        let is_covered = |order: &Vec<usize>| is_covered(&joint_windows, &own, &planes, order);
+        if !orders(count).iter().all(is_covered) {
             return None;
         }
         for other in &chains[1..] {
@@ -338,10 +332,8 @@ impl Chain {
 
     /// Images of the occluders on all legs, with the indices of the originals.
     pub fn blockers(&self, occluders: &[&[DVec3]]) -> Vec<(ArrayPolygon, usize)> {
-        let last = occluders
-            .iter()
-            .enumerate()
-            .filter_map(|(k, o)| Some((self.placed(o)?, k)));
+        let last = occluders.iter().enumerate();
+        let last = last.filter_map(|(k, o)| Some((self.placed(o)?, k)));
         self.obstructions.iter().cloned().chain(last).collect()
     }
 
@@ -366,10 +358,10 @@ impl Chain {
     }
 }
 
-/// Whether all lines that cross some planes in this order, inside the windows `all`, cross the
+/// Whether all lines that cross some planes in this order, inside `windows`, cross the
 /// windows of one of several chains.
 fn is_covered(
-    all: &[ArrayPolygon],
+    windows: &[ArrayPolygon],
     chains: &[Vec<ArrayPolygon>],
     planes: &[MirrorPlane],
     order: &[usize],
@@ -392,10 +384,10 @@ fn is_covered(
         let each = order.iter().enumerate();
         each.map(|(at, &k)| area(&windows[k], at)).collect()
     };
-    let whole = areas(all);
+    let whole = areas(windows);
     let is_whole = |windows: &Vec<ArrayPolygon>| {
         let mut pairs = areas(windows).into_iter().zip(&whole);
-        pairs.all(|(part, all)| (part - all).abs() <= SAME * all)
+        pairs.all(|(part, whole)| (part - whole).abs() <= SAME * whole)
     };
     whole.contains(&0.0) || chains.iter().any(is_whole)
 }

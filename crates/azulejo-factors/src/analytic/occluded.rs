@@ -6,8 +6,7 @@
 
 use super::blocker::{Blocker, Effect};
 use super::shadow::{Obstructions, ViewScratch};
-use super::{Approximate, EXACT, Pair, Side};
-use super::{cells, discontinuities};
+use super::{Approximate, EXACT, Pair, Side, cells, discontinuities, scaled};
 use azulejo_trace::lambert::ArrayPolygon;
 use glam::DVec3;
 
@@ -36,8 +35,8 @@ const MOST_VALUES: usize = 1_000_000;
 /// let (floor, mut ceiling) = (square(0.0, 1.0), square(1.0, 1.0));
 /// ceiling.reverse();
 /// // A plate half as large in the corner, at half the height, leaves three quarters.
-/// let found = visible_form_factor(&floor, &ceiling, &[square(0.5, 0.5)], 1e-10);
-/// assert!((found.value - 0.14986867177379).abs() < 1e-10);
+/// let share = visible_form_factor(&floor, &ceiling, &[square(0.5, 0.5)], 1e-10);
+/// assert!((share.value - 0.14986867177379).abs() < 1e-10);
 /// ```
 pub fn visible_form_factor<P: AsRef<[DVec3]>>(
     p1: &[DVec3],
@@ -91,10 +90,7 @@ pub(crate) fn exchange_area_past<'a>(
 impl Pair {
     /// A polygon in this pair's coordinates.
     pub(super) fn moved(&self, polygon: &[DVec3]) -> ArrayPolygon {
-        polygon
-            .iter()
-            .map(|&c| (c - self.origin) / self.scale)
-            .collect()
+        scaled(polygon, self.origin, self.scale)
     }
 
     /// The share of polygon 1's power that arrives past the obstructions, which are in this pair's
@@ -125,13 +121,10 @@ impl Pair {
             }
         }
         for blocker in between.blockers {
-            let inside = [&self.plane1, &self.plane2]
-                .into_iter()
-                .try_fold(blocker, |rest, plane| plane.cut(rest));
-            match inside
-                .and_then(Blocker::new)
-                .map(|b0| (b0.effect(a, b, graze), b0))
-            {
+            let mut planes = [&self.plane1, &self.plane2].into_iter();
+            let inside = planes.try_fold(blocker, |rest, plane| plane.cut(rest));
+            let blocker = inside.and_then(Blocker::new);
+            match blocker.map(|blocker| (blocker.effect(a, b, graze), blocker)) {
                 None | Some((Effect::None, _)) => {}
                 Some((Effect::Hides, _)) => return None,
                 Some((Effect::Partial(_), blocker)) => kept.blockers.push(blocker.polygon),
@@ -155,11 +148,10 @@ impl Pair {
             return (known, 0);
         }
         let (from, to) = self.small_and_large();
-        let pieces: Vec<ArrayPolygon> = from
-            .pieces()
-            .iter()
-            .flat_map(|p| discontinuities::cells(p, from.normal, &to.polygon, between))
-            .collect();
+        let pieces = from.pieces().into_iter();
+        let cells =
+            pieces.flat_map(|p| discontinuities::cells(&p, from.normal, &to.polygon, between));
+        let pieces: Vec<ArrayPolygon> = cells.collect();
         let count = between.windows.len() + between.blockers.len();
         let most = MOST_VALUES / count;
         let mut views = 0;

@@ -4,6 +4,7 @@
 //! edges. The target is clipped at those planes into covered and uncovered pieces; only the
 //! uncovered ones are tested against the next polygon, so that overlapping shadows count once.
 
+use super::edges;
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, polygon_vector};
 use glam::DVec3;
@@ -59,12 +60,8 @@ impl Obstructions {
             next.clear();
             let is_last = k + 1 == self.blockers.len();
             for piece in here.iter() {
-                sum -= hidden(
-                    piece,
-                    planes,
-                    &mut memory.rest,
-                    (!is_last).then_some(&mut *next),
-                );
+                let outside = (!is_last).then_some(&mut *next);
+                sum -= hidden(piece, planes, &mut memory.rest, outside);
             }
             std::mem::swap(here, next);
         }
@@ -188,15 +185,9 @@ fn cone(eye: DVec3, polygon: &[DVec3], planes: &mut Vec<DVec3>) -> bool {
         return false;
     }
     planes.clear();
-    let next = polygon.iter().cycle().skip(1);
     // The edges of a front-facing polygon turn counter-clockwise around the line of sight.
     let sign = height.signum();
-    planes.extend(
-        polygon
-            .iter()
-            .zip(next)
-            .map(|(&a, &b)| (b - a).cross(a - eye) * sign),
-    );
+    planes.extend(edges(polygon).map(|(a, b)| (b - a).cross(a - eye) * sign));
     true
 }
 

@@ -1,7 +1,6 @@
-//! The matrix by the analytic engine, with rays for what has no formula.
+//! The matrix by the analytic engine, with rays for pairs without a formula.
 
 use super::doubt::RowCheck;
-use super::forecast::Costs;
 use super::matrix::RowRemainder;
 use super::rows::RowTracing;
 use super::{FormFactors, PreparedPlan, merge};
@@ -11,18 +10,15 @@ use crate::error::FactorsError;
 use crate::estimator::Estimator;
 use crate::exchange_areas::{Exchange, ExchangeAreas};
 use crate::row::{Columns, ORDERS, Order, Side};
-use azulejo_trace::Progress;
-use azulejo_trace::Run;
 use azulejo_trace::sampling::hash;
+use azulejo_trace::{Progress, Run};
 
 impl PreparedPlan<'_> {
     /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
     /// rows that time ran out for; and in open scenes with mirrors the directions, but not the
     /// amount, of light that leaves.
     pub(super) fn by_formulas(&self, run: Run) -> Result<FormFactors, FactorsError> {
-        let (n, options) = (self.sides.len(), self.plan.options);
         self.refuse_too_large(run)?;
-        let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
         // Only one process knows of all rows which are given up.
         let is_alone = run.role().parts == 1 && !run.is_shared();
         let row_budget = if is_alone {
@@ -30,15 +26,22 @@ impl PreparedPlan<'_> {
         } else {
             f64::INFINITY
         };
-        let exchanger = self.exchanger(list, row_budget);
-        let all = exchanger.all(run)?;
-        let all = match all {
-            Some(all) => Some(self.checked(all, &exchanger, is_alone, run.progress)?),
-            // Others have the rows that are not here.
-            None => None,
-        };
-        let is_done = |row: usize| all.as_ref().is_none_or(|all| all.is_done[row]);
-        let is_doubtful = |row: usize| all.as_ref().is_some_and(|all| all.is_doubtful[row]);
+        let n = self.sides.len();
+        let sides = (0..n).map(|row| self.sides.side(row)).collect();
+        let exchanger = self.exchanger(sides, row_budget);
+        let pairs = exchanger.all(run)?;
+        let checked = |pairs| self.checked(pairs, &exchanger, is_alone, run.progress);
+        let pairs = pairs.map(checked).transpose()?;
+        // Where others make the result, they have the rows that are not here.
+        let is_done = |row: usize| pairs.as_ref().is_none_or(|pairs| pairs.is_done[row]);
+        let is_doubtful = |row: usize| pairs.as_ref().is_some_and(|pairs| pairs.is_doubtful[row]);
+        let is_complete = exchanger.is_complete() && (0..n).all(|i| is_done(i) && !is_doubtful(i));
+        let materials = self.plan.patches.materials_in_use(&self.plan.proxy.scene);
+        if is_complete && !materials.iter().any(|m| m.is_specular()) {
+            let pairs = pairs.ok_or(FactorsError::Elsewhere)?;
+            return self.formulas_alone(pairs, &exchanger, run.progress);
+        }
+        // Rays find the rest.
         let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
         let is_known = |i: usize, j: u32, order: Order| {
             let j = j as usize;
@@ -48,57 +51,61 @@ impl PreparedPlan<'_> {
                 && !is_doubtful(i)
                 && !is_doubtful(j)
         };
-        let is_complete = exchanger.is_complete() && (0..n).all(|i| is_done(i) && !is_doubtful(i));
-        let patches = &self.plan.patches;
-        let materials = patches.materials_in_use(&self.plan.proxy.scene);
-        if is_complete && !materials.iter().any(|m| m.is_specular()) {
-            let all = all.ok_or(FactorsError::Elsewhere)?;
-            let engine_used = EngineUsed {
-                name: "analytic".to_owned(),
-                device: self.gatherer.surfaces().tracer.kernel_name(),
-                notes: notes(&all, &exchanger, is_complete, 0),
-            };
-            let by_rays = FormFactors {
-                engine_used,
-                exchange: ExchangeAreas::from_rows(vec![Box::default(); n]),
-                orders: vec![ExchangeAreas::from_rows(vec![Box::default(); n]); ORDERS],
-                ..FormFactors::default()
-            };
-            let mut factors = joined(all, by_rays, options.separate);
-            self.describe(&mut factors);
-            factors.rest = self.remainders(&factors, &exchanger, run.progress)?;
-            return Ok(factors);
-        }
-        let rays = self.row_rays();
-        let estimator = self.estimator_of(&Engine::Rays);
-        let no_pairs = vec![Vec::new(); n];
+        let estimator = self.sampled_estimator(&Engine::Rays);
         let tracing = RowTracing {
-            sides: &self.sides,
-            gatherer: &self.gatherer,
-            exact: &no_pairs,
-            estimator: &estimator,
-            separate: options.separate,
+            separate: self.plan.options.separate,
             is_known: &is_known,
+            ..RowTracing::new(self, &estimator)
         };
         let traced = tracing.trace(run)?;
-        let (Some(all), Some(traced)) = (all, traced) else {
+        let (Some(pairs), Some(traced)) = (pairs, traced) else {
             return Err(FactorsError::Elsewhere);
         };
-        let by_rays = merge::merge(&self.sides, traced, &no_pairs, run.progress)?;
-        let engine_used = EngineUsed {
-            name: "analytic".to_owned(),
-            device: estimator.engine_used().device,
-            notes: notes(&all, &exchanger, is_complete, rays),
+        let rays = (!is_complete).then(|| self.row_rays());
+        let by_rays = FormFactors {
+            engine_used: self.formulas_used(&pairs, &exchanger, rays),
+            ..merge::merge(&self.sides, traced, &[], run.progress)?
         };
-        let mut factors = FormFactors {
-            engine_used,
-            ..joined(all, by_rays, options.separate)
-        };
+        let mut factors = joined(pairs, by_rays, self.plan.options.separate);
         if is_complete {
             self.describe(&mut factors);
             settle_remainders(&mut factors, exchanger.truncated());
         }
         Ok(factors)
+    }
+
+    /// All rows where formulas know all of them, in a scene without mirrors.
+    fn formulas_alone(
+        &self,
+        pairs: AllPairs,
+        exchanger: &Exchanger,
+        progress: &Progress,
+    ) -> Result<FormFactors, FactorsError> {
+        let none = ExchangeAreas::from_rows(vec![Box::default(); self.sides.len()]);
+        let by_rays = FormFactors {
+            engine_used: self.formulas_used(&pairs, exchanger, None),
+            orders: vec![none.clone(); ORDERS],
+            exchange: none,
+            ..FormFactors::default()
+        };
+        let mut factors = joined(pairs, by_rays, self.plan.options.separate);
+        self.describe(&mut factors);
+        factors.rest = self.remainders(&factors, exchanger, progress)?;
+        Ok(factors)
+    }
+
+    /// The engine that ran, with how the pairs were resolved; `rays` are those per row, if rays found a part.
+    fn formulas_used(
+        &self,
+        pairs: &AllPairs,
+        exchanger: &Exchanger,
+        rays: Option<u32>,
+    ) -> EngineUsed {
+        let kernel = self.gatherer.surfaces().tracer.kernel_name();
+        EngineUsed {
+            notes: notes(pairs, exchanger, rays),
+            ..EngineUsed::new("analytic", kernel)
+        }
     }
 
     /// The exchange areas without those of rows that a few rays contradict.
@@ -108,7 +115,7 @@ impl PreparedPlan<'_> {
     /// them.
     fn checked(
         &self,
-        mut all: AllPairs,
+        mut pairs: AllPairs,
         exchanger: &Exchanger,
         is_alone: bool,
         progress: &Progress,
@@ -119,9 +126,9 @@ impl PreparedPlan<'_> {
             exchanger,
             seed: hash(&[self.seed, 3]),
         };
-        let doubtful = check.doubtful(&all, progress)?;
+        let doubtful = check.doubtful(&pairs, progress)?;
         if doubtful.is_empty() {
-            return Ok(all);
+            return Ok(pairs);
         }
         let rows = self.sides.len();
         if doubtful.len() as f64 > MOST_DOUBTFUL * rows as f64 || !is_alone {
@@ -130,53 +137,38 @@ impl PreparedPlan<'_> {
                 rows,
             });
         }
-        doubtful.iter().for_each(|&row| all.is_doubtful[row] = true);
-        let is_doubtful = &all.is_doubtful;
-        for order in &mut all.orders {
+        doubtful
+            .iter()
+            .for_each(|&row| pairs.is_doubtful[row] = true);
+        let is_doubtful = &pairs.is_doubtful;
+        for order in &mut pairs.orders {
             order.retain(|i, e| !is_doubtful[i] && !is_doubtful[e.column as usize]);
         }
-        Ok(all)
+        Ok(pairs)
     }
 
     /// An exchanger between these sides.
     pub(super) fn exchanger(&self, sides: Vec<Side>, row_budget: f64) -> Exchanger<'_> {
-        let wanted = ExchangerOptions {
+        let options = ExchangerOptions {
             accuracy: self.plan.options.accuracy,
             is_per_channel: false,
             seed: hash(&[self.seed, 0]),
             row_budget,
         };
         let surfaces = self.gatherer.surfaces();
-        Exchanger::new(&self.plan.patches, surfaces, sides, wanted)
+        Exchanger::new(&self.plan.patches, surfaces, sides, options)
     }
 
-    pub(super) fn ray_estimator(&self, rays: u32) -> Estimator<'_> {
+    /// The estimator by `rays` rays for each row, with this seed.
+    pub(super) fn ray_estimator(&self, rays: u32, seed: u32) -> Estimator<'_> {
         Estimator::new(
             &Engine::Rays,
             &self.gatherer,
             &self.plan.patches,
             rays,
-            hash(&[self.seed, 1]),
+            seed,
             Columns::All,
         )
-    }
-
-    /// The memory for the matrix if formulas find all visible pairs.
-    pub(super) fn forecast_of_formulas(
-        &self,
-        progress: &Progress,
-    ) -> Result<super::Forecast, FactorsError> {
-        let sampler = self.ray_estimator(super::FORECAST_RAYS);
-        let costs = Costs {
-            sides: &self.sides,
-            tracer: self.gatherer.surfaces().tracer,
-            sampler: &sampler,
-            rays: super::FORECAST_RAYS,
-            by_rows: false,
-            matrices: if self.plan.options.separate { 2 } else { 1 },
-            seed: self.seed,
-        };
-        Ok(costs.forecast(progress)?)
     }
 }
 
@@ -184,8 +176,8 @@ impl PreparedPlan<'_> {
 const MOST_DOUBTFUL: f64 = 0.1;
 
 /// The sum of the exchange areas by formulas and by rays.
-fn joined(all: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
-    let [straight, mirrored, more] = all.orders;
+fn joined(pairs: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
+    let [straight, mirrored, more] = pairs.orders;
     let sum = |a: ExchangeAreas, b: ExchangeAreas| match (a.pairs(), b.pairs()) {
         (_, 0) => a,
         (0, _) => b,
@@ -243,8 +235,8 @@ fn widen_by_truncation(factors: &mut FormFactors, truncated: f64) {
         e.error = f64::from(e.error).hypot(share * e.value) as f32;
         true
     };
-    let all = factors.orders.iter_mut().chain([&mut factors.exchange]);
-    all.for_each(|matrix| matrix.retain(doubt));
+    let matrices = factors.orders.iter_mut().chain([&mut factors.exchange]);
+    matrices.for_each(|matrix| matrix.retain(doubt));
 }
 
 fn settled_remainder(
@@ -265,12 +257,12 @@ fn settled_remainder(
     }
     let share = missing / went;
     // A single way out is as well known as the sum of the row.
-    let of = |part: f64, noise: f64| {
+    let scaled = |part: f64, noise: f64| {
         let doubt = if part == went { 0.0 } else { noise * share };
         (part * share, doubt.hypot(error * part / went))
     };
-    let (sky, sky_error) = of(seen.sky, seen.sky_error);
-    let (ground, ground_error) = of(seen.ground, seen.ground_error);
+    let (sky, sky_error) = scaled(seen.sky, seen.sky_error);
+    let (ground, ground_error) = scaled(seen.ground, seen.ground_error);
     RowRemainder {
         sky,
         sky_error,
@@ -283,8 +275,8 @@ fn settled_remainder(
 }
 
 /// How the pairs were resolved.
-fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) -> Vec<String> {
-    let t = &all.counts;
+fn notes(pairs: &AllPairs, exchanger: &Exchanger, rays: Option<u32>) -> Vec<String> {
+    let t = &pairs.counts;
     let mut notes = vec![format!(
         "{} pairs are unoccluded, {} partially occluded, {} fully occluded",
         t.bulk + t.single + t.close,
@@ -293,29 +285,27 @@ fn notes(all: &AllPairs, exchanger: &Exchanger, is_complete: bool, rays: u32) ->
     )];
     if t.unresolved > 0 {
         notes.push(format!(
-            "{} pairs with too many occluders took shadow rays",
+            "shadow rays estimated {} pairs with too many occluders",
             t.unresolved
         ));
     }
     notes.extend(exchanger.flatness.clone());
-    let doubtful = all
-        .is_doubtful
-        .iter()
-        .filter(|&&is_doubtful| is_doubtful)
-        .count();
+    let doubtful = pairs.is_doubtful.iter().filter(|&&row| row).count();
     if doubtful > 0 {
         notes.push(format!(
             "{doubtful} rows took rays, which contradict their formulas"
         ));
     }
-    let given_up = all.is_done.iter().filter(|&&is_done| !is_done).count();
+    let given_up = pairs.is_done.iter().filter(|&&is_done| !is_done).count();
     if given_up > 0 {
         notes.push(format!(
             "{given_up} rows were left to rays, because formulas took too long"
         ));
     }
-    if !is_complete {
-        notes.push(format!("what has no formula took {rays} rays per row"));
+    if let Some(rays) = rays {
+        notes.push(format!(
+            "rays found the light without formulas, {rays} per row"
+        ));
     }
     notes
 }
@@ -327,7 +317,7 @@ mod tests {
     use azulejo_scene::synthetic::room_with_table;
     use azulejo_trace::{Progress, Tracer};
 
-    /// What formulas had found of rows that were then left to rays counted beside what these found: some rows
+    /// What formulas had found of rows that were then left to rays counted in addition to what these found: some rows
     /// summed to 1.9.
     #[test]
     fn rows_left_to_rays_count_once() {

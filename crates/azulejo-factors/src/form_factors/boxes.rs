@@ -61,9 +61,13 @@ impl BoxTree {
         self.split(boxes, start + middle, end);
     }
 
-    /// Whether `found` returns true for any item in boxes that `enters` accepts; items come in an
+    /// Whether `is_match` returns true for any item in boxes that `enters` accepts; items come in an
     /// order that depends on the boxes alone.
-    pub fn any(&self, enters: impl Fn(&Aabb) -> bool, mut found: impl FnMut(u32) -> bool) -> bool {
+    pub fn any(
+        &self,
+        enters: impl Fn(&Aabb) -> bool,
+        mut is_match: impl FnMut(u32) -> bool,
+    ) -> bool {
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
             let Some(node) = self.nodes.get(index as usize).filter(|n| enters(&n.bounds)) else {
@@ -74,7 +78,7 @@ impl BoxTree {
                 continue;
             }
             let items = node.first as usize..(node.first + node.count) as usize;
-            if self.items[items].iter().any(|&i| found(i)) {
+            if self.items[items].iter().any(|&i| is_match(i)) {
                 return true;
             }
         }
@@ -107,15 +111,18 @@ mod tests {
         let tree = BoxTree::new(&boxes);
         for trial in 1_000..1_050 {
             let is_near = |b: &Aabb| distance(b, low(trial)) < 0.2;
-            let mut found = Vec::new();
+            let mut near = Vec::new();
             let stopped = tree.any(is_near, |i| {
-                found.extend(is_near(&boxes[i as usize]).then_some(i));
+                near.extend(is_near(&boxes[i as usize]).then_some(i));
                 false
             });
-            found.sort_unstable();
-            let all: Vec<u32> = (0..300).filter(|&i| is_near(&boxes[i as usize])).collect();
-            assert!(found == all && !stopped);
-            assert_eq!(tree.any(is_near, |i| all.contains(&i)), !all.is_empty());
+            near.sort_unstable();
+            let expected: Vec<u32> = (0..300).filter(|&i| is_near(&boxes[i as usize])).collect();
+            assert!(near == expected && !stopped);
+            assert_eq!(
+                tree.any(is_near, |i| expected.contains(&i)),
+                !expected.is_empty()
+            );
         }
         assert!(!BoxTree::new(&[]).any(|_| true, |_| true));
     }

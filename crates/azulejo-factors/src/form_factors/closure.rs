@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Deficits above this, which exact entries or those at their least left, are spread over all entries.
 const LEFT: f64 = 1e-7;
 
-/// Deficits above this are no matter of errors: light that ends where nothing is known of it stays missing.
+/// Deficits above this do not come from errors: light that ends at an unknown place stays missing.
 const MISSING: f64 = 1e-3;
 
 /// Least standard error of an entry, as a share of its value, where deficits are left.
@@ -20,8 +20,8 @@ const SPREAD: f64 = 1e-3;
 /// Most times that deficits are spread: each time entries at their least start from there.
 const SPREADS: usize = 4;
 
-/// Most that a row may move: this many times the sum of its errors, and the worst deficit so many times.
-/// What moves further does not err, but sees only what cannot be reconciled with it.
+/// Most that a row may move: the first number times the sum of its errors, and the second times the worst deficit.
+/// A row that would move further sees only what cannot be reconciled with it.
 const MOST_MOVED: (f64, f64) = (4.0, 30.0);
 
 /// Share of a row's light that a closed scene may lose: rays through cracks.
@@ -66,7 +66,7 @@ impl FormFactors {
         };
         for _ in 0..SPREADS {
             let is_left = |d: &f64| (LEFT..=MISSING).contains(&d.abs());
-            if !self.deficits().iter().any(is_left) {
+            if !self.residuals().iter().any(is_left) {
                 break;
             }
             let weight = ClosureWeight::Errors { least: SPREAD };
@@ -75,7 +75,7 @@ impl FormFactors {
             };
             moved.iter_mut().zip(more).for_each(|(m, more)| *m += more);
         }
-        self.closed = Some(self.adjustment(&moved, &self.deficits()));
+        self.closed = Some(self.adjustment(&moved, &self.residuals()));
         Ok(())
     }
 
@@ -108,36 +108,11 @@ impl FormFactors {
         weight: ClosureWeight,
         progress: &Progress,
     ) -> Result<Option<Vec<f64>>, Cancelled> {
+        let change = self.smoothing(weight).solve(progress)?;
+        // How far it would move each row, which has to agree with the row's errors.
+        let changed = |i| changed_rest(&self.rest[i], weight, &change, i, self.areas[i]);
+        let rest: Vec<RowRemainder> = (0..self.len()).map(changed).collect();
         let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
-        let ended = self.ended();
-        let rows = || self.areas.iter().zip(&self.rest);
-        let outside = |a: f64, value: f64, error: f64| a * a * weight.variance(error, value);
-        let smoothing = Smoothing {
-            exchange: &self.exchange,
-            variance: |_, e: &Exchange| variance(e),
-            weights: &self.ends,
-            free: rows()
-                .map(|(&a, r)| {
-                    outside(a, r.sky, r.sky_error) + outside(a, r.ground, r.ground_error)
-                })
-                .collect(),
-            deficits: rows()
-                .zip(&ended)
-                .map(|((a, r), ended)| (a, 1.0 - r.sum() - ended))
-                .map(|(a, d)| {
-                    if weight.is_spread() && d.abs() > MISSING {
-                        0.0
-                    } else {
-                        a * d
-                    }
-                })
-                .collect(),
-            tolerated: self.areas.iter().map(|a| a * TOLERANCE).collect(),
-        };
-        let change = smoothing.solve(progress)?;
-        let rest: Vec<RowRemainder> = (0..self.len())
-            .map(|i| changed_rest(&self.rest[i], weight, &change, i, self.areas[i]))
-            .collect();
         let ratio = |i: usize, e: &Exchange| Some(change.ratio(variance(e), i, e));
         let mut moved = self.moved(ratio);
         for (i, moved) in moved.iter_mut().enumerate() {
@@ -154,10 +129,34 @@ impl FormFactors {
         Ok(Some(moved))
     }
 
+    /// The smallest change that makes all rows complete.
+    fn smoothing(
+        &self,
+        weight: ClosureWeight,
+    ) -> Smoothing<'_, impl Fn(usize, &Exchange) -> f64 + Sync> {
+        let (mut free, mut deficits) = (Vec::new(), Vec::new());
+        for ((&a, rest), ended) in self.areas.iter().zip(&self.rest).zip(self.ended()) {
+            let shares = [(rest.sky, rest.sky_error), (rest.ground, rest.ground_error)];
+            let [sky, ground] = shares.map(|(value, error)| a * a * weight.variance(error, value));
+            free.push(sky + ground);
+            let lacks = 1.0 - rest.sum() - ended;
+            let is_missing = weight.is_spread() && lacks.abs() > MISSING;
+            deficits.push(if is_missing { 0.0 } else { a * lacks });
+        }
+        Smoothing {
+            exchange: &self.exchange,
+            variance: move |_, e: &Exchange| weight.variance(f64::from(e.error), e.value),
+            weights: &self.ends,
+            free,
+            deficits,
+            tolerated: self.areas.iter().map(|a| a * TOLERANCE).collect(),
+        }
+    }
+
     /// The largest Σ_j |ΔX_ij| of each row that its errors and the deficits explain.
     fn movable(&self) -> Vec<f64> {
         let worst = self
-            .deficits()
+            .residuals()
             .iter()
             .fold(LEFT, |most: f64, d| most.max(d.abs()));
         let errors = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
@@ -169,19 +168,6 @@ impl FormFactors {
                 return f64::INFINITY;
             }
             MOST_MOVED.0 * own + MOST_MOVED.1 * worst
-        })
-        .collect()
-    }
-
-    /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
-    fn deficits(&self) -> Vec<f64> {
-        let rows = self.ended().into_iter().zip(&self.rest);
-        rows.map(|(ended, rest)| {
-            if ended > 0.0 {
-                1.0 - ended - rest.sum()
-            } else {
-                0.0
-            }
         })
         .collect()
     }

@@ -12,7 +12,7 @@ use super::sides::Sides;
 use super::spread::mean_and_variance;
 use crate::patch::FaceId;
 use azulejo_trace::REPLICATES;
-use azulejo_trace::run::{RecordReader, write_list};
+use azulejo_trace::run::{Record, RecordReader};
 use std::collections::HashMap;
 use std::hash::Hash;
 
@@ -31,19 +31,19 @@ pub(super) struct ErrorGroup {
 
 /// The groups of more than one column among the entries of a row.
 pub(super) fn groups(columns: &[Column], sides: &Sides) -> Vec<ErrorGroup> {
-    let face = |&(column, _): &Column| face_of(sides, column);
+    let face = |&(column, _): &Column| column_face(sides, column);
     let mut groups = Vec::new();
     for object in columns.chunk_by(|a, b| face(a).object == face(b).object) {
         let faces = object.chunk_by(|a, b| face(a) == face(b));
         let faces = faces.filter(|face| face.len() < object.len());
-        let all = std::iter::once(object).chain(faces);
-        let several = all.filter(|group| group.len() > 1);
+        let candidates = std::iter::once(object).chain(faces);
+        let several = candidates.filter(|group| group.len() > 1);
         groups.extend(several.map(|group| ErrorGroup::new(group, group.len() == object.len())));
     }
     groups
 }
 
-fn face_of(sides: &Sides, column: u32) -> FaceId {
+fn column_face(sides: &Sides, column: u32) -> FaceId {
     sides.patches.face(sides.patch(column as usize))
 }
 
@@ -63,26 +63,20 @@ impl ErrorGroup {
     }
 }
 
-/// Appends the bytes of groups, for storage.
-pub(super) fn write(groups: &[ErrorGroup], bytes: &mut Vec<u8>) {
-    write_list(groups, bytes, |g, bytes| {
-        bytes.extend(g.column.to_le_bytes());
-        bytes.extend(u32::from(g.is_object).to_le_bytes());
-        bytes.extend(g.variance_of_sum.to_le_bytes());
-        bytes.extend(g.sum_of_variances.to_le_bytes());
-    });
-}
+impl Record for ErrorGroup {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        (self.column, u32::from(self.is_object)).write(bytes);
+        (self.variance_of_sum, self.sum_of_variances).write(bytes);
+    }
 
-/// The inverse of [`write`].
-pub(super) fn read(bytes: &mut RecordReader) -> Option<Vec<ErrorGroup>> {
-    bytes.list(|b| {
+    fn read(bytes: &mut RecordReader) -> Option<ErrorGroup> {
         Some(ErrorGroup {
-            column: b.u32()?,
-            is_object: b.u32()? != 0,
-            variance_of_sum: b.f64()?,
-            sum_of_variances: b.f64()?,
+            column: bytes.u32()?,
+            is_object: bytes.u32()? != 0,
+            variance_of_sum: bytes.f64()?,
+            sum_of_variances: bytes.f64()?,
         })
-    })
+    }
 }
 
 /// Design effects of sums of entries between two faces, or between two objects.
@@ -103,10 +97,10 @@ impl DesignEffect {
 
     /// Adds the groups of row `i`.
     pub(super) fn add(&mut self, sides: &Sides, i: usize, groups: &[ErrorGroup]) {
-        let own = face_of(sides, i as u32);
+        let own = column_face(sides, i as u32);
         let weight = sides.area(i).powi(2);
         for g in groups {
-            let other = face_of(sides, g.column);
+            let other = column_face(sides, g.column);
             let sums = if g.is_object {
                 entry(&mut self.objects, own.object, other.object)
             } else {
@@ -154,8 +148,8 @@ mod tests {
             sums[0] += group.variance_of_sum;
             sums[1] += group.sum_of_variances;
         }
-        let found = effect(Some(&sums));
-        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let factor = effect(Some(&sums));
+        assert!((factor - expected).abs() < 1e-12, "{factor} {expected}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 const RAYS: usize = 1 << 17;
 const ROW_RAYS: [usize; 2] = [64, 4096];
 
-/// Neighbouring rows that are compared together besides.
+/// Neighbouring rows that are also compared together.
 const NEIGHBOURS: usize = 16;
 
 /// The rows of exchange areas, and what a few rays find from them.
@@ -30,58 +30,49 @@ impl RowCheck<'_> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn doubtful(&self, all: &AllPairs, progress: &Progress) -> Result<Vec<usize>, Cancelled> {
+    pub fn doubtful(&self, pairs: &AllPairs, progress: &Progress) -> Result<Vec<usize>, Cancelled> {
         let n = self.sides.len();
         let rays = (RAYS / n.max(1)).clamp(ROW_RAYS[0], ROW_RAYS[1]) / REPLICATES * REPLICATES;
         let tracer = self.gatherer.surfaces().tracer;
         let is_compared = |row: usize| {
-            self.exchanger.has(row) && all.is_done[row] && !self.sides.is_too_narrow(row, tracer)
+            self.exchanger.has(row) && pairs.is_done[row] && !self.sides.is_too_narrow(row, tracer)
         };
+        // The form factors of each row, and what rays from it hit, by stratum.
         let mut strata = vec![Strata::default(); n];
-        self.add_factors(&all.orders[0], is_compared, &mut strata);
+        self.add_factors(&pairs.orders[0], is_compared, &mut strata);
         progress.begin("rows against rays", n as u64);
         let surfaces = self.gatherer.surfaces();
-        let sampler = RowSampler::new(
-            surfaces.tracer,
-            self.sides.patches,
-            rays / REPLICATES,
-            self.seed,
-        );
-        let patches = HitPatches::new(surfaces, self.sides.patches);
+        let patches = self.sides.patches;
+        let sampler = RowSampler::new(surfaces.tracer, patches, rays / REPLICATES, self.seed);
+        let patches = HitPatches::new(surfaces, patches);
         let add_hits = |(row, strata): (usize, &mut Strata)| {
             progress.advance(1)?;
             if is_compared(row) {
-                for column in self
-                    .hits(row, rays, &sampler, &patches)
-                    .into_iter()
-                    .filter(|&c| is_compared(c))
-                {
-                    if let Some(stratum) = self.exchanger.stratum(column) {
-                        strata.add_hits(stratum, 1.0 / rays as f64);
-                    }
+                let hits = self.hits(row, rays, &sampler, &patches).into_iter();
+                let columns = hits.filter(|&column| is_compared(column));
+                for stratum in columns.filter_map(|column| self.exchanger.stratum(column)) {
+                    strata.add_hits(stratum, 1.0 / rays as f64);
                 }
             }
             Ok(())
         };
         strata.par_iter_mut().enumerate().try_for_each(add_hits)?;
+        // All rows together, then neighbours together, then each by itself.
         let order = self.exchanger.rows_in_order();
         let order: Vec<usize> = order.into_iter().filter(|&row| is_compared(row)).collect();
-        let mean = |rows: &[usize]| {
-            Strata::mean(&rows.iter().map(|&row| &strata[row]).collect::<Vec<_>>())
+        let disagree = |rows: &[usize]| {
+            let rows: Vec<_> = rows.iter().map(|&row| &strata[row]).collect();
+            Strata::mean(&rows).disagree(rays * rows.len())
         };
-        let disagree = |rows: &[usize]| mean(rows).disagree(rays * rows.len());
         if disagree(&order) {
             return Ok(order);
         }
-        let mut doubtful: Vec<usize> = order
-            .chunks(NEIGHBOURS)
-            .flat_map(|rows| {
-                let is_group = disagree(rows);
-                rows.iter()
-                    .copied()
-                    .filter(move |&row| is_group || disagree(&[row]))
-            })
-            .collect();
+        let doubtful = order.chunks(NEIGHBOURS).flat_map(|rows| {
+            let is_group = disagree(rows);
+            let rows = rows.iter().copied();
+            rows.filter(move |&row| is_group || disagree(&[row]))
+        });
+        let mut doubtful: Vec<usize> = doubtful.collect();
         doubtful.sort_unstable();
         Ok(doubtful)
     }
@@ -100,11 +91,8 @@ impl RowCheck<'_> {
             }
         };
         for row in (0..self.sides.len()).filter(|&row| is_compared(row)) {
-            for e in exchange
-                .upper(row)
-                .iter()
-                .filter(|e| is_compared(e.column as usize))
-            {
+            let upper = exchange.upper(row).iter();
+            for e in upper.filter(|e| is_compared(e.column as usize)) {
                 let column = e.column as usize;
                 add(row, column, e.value, f64::from(e.error));
                 if column != row {
@@ -125,13 +113,8 @@ impl RowCheck<'_> {
         let surfaces = self.gatherer.surfaces();
         let (mut paths, mut hits) = (Vec::with_capacity(rays), Vec::new());
         for replicate in 0..REPLICATES {
-            sampler.fill(
-                self.sides.side(row),
-                replicate,
-                0..rays / REPLICATES,
-                1.0,
-                &mut paths,
-            );
+            let (side, stretch) = (self.sides.side(row), 0..rays / REPLICATES);
+            sampler.fill(side, replicate, stretch, 1.0, &mut paths);
         }
         let rays: Vec<KernelRay> = paths.iter().map(|path| path.ray).collect();
         surfaces.tracer.closest(&rays, &mut hits);

@@ -137,12 +137,8 @@ impl FormFactors {
         emissivities: &[f64],
         progress: &Progress,
     ) -> Result<FormFactors, InterchangeError> {
-        assert_eq!(
-            emissivities.len(),
-            self.len(),
-            "one emissivity for each row"
-        );
         let n = self.len();
+        assert_eq!(emissivities.len(), n, "one emissivity for each row");
         progress.begin("grey interchange", 2 * n as u64);
         let system = Cholesky::new(self.grey_system(emissivities), n, progress)?;
         let system = system.map_err(|row| InterchangeError::Grows { row })?;
@@ -163,11 +159,8 @@ impl FormFactors {
         let errors = self.interchange_errors(&absorbed, progress)?;
         let upper = |i: usize| -> Vec<Exchange> {
             let entry = |j: usize| {
-                let diagonal = if i == j {
-                    own[i] * emissivities[i]
-                } else {
-                    0.0
-                };
+                let own_emission = own[i] * emissivities[i];
+                let diagonal = if i == j { own_emission } else { 0.0 };
                 Exchange {
                     column: j as u32,
                     value: absorbed[i][j] * own[j] - diagonal,
@@ -215,13 +208,13 @@ impl FormFactors {
     /// The shares of row i's emission that reach no column, after all reflections.
     fn grey_rest(&self, i: usize, absorbed: &[f64], emissivities: &[f64]) -> RowRemainder {
         let sent = |k: usize| absorbed[k] * self.areas[k] / self.areas[i];
-        let sum = |of: fn(&RowRemainder) -> f64| -> f64 {
+        let sum = |part: fn(&RowRemainder) -> f64| -> f64 {
             let rest = self.rest.iter().enumerate();
-            rest.map(|(k, r)| sent(k) * of(r)).sum()
+            rest.map(|(k, r)| sent(k) * part(r)).sum()
         };
-        let error = |of: fn(&RowRemainder) -> f64| {
+        let error = |part: fn(&RowRemainder) -> f64| {
             let rest = self.rest.iter().enumerate();
-            let variance: f64 = rest.map(|(k, r)| (sent(k) * of(r)).powi(2)).sum();
+            let variance: f64 = rest.map(|(k, r)| (sent(k) * part(r)).powi(2)).sum();
             variance.sqrt()
         };
         RowRemainder {
@@ -268,15 +261,7 @@ impl FormFactors {
 
 /// The remainder of a row scaled to `share`.
 fn scaled_rest(rest: &RowRemainder, share: f64) -> RowRemainder {
-    RowRemainder {
-        sky: rest.sky * share,
-        sky_error: rest.sky_error * share,
-        ground: rest.ground * share,
-        ground_error: rest.ground_error * share,
-        hidden: rest.hidden * share,
-        cut: rest.cut * share,
-        lost: rest.lost * share,
-    }
+    RowRemainder::from_array(rest.to_array().map(|part| part * share))
 }
 
 /// The whole matrix by rows, which sweeps need one after the other.

@@ -6,7 +6,7 @@ use super::sides::Sides;
 use crate::analytic_engine::exchanger;
 use crate::estimator::Estimator;
 use crate::row::{Entry, ORDERS, Row, Side};
-use azulejo_scene::math::Ray;
+use crate::shadow_rays::facing_ray;
 use azulejo_trace::sampling::{seeds, sobol};
 use azulejo_trace::{Cancelled, KernelRay, Progress, REPLICATES, Tracer};
 
@@ -73,7 +73,7 @@ impl Costs<'_> {
             self.seen(progress)?.min(n)
         };
         let rays = f64::from(self.rays);
-        let found_by = |rays: f64| {
+        let columns = |rays: f64| {
             if self.by_rows {
                 seen * (1.0 - (-rays / seen.max(1.0)).exp())
             } else {
@@ -81,12 +81,8 @@ impl Costs<'_> {
             }
         };
         // The rays of both sides find a pair.
-        let pairs = n * (found_by(2.0 * rays) + 1.0) / 2.0;
-        let entries = if self.by_rows {
-            n * found_by(rays)
-        } else {
-            0.0
-        };
+        let pairs = n * (columns(2.0 * rays) + 1.0) / 2.0;
+        let entries = if self.by_rows { n * columns(rays) } else { 0.0 };
         let matrix = pairs * PAIR_BYTES * self.matrices as f64;
         // Rows are freed while the matrix grows, but allocators seldom return the memory.
         let bytes = PROCESS_BYTES
@@ -94,7 +90,7 @@ impl Costs<'_> {
             + entries * ENTRY_BYTES
             + matrix
             + block_bytes(2.0 * pairs, n)
-            + self.working_bytes(found_by(0.25 * rays));
+            + self.working_bytes(columns(0.25 * rays));
         Ok(Forecast {
             rows: self.sides.len(),
             pairs: pairs as u64,
@@ -103,16 +99,15 @@ impl Costs<'_> {
         })
     }
 
-    /// Bytes of what is in work at a time; `found` is the number of columns that a replicate of a row
-    /// finds.
-    fn working_bytes(&self, found: f64) -> f64 {
+    /// Bytes of what is in progress at a time, if a replicate of a row finds this many columns.
+    fn working_bytes(&self, columns: f64) -> f64 {
         let (rows, threads) = (self.sides.len(), rayon::current_num_threads());
         if !self.by_rows {
             return exchanger::working_bytes(rows, threads);
         }
         // A block of rows as their estimator returns them, and sorted by columns.
         let block = rows::rows_at_once(self.rays).min(rows) as f64;
-        let columns = block * REPLICATES as f64 * found;
+        let columns = block * REPLICATES as f64 * columns;
         let sums = (threads * 2 * ORDERS * rows * size_of::<u32>()) as f64;
         columns * (size_of::<Entry>() + size_of::<(u32, usize, f64)>()) as f64 + sums
     }
@@ -122,14 +117,12 @@ impl Costs<'_> {
     fn seen(&self, progress: &Progress) -> Result<f64, Cancelled> {
         progress.begin("forecast", ROWS as u64);
         let step = self.sides.len().div_ceil(ROWS);
-        let rows: Vec<Side> = (0..self.sides.len())
-            .step_by(step)
-            .map(|i| self.sides.side(i))
-            .collect();
-        let found = self.sampler.rows(&rows, progress)?;
-        let columns: usize = found.iter().map(columns).sum();
-        let mean = columns as f64 / rows.len() as f64;
-        let by_rows = behind(mean, f64::from(self.sampler.rays()));
+        let rows = (0..self.sides.len()).step_by(step);
+        let sides: Vec<Side> = rows.map(|i| self.sides.side(i)).collect();
+        let rows = self.sampler.rows(&sides, progress)?;
+        let columns: usize = rows.iter().map(columns).sum();
+        let mean = columns as f64 / sides.len() as f64;
+        let by_rows = target_count(mean, f64::from(self.sampler.rays()));
         Ok(by_rows.max(self.visible_share() * self.sides.len() as f64))
     }
 
@@ -151,19 +144,11 @@ impl Costs<'_> {
 
     /// A ray between points of two rows, if these face each other.
     fn between(&self, i: usize, j: usize, u: f64, v: f64) -> Option<KernelRay> {
-        let at = |row: usize| {
+        let end = |row: usize| {
             let point = self.sides.patches.sample(self.sides.patch(row), u, v);
-            let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
-            (point.position, flip * point.normal)
+            (point.position, self.sides.flip(row) * point.normal)
         };
-        let ((x, m), (y, n)) = (at(i), at(j));
-        let way = y - x;
-        let faces = way.dot(m) > 0.0 && way.dot(n) < 0.0;
-        let ends = || (self.tracer.leaving(x, m), self.tracer.leaving(y, n));
-        faces.then(|| {
-            let (from, to) = ends();
-            self.tracer.kernel_ray(&Ray::between(from, to))
-        })
+        facing_ray(self.tracer, [end(i), end(j)])
     }
 }
 
@@ -176,13 +161,13 @@ fn columns(row: &Row) -> usize {
     sides.len()
 }
 
-/// The number of equal targets of which `rays` rays found `found`: the solution V of V (1 −
-/// e^(−rays/V)) = found, by bisection.
-fn behind(found: f64, rays: f64) -> f64 {
-    let (mut low, mut high) = (found, 1e12f64.max(found));
+/// The number of equal targets of which `rays` rays hit `hit`: the solution V of V (1 − e^(−rays/V)) = hit,
+/// by bisection.
+fn target_count(hit: f64, rays: f64) -> f64 {
+    let (mut low, mut high) = (hit, 1e12f64.max(hit));
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if middle * (1.0 - (-rays / middle).exp()) < found {
+        if middle * (1.0 - (-rays / middle).exp()) < hit {
             low = middle;
         } else {
             high = middle;
@@ -198,9 +183,9 @@ mod tests {
     #[test]
     fn what_few_rays_miss() {
         for (targets, rays) in [(100.0f64, 50.0f64), (1_000.0, 4_096.0), (5e5, 4_096.0)] {
-            let found = targets * (1.0 - (-rays / targets).exp());
-            let said = behind(found, rays);
-            assert!((said / targets - 1.0).abs() < 0.01, "{said} {targets}");
+            let hit = targets * (1.0 - (-rays / targets).exp());
+            let count = target_count(hit, rays);
+            assert!((count / targets - 1.0).abs() < 0.01, "{count} {targets}");
         }
     }
 }

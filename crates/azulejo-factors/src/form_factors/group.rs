@@ -1,6 +1,5 @@
 //! The matrix between groups of rows.
 
-use super::design_effect::DesignEffect;
 use super::matrix::{FormFactors, RowRemainder};
 use crate::exchange_areas::{Exchange, ExchangeAreas, union};
 use crate::patch::FaceId;
@@ -80,55 +79,51 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    fn each<T>(&self, of: impl Fn(&[usize]) -> T) -> Vec<T> {
-        self.members.iter().map(|m| of(m)).collect()
+    /// A value of each group from its rows.
+    fn each<T>(&self, value: impl Fn(&[usize]) -> T) -> Vec<T> {
+        self.members.iter().map(|m| value(m)).collect()
+    }
+
+    /// The area of some rows.
+    fn area(&self, members: &[usize]) -> f64 {
+        members.iter().map(|&i| self.factors.areas[i]).sum()
     }
 
     /// Mean over rows, weighted by area; 0 without rows.
-    fn mean(&self, members: &[usize], of: impl Fn(usize) -> f64) -> f64 {
-        let area = |i: usize| self.factors.areas[i];
-        let whole: f64 = members.iter().map(|&i| area(i)).sum();
-        let sum: f64 = members.iter().map(|&i| area(i) * of(i)).sum();
+    fn mean(&self, members: &[usize], value: impl Fn(usize) -> f64) -> f64 {
+        let areas = &self.factors.areas;
+        let sum: f64 = members.iter().map(|&i| areas[i] * value(i)).sum();
+        let whole = self.area(members);
         if whole > 0.0 { sum / whole } else { 0.0 }
     }
 
     /// Standard error of that mean.
-    fn error(&self, members: &[usize], of: impl Fn(usize) -> f64) -> f64 {
-        let area = |i: usize| self.factors.areas[i];
-        let whole: f64 = members.iter().map(|&i| area(i)).sum();
-        let variance: f64 = members.iter().map(|&i| (area(i) * of(i)).powi(2)).sum();
-        if whole > 0.0 {
-            variance.sqrt() / whole
-        } else {
-            0.0
-        }
+    fn error(&self, members: &[usize], error: impl Fn(usize) -> f64) -> f64 {
+        let areas = &self.factors.areas;
+        let squares = members.iter().map(|&i| (areas[i] * error(i)).powi(2));
+        let (sum, whole) = (squares.sum::<f64>().sqrt(), self.area(members));
+        if whole > 0.0 { sum / whole } else { 0.0 }
     }
 
     /// All that is known of groups with these exchange areas.
     fn finish(&self, exchange: ExchangeAreas, to_nobody: &[f64]) -> FormFactors {
-        let (of, count) = (self.factors, self.members.len());
+        let (rows, count) = (self.factors, self.members.len());
         let mut grouped = FormFactors {
             exchange,
-            orders: Vec::new(),
-            areas: self.each(|m| m.iter().map(|&i| of.areas[i]).sum()),
-            faces: self.each(|m| m.first().map_or(NO_FACE, |&i| of.faces[i])),
-            materials: self.each(|m| m.first().map_or(0, |&i| of.materials[i])),
-            is_back: self.each(|m| m.first().is_some_and(|&i| of.is_back[i])),
+            areas: self.each(|m| self.area(m)),
+            faces: self.each(|m| m.first().map_or(NO_FACE, |&i| rows.faces[i])),
+            materials: self.each(|m| m.first().map_or(0, |&i| rows.materials[i])),
+            is_back: self.each(|m| m.first().is_some_and(|&i| rows.is_back[i])),
             rest: self.rest(to_nobody),
-            ends: self.each(|m| self.mean(m, |i| of.ends[i])),
-            row_errors: Vec::new(),
+            ends: self.each(|m| self.mean(m, |i| rows.ends[i])),
             // Sums over many pairs miss little, and no more than their errors.
-            unseen: if of.unseen.is_empty() {
-                Vec::new()
-            } else {
-                vec![0.0; count]
-            },
-            design_effect: DesignEffect::default(),
-            is_closed: of.is_closed,
-            closed: of.closed,
-            truncated: of.truncated,
-            rays: of.rays,
-            engine_used: of.engine_used.clone(),
+            unseen: vec![0.0; if rows.unseen.is_empty() { 0 } else { count }],
+            is_closed: rows.is_closed,
+            closed: rows.closed,
+            truncated: rows.truncated,
+            rays: rows.rays,
+            engine_used: rows.engine_used.clone(),
+            ..FormFactors::default()
         };
         grouped.update_row_errors();
         grouped
@@ -170,7 +165,7 @@ impl<'a> Grouping<'a> {
             sums: vec![[0.0; 2]; count],
             touched: Vec::new(),
         };
-        let found: Vec<Vec<(u32, [f64; 2])>> = (0..count)
+        let sums: Vec<Vec<(u32, [f64; 2])>> = (0..count)
             .into_par_iter()
             .map_init(new, |sums, group| {
                 self.add_up(areas, group as u32, sums);
@@ -178,15 +173,15 @@ impl<'a> Grouping<'a> {
             })
             .collect();
         let mut below = vec![Vec::new(); count];
-        for (a, row) in found.iter().enumerate() {
+        for (a, row) in sums.iter().enumerate() {
             for &(b, sum) in row.iter().take_while(|(b, _)| (*b as usize) < a) {
                 below[b as usize].push((a as u32, sum));
             }
         }
         let row = |a: usize| {
             let mut row = Vec::new();
-            let above = found[a].partition_point(|&(b, _)| (b as usize) < a);
-            union(&found[a][above..], &below[a], key, key, |column, x, y| {
+            let above = sums[a].partition_point(|&(b, _)| (b as usize) < a);
+            union(&sums[a][above..], &below[a], key, key, |column, x, y| {
                 let [x, y] = [x, y].map(|sum| sum.map_or([0.0; 2], |s| s.1));
                 row.push(Exchange {
                     column,
@@ -217,16 +212,11 @@ impl<'a> Grouping<'a> {
 
     /// The factor for the error of an entry in a sum.
     fn widening(&self, i: usize, j: usize) -> f64 {
-        let FormFactors {
-            design_effect,
-            faces,
-            ..
-        } = self.factors;
+        let (faces, design_effect) = (&self.factors.faces, &self.factors.design_effect);
         if design_effect.is_empty() {
-            1.0
-        } else {
-            design_effect.effect(faces[i], faces[j]).sqrt()
+            return 1.0;
         }
+        design_effect.effect(faces[i], faces[j]).sqrt()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Division and samples where only sums over groups of rows are wanted.
+//! Division and samples where only sums over groups of rows are needed.
 //!
 //! Integrals over a group do not depend on its division, so few patches do: flat faces stay whole, and each
 //! group has as many rays or hemicubes as its sums need, distributed over its patches by area. Formulas with
@@ -40,8 +40,8 @@ const FORMULA_PATCHES: usize = 200;
 /// Squares by whose size curved faces are divided for rays and hemicubes.
 const CURVED_SQUARES: usize = 500;
 
-/// Squares by whose size polygons take the place of exact shapes: as where patches are wanted.
-pub(super) const PROXY_SQUARES: usize = 2_500;
+/// The size by which polygons take the place of exact shapes: as where patches themselves are needed.
+pub(super) const PROXY_SIZE: PatchSize = PatchSize::Squares(2_500);
 
 /// The division for sums over groups. Automatic choices come later, and are formulas wherever these pay.
 pub(super) fn size(engine: &Engine) -> PatchSize {
@@ -56,7 +56,7 @@ pub(super) fn size(engine: &Engine) -> PatchSize {
 /// How many samples groups and rows take.
 struct Budget {
     /// Samples of all groups together, as far as the limits allow.
-    all: f64,
+    total: f64,
     /// Fewest and most samples of a group.
     group: [f64; 2],
     /// Fewest samples of a row: four replicates.
@@ -65,28 +65,28 @@ struct Budget {
 
 /// Up to 40 groups have the most; more share what 2,500 patches of 4,096 rays take.
 const RAYS: Budget = Budget {
-    all: 1e7,
+    total: 1e7,
     group: [4_096.0, 262_144.0],
     row: 64,
 };
 
 /// About the error of rays, in less than five times their time.
 const HEMICUBES: Budget = Budget {
-    all: 16_384.0,
+    total: 16_384.0,
     group: [16.0, 1_024.0],
     row: 4,
 };
 
 /// Positions at which light from outside is gathered.
 const POSITIONS: Budget = Budget {
-    all: 160_000.0,
+    total: 160_000.0,
     group: [64.0, 16_384.0],
     row: 16,
 };
 
 /// The groups of patches, and their areas.
 pub(super) struct GroupAreas {
-    of_patches: Vec<u32>,
+    patch_groups: Vec<u32>,
     areas: Vec<f64>,
 }
 
@@ -103,7 +103,7 @@ impl GroupAreas {
             number
         };
         GroupAreas {
-            of_patches: (0..patches.len()).map(group).collect(),
+            patch_groups: (0..patches.len()).map(group).collect(),
             areas,
         }
     }
@@ -128,24 +128,24 @@ impl GroupAreas {
 
     /// The samples of each group, distributed over its patches by area, in powers of two.
     fn shared(&self, patches: &Patches, budget: &Budget) -> SampleCounts {
-        let of_group = budget.of_group(self.count());
+        let per_group = budget.per_group(self.count());
         let count = |(patch, &group): (usize, &u32)| {
             let share = patches.area(patch) / self.areas[group as usize];
-            budget.of_row(of_group * share)
+            budget.per_row(per_group * share)
         };
-        SampleCounts::ByPatch(self.of_patches.iter().enumerate().map(count).collect())
+        SampleCounts::ByPatch(self.patch_groups.iter().enumerate().map(count).collect())
     }
 }
 
 impl Budget {
-    /// The samples of each of so many groups.
-    fn of_group(&self, groups: usize) -> f64 {
+    /// The samples of each of `groups` groups.
+    fn per_group(&self, groups: usize) -> f64 {
         let [least, most] = self.group;
-        (self.all / groups.max(1) as f64).clamp(least, most)
+        (self.total / groups.max(1) as f64).clamp(least, most)
     }
 
-    /// The samples of a row that should have about so many: a power of two, of which Sobol's points are best.
-    fn of_row(&self, samples: f64) -> u32 {
+    /// The samples of a row that should have about `samples`: a power of two, of which Sobol's points are best.
+    fn per_row(&self, samples: f64) -> u32 {
         let power = samples.max(1.0).log2().round().min(24.0);
         (1u32 << power as u32).max(self.row)
     }
@@ -157,7 +157,7 @@ impl PreparedPlan<'_> {
         let groups = self.groups.as_ref()?;
         let (count, rows) = (groups.count(), self.sides.len());
         let planned = |budget: &Budget, what: &str| {
-            let (each, least) = (budget.of_group(count) as u64, budget.row);
+            let (each, least) = (budget.per_group(count) as u64, budget.row);
             format!("about {each} {what} from each group, at least {least} from each patch")
         };
         let samples = match &self.engine {
@@ -196,11 +196,11 @@ mod tests {
 
     #[test]
     fn budgets_have_limits() {
-        assert_eq!(RAYS.of_group(1), 262_144.0);
-        assert_eq!(RAYS.of_group(1_000), 1e4);
-        assert_eq!(RAYS.of_group(100_000), 4_096.0);
-        assert_eq!(RAYS.of_row(10.0), 64);
-        assert_eq!(RAYS.of_row(3_000.0), 4_096);
-        assert_eq!(HEMICUBES.of_row(0.0), 4);
+        assert_eq!(RAYS.per_group(1), 262_144.0);
+        assert_eq!(RAYS.per_group(1_000), 1e4);
+        assert_eq!(RAYS.per_group(100_000), 4_096.0);
+        assert_eq!(RAYS.per_row(10.0), 64);
+        assert_eq!(RAYS.per_row(3_000.0), 4_096);
+        assert_eq!(HEMICUBES.per_row(0.0), 4);
     }
 }

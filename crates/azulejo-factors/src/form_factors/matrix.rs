@@ -94,6 +94,34 @@ impl RowRemainder {
         self.sky + self.ground
     }
 
+    /// All shares and errors, in the order of the fields.
+    pub(crate) fn to_array(self) -> [f64; 7] {
+        let RowRemainder {
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            cut,
+            lost,
+        } = self;
+        [sky, sky_error, ground, ground_error, hidden, cut, lost]
+    }
+
+    /// The inverse of [`to_array`](RowRemainder::to_array).
+    pub(crate) fn from_array(shares: [f64; 7]) -> RowRemainder {
+        let [sky, sky_error, ground, ground_error, hidden, cut, lost] = shares;
+        RowRemainder {
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            cut,
+            lost,
+        }
+    }
+
     /// The sum of all shares.
     pub fn sum(&self) -> f64 {
         self.escaped() + self.hidden + self.cut + self.lost
@@ -129,7 +157,7 @@ pub struct Truncation {
 /// Entries per block of whole rows: 8 MiB, and as much again while they are assembled.
 const BLOCK: usize = 1 << 19;
 
-/// Bytes that a block of whole rows takes while it is written, of a matrix of so many entries.
+/// Bytes that a block of whole rows takes while it is written, of a matrix with this many entries.
 pub(super) fn block_bytes(entries: f64, rows: f64) -> f64 {
     let most = BLOCK as f64 + entries / rows.max(1.0);
     // Lists grow by doubling.
@@ -217,8 +245,8 @@ impl FormFactors {
     /// [`RowRemainder::sum`] it is 1.
     pub fn ended(&self) -> Vec<f64> {
         let ends = &self.ends;
-        let weigh = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
-        self.per_area(self.exchange.sums(weigh))
+        let ended = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
+        self.per_area(self.exchange.sums(ended))
     }
 
     /// Sums of rows over their areas; 0 for groups without rows.
@@ -277,8 +305,7 @@ impl FormFactors {
         let rows = self.row_errors.iter_mut().zip(&self.unseen);
         rows.for_each(|(error, unseen)| *error += unseen);
         let residuals = self.residuals();
-        let rows = self.row_errors.iter_mut().zip(&residuals);
-        for (error, residual) in rows {
+        for (error, residual) in self.row_errors.iter_mut().zip(&residuals) {
             // What is unknown stays unknown.
             if residual.abs() > *error {
                 *error = residual.abs();

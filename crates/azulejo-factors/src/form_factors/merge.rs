@@ -1,7 +1,7 @@
 //! One exchange area per pair, from the rays of both sides and the formula.
 
 use super::matrix::FormFactors;
-use super::near::{PairEstimate, PairEstimates};
+use super::near::{PairEstimate, PairEstimates, formulas};
 use super::rows::{RayEntries, RayEntry, RayRow, TracedRows};
 use super::sides::Sides;
 use super::spread::NoiseModel;
@@ -23,11 +23,8 @@ pub(super) fn merge(
 ) -> Result<FormFactors, Cancelled> {
     let n = sides.len();
     let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
-    let weights: Vec<PairWeight> = areas
-        .iter()
-        .zip(&traced.rays)
-        .map(PairWeight::new)
-        .collect();
+    let weights = areas.iter().zip(&traced.rays).map(PairWeight::new);
+    let weights: Vec<PairWeight> = weights.collect();
     let mut factors = FormFactors {
         rest: traced.rows.iter().map(|r| r.rest).collect(),
         rays: traced.rays.iter().map(|&rays| u64::from(rays)).sum(),
@@ -133,7 +130,7 @@ impl Merger<'_> {
             .collect();
         let row = |(k, i): (usize, usize)| {
             let own = &self.traced.rows[i];
-            let known = upper(i, &self.exact[i], |e| e.column);
+            let known = upper(i, formulas(self.exact, i), |e| e.column);
             let direct = better(known, &self.rays(i, &own.near, &near[k]));
             let orders = own.far.iter().zip(&far).enumerate();
             let order = |(order, (own, others)): (usize, (&RayEntries, &Vec<RayEntries>))| {
@@ -148,22 +145,17 @@ impl Merger<'_> {
     /// Row `i` from the diagonal on, from its own rays and, transposed, those of the others.
     fn rays(&self, i: usize, own: &[RayEntry], others: &[RayEntry]) -> Vec<PairEstimate> {
         let mut merged = Vec::with_capacity(own.len().max(others.len()));
-        union(
-            upper(i, own, |e| e.column),
-            others,
-            |e| e.column,
-            |e| e.column,
-            |column, a, b| {
-                let parts =
-                    [a, b].map(|e| e.map_or((0.0, 0.0), |e| (e.mean.into(), e.variance.into())));
-                let (value, variance) = self.pair(i, column as usize, parts);
-                merged.push(PairEstimate {
-                    column,
-                    value,
-                    error: variance.sqrt(),
-                });
-            },
-        );
+        let key = |e: &RayEntry| e.column;
+        union(upper(i, own, key), others, key, key, |column, a, b| {
+            let parts =
+                [a, b].map(|e| e.map_or((0.0, 0.0), |e| (e.mean.into(), e.variance.into())));
+            let (value, variance) = self.pair(i, column as usize, parts);
+            merged.push(PairEstimate {
+                column,
+                value,
+                error: variance.sqrt(),
+            });
+        });
         merged
     }
 
@@ -208,10 +200,8 @@ fn transposed(
     for (j, row) in rows.iter().enumerate().skip(block.start) {
         let entries = part(row);
         let first = entries.partition_point(|e| (e.column as usize) < block.start);
-        for e in entries[first..]
-            .iter()
-            .take_while(|e| (e.column as usize) < block.end.min(j + 1))
-        {
+        let is_inside = |e: &&RayEntry| (e.column as usize) < block.end.min(j + 1);
+        for e in entries[first..].iter().take_while(is_inside) {
             columns[e.column as usize - block.start].push(RayEntry {
                 column: j as u32,
                 ..*e
@@ -224,41 +214,31 @@ fn transposed(
 /// For each column with a formula, the estimate with the smaller error of formula and rays.
 pub(super) fn better(exact: &[PairEstimate], rays: &[PairEstimate]) -> Vec<PairEstimate> {
     let mut chosen = Vec::with_capacity(exact.len());
-    union(
-        exact,
-        rays,
-        |e| e.column,
-        |e| e.column,
-        |_, e, r| {
-            chosen.extend(match (e, r) {
-                (Some(e), Some(r)) if r.error < e.error => Some(*r),
-                (Some(e), _) => Some(*e),
-                (None, r) => r.copied(),
-            });
-        },
-    );
+    let column = |e: &PairEstimate| e.column;
+    union(exact, rays, column, column, |_, e, r| {
+        chosen.extend(match (e, r) {
+            (Some(e), Some(r)) if r.error < e.error => Some(*r),
+            (Some(e), _) => Some(*e),
+            (None, r) => r.copied(),
+        });
+    });
     chosen
 }
 
 /// The sum of two rows of independent estimates, without zeros.
 pub(super) fn sum(a: &[PairEstimate], b: &[PairEstimate]) -> Vec<PairEstimate> {
     let mut row = Vec::with_capacity(a.len() + b.len());
-    union(
-        a,
-        b,
-        |e| e.column,
-        |e| e.column,
-        |column, a, b| {
-            let of = |f: fn(&PairEstimate) -> f64| [a, b].map(|e| e.map_or(0.0, f));
-            let ([v, w], [s, t]) = (of(|e| e.value), of(|e| e.error));
-            if v + w > 0.0 {
-                row.push(PairEstimate {
-                    column,
-                    value: v + w,
-                    error: s.hypot(t),
-                });
-            }
-        },
-    );
+    let key = |e: &PairEstimate| e.column;
+    union(a, b, key, key, |column, a, b| {
+        let parts = |f: fn(&PairEstimate) -> f64| [a, b].map(|e| e.map_or(0.0, f));
+        let ([v, w], [s, t]) = (parts(|e| e.value), parts(|e| e.error));
+        if v + w > 0.0 {
+            row.push(PairEstimate {
+                column,
+                value: v + w,
+                error: s.hypot(t),
+            });
+        }
+    });
     row
 }

@@ -8,7 +8,7 @@ use crate::analytic::exchange_area;
 use crate::patch::Polygon;
 use crate::shadow_rays::View;
 use azulejo_scene::math::Aabb;
-use azulejo_trace::run::{LoopSize, Record, RecordReader};
+use azulejo_trace::run::LoopSize;
 use azulejo_trace::{Cancelled, Progress, Run, RunStage, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,6 +24,11 @@ pub(super) struct PairEstimate {
 /// The exact estimates of one row, by column.
 pub(super) type PairEstimates = Vec<PairEstimate>;
 
+/// The exact estimates of row `i`; none if `exact` has no rows.
+pub(super) fn formulas(exact: &[PairEstimates], i: usize) -> &[PairEstimate] {
+    exact.get(i).map_or(&[][..], |row| row)
+}
+
 /// Formulas per row, on average: in a furnished room they take as long as 1,400 rays per row.
 /// Scenes of up to 64 rows are done by formula altogether.
 const PAIRS_PER_ROW: usize = 32;
@@ -38,21 +43,6 @@ const FREE_ERROR: f64 = 1e-7;
 /// Pairs of a block, and pairs that are computed at once: a second or so.
 const BLOCK: usize = 1 << 11;
 const AT_ONCE: usize = 1 << 14;
-
-/// The value of a pair and its standard error.
-#[derive(Clone, Copy, Default)]
-struct PairValue(f64, f64);
-
-impl Record for PairValue {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        bytes.extend(self.0.to_le_bytes());
-        bytes.extend(self.1.to_le_bytes());
-    }
-
-    fn read(bytes: &mut RecordReader) -> Option<PairValue> {
-        Some(PairValue(bytes.f64()?, bytes.f64()?))
-    }
-}
 
 /// Exact estimates of the selected pairs, in both rows of each, except those that are stored.
 ///
@@ -77,25 +67,20 @@ pub(super) fn exact(
     let estimate = |&pair: &usize| {
         run.progress.advance(1)?;
         let (i, j) = pairs[pair];
-        let (value, error) = rows.estimate(i, j, surfaces, &occluders, seed);
-        Ok(PairValue(value, error))
+        Ok(rows.estimate(i, j, surfaces, &occluders, seed))
     };
-    let estimates = run.resumed(RunStage::Formulas, size, |wanted| {
-        wanted.par_iter().map(estimate).collect()
-    })?;
-    let estimates = estimates.unwrap_or_else(|| vec![PairValue::default(); pairs.len()]);
+    let block = |block: &[usize]| block.par_iter().map(estimate).collect();
+    let estimates = run.resumed(RunStage::Formulas, size, block)?;
+    let estimates = estimates.unwrap_or_else(|| vec![(0.0, 0.0); pairs.len()]);
     let mut exact = vec![PairEstimates::new(); sides.len()];
-    for (&(i, j), PairValue(value, error)) in pairs.iter().zip(estimates) {
-        exact[i as usize].push(PairEstimate {
-            column: j,
-            value,
-            error,
-        });
-        exact[j as usize].push(PairEstimate {
-            column: i,
-            value,
-            error,
-        });
+    for (&(i, j), (value, error)) in pairs.iter().zip(estimates) {
+        for (row, column) in [(i, j), (j, i)] {
+            exact[row as usize].push(PairEstimate {
+                column,
+                value,
+                error,
+            });
+        }
     }
     exact
         .par_iter_mut()
@@ -154,11 +139,8 @@ struct PairSelector<'a> {
 impl<'a> PairSelector<'a> {
     fn new(sides: &'a Sides<'a>, surfaces: &Surfaces) -> PairSelector<'a> {
         let facet = |i: usize| {
-            Some(FlatRow::new(
-                sides,
-                i,
-                sides.patches.polygon(sides.patch(i))?,
-            ))
+            let polygon = sides.patches.polygon(sides.patch(i))?;
+            Some(FlatRow::new(sides, i, polygon))
         };
         let material =
             |i: usize| &surfaces.scene.materials[sides.patches.material(sides.patch(i)) as usize];
@@ -222,9 +204,8 @@ impl<'a> PairSelector<'a> {
     /// Each pair is found by its larger row; of equal ones by the later.
     fn is_smaller(&self, j: usize, i: usize) -> bool {
         let size = |k: usize| {
-            self.facets[k]
-                .as_ref()
-                .map_or(f64::INFINITY, |f| f.diameter)
+            let facet = self.facets[k].as_ref();
+            facet.map_or(f64::INFINITY, |f| f.diameter)
         };
         (size(j), j) < (size(i), i)
     }

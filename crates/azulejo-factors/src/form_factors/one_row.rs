@@ -2,7 +2,7 @@
 
 use super::merge::{better, sum};
 use super::near::{self, PairEstimate};
-use super::rows::{RayEntry, RowTracing, SPREAD_FREEDOM};
+use super::rows::{RayEntry, RowTracing};
 use super::{FormFactorOptions, Plan, PreparedPlan};
 use crate::engine::Engine;
 use crate::error::FactorsError;
@@ -91,7 +91,6 @@ impl PreparedPlan<'_> {
     /// # Panics
     /// If there is no such row.
     pub fn row(&self, row: usize, progress: &Progress) -> Result<Vec<Factor>, Cancelled> {
-        let options = self.plan.options;
         let sides = &self.sides;
         let is_analytic = self.engine == Engine::Analytic;
         let mut exact = vec![Vec::new(); sides.len()];
@@ -101,32 +100,26 @@ impl PreparedPlan<'_> {
             exact[row] = near::exact_row(sides, surfaces, row, seed, progress)?;
         }
         let estimator = if is_analytic {
-            self.ray_estimator(options.rays)
+            self.ray_estimator(self.plan.options.rays, hash(&[self.seed, 1]))
         } else {
-            self.estimator_of(&self.engine)
+            self.sampled_estimator(&self.engine)
         };
         let tracing = RowTracing {
-            sides,
-            gatherer: &self.gatherer,
             exact: &exact,
-            estimator: &estimator,
-            separate: false,
-            is_known: &|_, _, _| false,
+            ..RowTracing::new(self, &estimator)
         };
         progress.begin("form factors", 1);
         let rows = tracing.block(&[row], progress)?;
         let area = sides.area(row);
         let by_rays = |entries: &[RayEntry]| -> Vec<PairEstimate> {
-            entries
-                .iter()
-                .map(|e| tracing.pair_estimate(row, e))
-                .collect()
+            let estimates = entries.iter().map(|e| tracing.pair_estimate(row, e));
+            estimates.collect()
         };
         let mut factors = vec![Factor::default(); sides.len()];
-        for found in &rows {
-            let direct = better(&exact[row], &by_rays(&found.near));
-            let far = found.far.iter().map(|far| by_rays(far));
-            for e in far.fold(direct, |all, far| sum(&all, &far)) {
+        for traced in &rows {
+            let direct = better(&exact[row], &by_rays(&traced.near));
+            let far = traced.far.iter().map(|far| by_rays(far));
+            for e in far.fold(direct, |total, far| sum(&total, &far)) {
                 factors[e.column as usize] = Factor {
                     value: e.value / area,
                     error: e.error / area,
@@ -140,14 +133,14 @@ impl PreparedPlan<'_> {
 impl RowTracing<'_> {
     /// The estimate of a pair by one row's rays alone, as an exchange area.
     fn pair_estimate(&self, row: usize, entry: &RayEntry) -> PairEstimate {
-        let (value, spread) = (f64::from(entry.mean), f64::from(entry.variance));
-        let (missing, area) = ((1.0 - value).max(0.0), self.sides.area(row));
-        let (noise, hit) = (self.noise(), self.hit(row));
-        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, hit, missing);
+        let (value, area) = (f64::from(entry.mean), self.sides.area(row));
+        let error = self
+            .noise()
+            .error(value, entry.variance.into(), self.hit(row));
         PairEstimate {
             column: entry.column,
             value: value * area,
-            error: variance.sqrt() * area,
+            error: error * area,
         }
     }
 }

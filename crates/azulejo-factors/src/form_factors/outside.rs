@@ -1,4 +1,4 @@
-//! What rows receive from lights that are no patches: skies, suns, pictures of the surroundings.
+//! What rows receive from lights that are not patches: skies, suns, pictures of the surroundings.
 
 use super::PreparedPlan;
 use crate::error::FactorsError;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Positions on a patch, of all replicates.
 pub(super) const POSITIONS: u32 = 64;
 
-/// Rows between two looks at the progress.
+/// Rows between two updates of the progress.
 const ROWS_AT_ONCE: usize = 64;
 
 impl PreparedPlan<'_> {
@@ -53,14 +53,14 @@ impl PreparedPlan<'_> {
     fn row_from_outside(&self, row: usize, positions: u32, seed: u32) -> Gathered {
         let count = positions / REPLICATES as u32;
         let side = self.sides.side(row);
-        let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
+        let flip = self.sides.flip(row);
         let sampler = self.plan.patches.sampler(self.sides.patch(row));
         let points = positions_on(&sampler, flip, count, [seed, side]);
-        let found = self.gatherer.direct(&points, 1, seed);
+        let light = self.gatherer.direct(&points, 1, seed);
         let mut irradiance = Gathered::default();
-        for (k, light) in found.iter().enumerate() {
-            let all: Rgb = light.external() / f64::from(count);
-            irradiance.replicates[k / count as usize] += all;
+        for (k, light) in light.iter().enumerate() {
+            let share: Rgb = light.external() / f64::from(count);
+            irradiance.replicates[k / count as usize] += share;
         }
         irradiance
     }

@@ -1,7 +1,7 @@
 //! Form factors from points, which have no area and take no part in the exchange: sensors.
 
 use super::matrix::RowRemainder;
-use super::rows::{SPREAD_FREEDOM, ending};
+use super::rows::ending;
 use super::spread::{NoiseModel, mean_and_variance};
 use super::{Factor, MOST_RAYS, PreparedPlan};
 use crate::proxy::PointNormal;
@@ -65,21 +65,20 @@ impl PreparedPlan<'_> {
         let sampling = PointSampling {
             plan: self,
             groups,
-            count,
             table: SobolTable::new(per_replicate),
             per_replicate,
             seed: hash(&[self.seed, POINTS]),
             hit_patches: HitPatches::new(surfaces, &self.plan.patches),
         };
-        let start = || (Sums::new(count), Vec::new(), Scratch::default());
+        let start = || PointWork::new(count);
         let placed = points.par_iter().zip(self.placed(points)).enumerate();
-        let found = placed.map_init(start, |(sums, paths, scratch), (k, (point, position))| {
+        let factors = placed.map_init(start, |work, (k, (point, position))| {
             let at = FactorPoint { position, ..*point };
-            let found = sampling.point(k as u32, &at, sums, paths, scratch);
+            let factors = sampling.point(k as u32, &at, work);
             progress.advance(1)?;
-            Ok(found)
+            Ok(factors)
         });
-        found.collect()
+        factors.collect()
     }
 
     /// Where rays start: in front of the polygons that stand for exact surfaces.
@@ -100,7 +99,6 @@ impl PreparedPlan<'_> {
 struct PointSampling<'a> {
     plan: &'a PreparedPlan<'a>,
     groups: &'a [Option<u32>],
-    count: usize,
     table: SobolTable,
     per_replicate: usize,
     seed: u32,
@@ -108,8 +106,9 @@ struct PointSampling<'a> {
 }
 
 /// What the rays of one point found, by replicate.
+#[derive(Default)]
 struct Sums {
-    of_groups: Vec<[f64; REPLICATES]>,
+    groups: Vec<[f64; REPLICATES]>,
     /// Groups that are not zero.
     seen: Vec<u32>,
     escaped: [[f64; 2]; REPLICATES],
@@ -118,20 +117,30 @@ struct Sums {
     cut: f64,
 }
 
-impl Sums {
-    fn new(count: usize) -> Sums {
-        Sums {
-            of_groups: vec![[0.0; REPLICATES]; count],
-            seen: Vec::new(),
-            escaped: [[0.0; 2]; REPLICATES],
-            hidden: 0.0,
-            ended: 0.0,
-            cut: 0.0,
+/// What a thread keeps from point to point.
+struct PointWork {
+    sums: Sums,
+    paths: Vec<Path>,
+    scratch: Scratch,
+}
+
+impl PointWork {
+    fn new(groups: usize) -> PointWork {
+        let groups = vec![[0.0; REPLICATES]; groups];
+        PointWork {
+            sums: Sums {
+                groups,
+                ..Sums::default()
+            },
+            paths: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
+}
 
+impl Sums {
     fn add(&mut self, group: u32, replicate: usize, weight: f64) {
-        let sums = &mut self.of_groups[group as usize];
+        let sums = &mut self.groups[group as usize];
         if *sums == [0.0; REPLICATES] {
             self.seen.push(group);
         }
@@ -140,24 +149,17 @@ impl Sums {
 }
 
 impl PointSampling<'_> {
-    fn point(
-        &self,
-        number: u32,
-        point: &FactorPoint,
-        sums: &mut Sums,
-        paths: &mut Vec<Path>,
-        scratch: &mut Scratch,
-    ) -> PointFactors {
+    fn point(&self, number: u32, point: &FactorPoint, work: &mut PointWork) -> PointFactors {
         for replicate in 0..REPLICATES {
             for first in (0..self.per_replicate).step_by(BATCH) {
                 let last = (first + BATCH).min(self.per_replicate);
                 let words = [self.seed, number, replicate as u32];
-                self.fill(point, first..last, seeds(&words), paths);
+                self.fill(point, first..last, seeds(&words), &mut work.paths);
                 let chances = hash(&[hash(&words), first as u32]);
-                self.follow(paths, scratch, chances, replicate, sums);
+                self.follow(work, chances, replicate);
             }
         }
-        self.finish(sums)
+        self.finish(&mut work.sums)
     }
 
     /// Rays from a point, for a stretch of a replicate's sequence.
@@ -189,14 +191,12 @@ impl PointSampling<'_> {
         }));
     }
 
-    fn follow(
-        &self,
-        paths: &mut Vec<Path>,
-        scratch: &mut Scratch,
-        chances: u32,
-        replicate: usize,
-        sums: &mut Sums,
-    ) {
+    fn follow(&self, work: &mut PointWork, chances: u32, replicate: usize) {
+        let PointWork {
+            sums,
+            paths,
+            scratch,
+        } = work;
         let surfaces = self.plan.gatherer.surfaces();
         let up = surfaces.scene.units.up.axis();
         let share = 1.0 / REPLICATES as f64;
@@ -230,7 +230,7 @@ impl PointSampling<'_> {
         let mut seen = std::mem::take(&mut sums.seen);
         seen.sort_unstable();
         let factors = seen.iter().map(|&group| {
-            let replicates = std::mem::take(&mut sums.of_groups[group as usize]);
+            let replicates = std::mem::take(&mut sums.groups[group as usize]);
             (group, self.factor(replicates))
         });
         let factors = factors.collect();
@@ -246,23 +246,17 @@ impl PointSampling<'_> {
             lost: if lost > ROUNDING { lost } else { 0.0 },
         };
         *sums = Sums {
-            of_groups: std::mem::take(&mut sums.of_groups),
-            ..Sums::new(0)
+            groups: std::mem::take(&mut sums.groups),
+            ..Sums::default()
         };
-        debug_assert_eq!(sums.of_groups.len(), self.count);
         PointFactors { factors, rest }
     }
 
     fn factor(&self, replicates: [f64; REPLICATES]) -> Factor {
         let (value, spread) = mean_and_variance(replicates);
         let hit = 1.0 / (REPLICATES * self.per_replicate) as f64;
-        let missing = (1.0 - value).max(0.0);
-        let noise = NoiseModel::Hits;
-        let variance = noise.posterior_variance(value, spread, SPREAD_FREEDOM, hit, missing);
-        Factor {
-            value,
-            error: variance.sqrt(),
-        }
+        let error = NoiseModel::Hits.error(value, spread, hit);
+        Factor { value, error }
     }
 }
 

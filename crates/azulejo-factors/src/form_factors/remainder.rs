@@ -13,7 +13,7 @@ use azulejo_trace::{Cancelled, Progress};
 
 impl PreparedPlan<'_> {
     /// The remainders of rows that formulas know completely. Where no row lacks more than twice its
-    /// error, beside what ends on sides that are no rows, the scene is closed.
+    /// error, apart from what ends on sides that are not rows, the scene is closed.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -23,68 +23,51 @@ impl PreparedPlan<'_> {
         exchanger: &Exchanger,
         progress: &Progress,
     ) -> Result<Vec<RowRemainder>, Cancelled> {
+        // Which rows lack something: none of those that see anything, if all of them lack no more than their errors.
         let n = factors.len();
         let missing: Vec<f64> = factors.ended().iter().map(|ended| 1.0 - ended).collect();
-        let most = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
-        let is_seeing: Vec<bool> = factors
-            .exchange
-            .row_lengths()
-            .iter()
-            .map(|&count| count > 0)
-            .collect();
-        let allowed = |i: usize| 2.0 * most[i] + ROUNDING + exchanger.crack(i);
-        let lacks = |i: usize, share: f64| share > allowed(i);
-        let is_short = |i: usize| lacks(i, missing[i]);
-        let is_short_somewhere = (0..n).any(|i| is_seeing[i] && is_short(i));
+        let errors = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
+        let lengths = factors.exchange.row_lengths();
+        let is_seeing: Vec<bool> = lengths.iter().map(|&count| count > 0).collect();
+        let lacks = |i: usize, share: f64| share > 2.0 * errors[i] + ROUNDING + exchanger.crack(i);
+        let is_short_somewhere = (0..n).any(|i| is_seeing[i] && lacks(i, missing[i]));
         let rows: Vec<usize> = (0..n)
             .filter(|&i| missing[i] > ROUNDING && (is_short_somewhere || !is_seeing[i]))
             .collect();
+        // What columns above the horizon receive, and what the horizon cuts.
         let up = self.plan.proxy.scene.units.up.axis();
         let hidden = exchanger.hidden_sides(|p, front| self.sides.column(p, front).is_some());
         let horizons: Vec<Horizon> = (0..n).map(|i| exchanger.horizon(i, up)).collect();
-        let upward = factors.exchange.sums(|i, e| {
-            let j = e.column as usize;
-            [
-                horizons[i].share_above(&horizons[j]) * e.value,
-                horizons[j].share_above(&horizons[i]) * e.value,
-            ]
-        });
+        let upward = upward(factors, &horizons);
         let variance = factors
             .exchange
             .sums(|_, e| [f64::from(e.error).powi(2); 2]);
         let split = self.split(exchanger, &rows, &hidden, progress)?;
-        let hidden_of =
+        let hidden_share =
             |i: usize, split: &SplitRow| (split.hidden / factors.areas[i]).min(missing[i]);
-        let is_open = rows
-            .iter()
-            .zip(&split)
-            .any(|(&i, split)| is_seeing[i] && lacks(i, missing[i] - hidden_of(i, split)));
+        // The scene is open if a row lacks more than what hidden sides explain.
+        let lacks_more = |(&i, split): (&usize, &SplitRow)| {
+            is_seeing[i] && lacks(i, missing[i] - hidden_share(i, split))
+        };
+        let is_open = rows.iter().zip(&split).any(lacks_more);
         let mut remainders = vec![RowRemainder::default(); n];
         for (&i, split) in rows.iter().zip(split) {
-            let area = factors.areas[i];
-            let hidden = hidden_of(i, &split);
-            if is_seeing[i] && !is_open {
-                remainders[i].hidden = hidden;
-                continue;
+            let (area, hidden) = (factors.areas[i], hidden_share(i, &split));
+            let mut remainder = RowRemainder::default();
+            if !is_seeing[i] || is_open {
+                let above = horizons[i].sky() - (upward[i] + split.upward) / area;
+                let error = (variance[i] + split.variance).sqrt() / area;
+                remainder = escaped(missing[i] - hidden, above, error, horizons[i].sky());
             }
-            let rest = missing[i] - hidden;
-            let above = horizons[i].sky() - (upward[i] + split.upward) / area;
-            let sky = above.clamp(0.0, rest);
-            let error = (variance[i] + split.variance).sqrt() / area;
-            let error_of = |can: bool| if can { error } else { 0.0 };
             remainders[i] = RowRemainder {
-                sky,
-                sky_error: error_of(horizons[i].sky() > 0.0),
-                ground: rest - sky,
-                ground_error: error_of(horizons[i].sky() < 1.0),
                 hidden,
-                ..RowRemainder::default()
+                ..remainder
             };
         }
         Ok(remainders)
     }
 
-    /// What the horizons of some rows cut; `hidden` are sides that are no rows and may be seen.
+    /// What the horizons of some rows cut; `hidden` are sides that are not rows and may be seen.
     fn split(
         &self,
         exchanger: &Exchanger,
@@ -98,9 +81,30 @@ impl PreparedPlan<'_> {
             return exchanger.split_at_horizon(rows, up, n, progress);
         }
         let sides = (0..n).map(|row| self.sides.side(row));
-        let all: Vec<Side> = sides.chain(hidden.iter().copied()).collect();
-        self.exchanger(all, f64::INFINITY)
+        let sides: Vec<Side> = sides.chain(hidden.iter().copied()).collect();
+        self.exchanger(sides, f64::INFINITY)
             .split_at_horizon(rows, up, n, progress)
+    }
+}
+
+/// What each row sends to columns above its horizon, times its area.
+fn upward(factors: &FormFactors, horizons: &[Horizon]) -> Vec<f64> {
+    factors.exchange.sums(|i, e| {
+        let j = e.column as usize;
+        [(i, j), (j, i)].map(|(from, to)| horizons[from].share_above(&horizons[to]) * e.value)
+    })
+}
+
+/// A share of a row's light that leaves the scene: upwards as much as goes `above` the horizon, the rest
+/// downwards. What the row cannot see, by the share of its hemisphere in the `sky`, has no error.
+fn escaped(share: f64, above: f64, error: f64, sky: f64) -> RowRemainder {
+    let upwards = above.clamp(0.0, share);
+    RowRemainder {
+        sky: upwards,
+        sky_error: if sky > 0.0 { error } else { 0.0 },
+        ground: share - upwards,
+        ground_error: if sky < 1.0 { error } else { 0.0 },
+        ..RowRemainder::default()
     }
 }
 

@@ -2,13 +2,12 @@
 
 use super::PreparedPlan;
 use super::matrix::RowRemainder;
-use super::near::PairEstimates;
 use super::rows::{self, RowTracing};
 use super::spread::mean_and_variance;
-use crate::engine::{Engine, EngineUsed};
+use crate::engine::EngineUsed;
 use crate::estimator::Estimator;
 use crate::proxy::PointNormal;
-use crate::row::{Columns, Row, Side};
+use crate::row::{Row, Side};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Progress, REPLICATES};
 use rayon::prelude::*;
@@ -17,8 +16,6 @@ use rayon::prelude::*;
 pub(crate) struct RowStream<'a> {
     plan: &'a PreparedPlan<'a>,
     estimator: Estimator<'a>,
-    /// No pair has a formula.
-    exact: Vec<PairEstimates>,
     /// Share of the light on each column that ends there.
     pub ends: Vec<f64>,
 }
@@ -39,7 +36,7 @@ impl PreparedPlan<'_> {
         let patches = self.sides.patches;
         let place = |row: usize| {
             let patch = self.sides.patch(row);
-            let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
+            let flip = self.sides.flip(row);
             PointNormal {
                 position: patches.centre(patch),
                 normal: flip * patches.normal(patch),
@@ -55,11 +52,7 @@ impl PreparedPlan<'_> {
 
     /// The engine of rows by rays, whatever the plan's own.
     pub(crate) fn rays_used(&self) -> EngineUsed {
-        EngineUsed {
-            name: "rays".to_owned(),
-            device: self.gatherer.surfaces().tracer.kernel_name(),
-            notes: Vec::new(),
-        }
+        EngineUsed::new("rays", self.gatherer.surfaces().tracer.kernel_name())
     }
 
     /// Rays per row that are asked for.
@@ -67,7 +60,7 @@ impl PreparedPlan<'_> {
         self.row_rays()
     }
 
-    /// Rows by so many rays each; streams of different `stream` are independent.
+    /// Rows by `rays` rays each; streams of different `stream` are independent.
     pub(crate) fn row_stream(&self, rays: u32, stream: u32) -> RowStream<'_> {
         let patches = self.sides.patches;
         let seed = hash(&[self.seed, 2, stream]);
@@ -77,15 +70,7 @@ impl PreparedPlan<'_> {
         };
         RowStream {
             plan: self,
-            estimator: Estimator::new(
-                &Engine::Rays,
-                &self.gatherer,
-                patches,
-                rays,
-                seed,
-                Columns::All,
-            ),
-            exact: vec![Vec::new(); self.rows()],
+            estimator: self.ray_estimator(rays, seed),
             ends: (0..self.rows()).map(end).collect(),
         }
     }
@@ -99,17 +84,8 @@ impl RowStream<'_> {
 
     /// Some rows, in order. Advances `progress` by one for each.
     pub fn rows(&self, rows: &[u32], progress: &Progress) -> Result<Vec<StreamedRow>, Cancelled> {
-        let sides = &self.plan.sides;
-        let wanted: Vec<Side> = rows.iter().map(|&i| sides.side(i as usize)).collect();
-        let found = self.estimator.rows(&wanted, progress)?;
-        let tracing = RowTracing {
-            sides,
-            gatherer: &self.plan.gatherer,
-            exact: &self.exact,
-            estimator: &self.estimator,
-            separate: false,
-            is_known: &|_, _, _| false,
-        };
+        let estimated = self.estimated(rows, progress)?;
+        let tracing = RowTracing::new(self.plan, &self.estimator);
         let streamed = |(&i, row): (&u32, &Row)| {
             let sorted = tracing.ray_row(i as usize, row);
             let entries = sorted.far.iter().flatten();
@@ -119,7 +95,7 @@ impl RowStream<'_> {
                 ended: self.ended(row),
             }
         };
-        Ok(rows.par_iter().zip(&found).map(streamed).collect())
+        Ok(rows.par_iter().zip(&estimated).map(streamed).collect())
     }
 
     /// X x of some rows in each replicate, for each of the vectors `x`: independent estimates without bias.
@@ -129,11 +105,14 @@ impl RowStream<'_> {
         x: &[Vec<f64>],
         progress: &Progress,
     ) -> Result<Vec<Vec<[f64; REPLICATES]>>, Cancelled> {
-        let sides = &self.plan.sides;
-        let wanted: Vec<Side> = rows.iter().map(|&i| sides.side(i as usize)).collect();
-        let found = self.estimator.rows(&wanted, progress)?;
+        let estimated = self.estimated(rows, progress)?;
         let products = |row: &Row| x.iter().map(|x| self.product(row, x)).collect();
-        Ok(found.par_iter().map(products).collect())
+        Ok(estimated.par_iter().map(products).collect())
+    }
+
+    fn estimated(&self, rows: &[u32], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        let sides = rows.iter().map(|&i| self.plan.sides.side(i as usize));
+        self.estimator.rows(&sides.collect::<Vec<Side>>(), progress)
     }
 
     /// Σ_j X_ij x_j of a row in each replicate.

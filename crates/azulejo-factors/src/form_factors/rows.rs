@@ -1,15 +1,16 @@
 //! Rows by rays or item buffers, sorted by what has a formula.
 
+use super::PreparedPlan;
 use super::design_effect::{self, DesignEffect, ErrorGroup};
 use super::matrix::RowRemainder;
-use super::near::PairEstimates;
+use super::near::{PairEstimates, formulas};
 use super::sides::Sides;
 use super::spread::{NoiseModel, mean_and_variance};
 use crate::estimator::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::{Material, Rgb};
-use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
+use azulejo_trace::run::{LoopSize, Record, RecordReader};
 use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES, Run, RunStage};
 use rayon::prelude::*;
 
@@ -75,14 +76,11 @@ pub(super) fn rows_at_once(rays: u32) -> usize {
     (RAYS_AT_ONCE / rays.max(1) as usize).clamp(AT_ONCE[0], AT_ONCE[1])
 }
 
-/// Degrees of freedom of the variance of four replicates.
-pub(super) const SPREAD_FREEDOM: f64 = 3.0;
-
 /// How rows are estimated.
 pub(super) struct RowTracing<'a> {
     pub sides: &'a Sides<'a>,
     pub gatherer: &'a Gatherer<'a>,
-    /// For each row the columns that also have a formula.
+    /// For each row the columns that also have a formula; empty where none has.
     pub exact: &'a [PairEstimates],
     pub estimator: &'a Estimator<'a>,
     /// Whether orders are kept separately.
@@ -91,7 +89,19 @@ pub(super) struct RowTracing<'a> {
     pub is_known: &'a (dyn Fn(usize, u32, Order) -> bool + Sync),
 }
 
-impl RowTracing<'_> {
+impl<'a> RowTracing<'a> {
+    /// Rows of a plan without formulas, and without separate orders.
+    pub fn new(plan: &'a PreparedPlan<'a>, estimator: &'a Estimator<'a>) -> RowTracing<'a> {
+        RowTracing {
+            sides: &plan.sides,
+            gatherer: &plan.gatherer,
+            exact: &[],
+            estimator,
+            separate: false,
+            is_known: &|_, _, _| false,
+        }
+    }
+
     /// All rows, except blocks that are stored; `None` if others make the result.
     pub fn trace(&self, run: Run) -> Result<Option<TracedRows>, Cancelled> {
         let rays = self.estimator.rays();
@@ -115,10 +125,8 @@ impl RowTracing<'_> {
     fn steps(&self, size: LoopSize, run: Run) -> u64 {
         let own = run.own_items(size.items) as u64;
         let rows = 0..size.items;
-        let all: u64 = rows
-            .map(|row| self.estimator.steps(self.sides.side(row)))
-            .sum();
-        all * own / (size.items as u64).max(1)
+        let steps = rows.map(|row| self.estimator.steps(self.sides.side(row)));
+        steps.sum::<u64>() * own / (size.items as u64).max(1)
     }
 
     /// Rays or pixels of a row.
@@ -133,9 +141,9 @@ impl RowTracing<'_> {
 
     /// Some rows.
     pub fn block(&self, rows: &[usize], progress: &Progress) -> Result<Vec<RayRow>, Cancelled> {
-        let wanted: Vec<Side> = rows.iter().map(|&i| self.sides.side(i)).collect();
-        let found = self.estimator.rows(&wanted, progress)?;
-        let rows = rows.par_iter().zip(&found);
+        let sides: Vec<Side> = rows.iter().map(|&i| self.sides.side(i)).collect();
+        let estimated = self.estimator.rows(&sides, progress)?;
+        let rows = rows.par_iter().zip(&estimated);
         Ok(rows.map(|(&i, row)| self.ray_row(i, row)).collect())
     }
 
@@ -154,13 +162,14 @@ impl RowTracing<'_> {
     }
 
     /// Sorts the estimates of row `i` by whether there is a formula for them.
-    pub fn ray_row(&self, i: usize, found: &Row) -> RayRow {
+    pub fn ray_row(&self, i: usize, row: &Row) -> RayRow {
         let materials = &self.gatherer.surfaces().scene.materials;
-        let exact = &self.exact[i];
+        let exact = formulas(self.exact, i);
+        // Entries with a formula, and the others; light on sides without a column is hidden.
         let mut near = Vec::new();
         let mut far = vec![Vec::new(); self.orders()];
         let (mut hidden, mut ended) = (0.0, 0.0);
-        for (replicate, entries) in found.entries.iter().enumerate() {
+        for (replicate, entries) in row.entries.iter().enumerate() {
             for entry in entries {
                 let patch = entry.side / 2;
                 let material = &materials[self.sides.patches.material(patch as usize) as usize];
@@ -185,8 +194,8 @@ impl RowTracing<'_> {
         }
         let near = columns(near);
         let far: Vec<Vec<Column>> = far.into_iter().map(columns).collect();
-        let all = far.iter().chain([&near]);
-        let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
+        let lists = far.iter().chain([&near]);
+        let error_groups = lists.flat_map(|columns| design_effect::groups(columns, self.sides));
         // Rays start at independent points: their errors are not correlated.
         let is_correlated = self.estimator.shares_viewpoints() && self.estimator.knows_its_spread();
         let error_groups = error_groups.filter(|_| is_correlated);
@@ -194,21 +203,19 @@ impl RowTracing<'_> {
             error_groups: error_groups.collect(),
             near: near.iter().map(entry).collect(),
             far: far.iter().map(|f| f.iter().map(entry).collect()).collect(),
-            rest: rest(found, (self.noise(), self.hit(i)), hidden, ended),
+            rest: rest(row, (self.noise(), self.hit(i)), hidden, ended),
         }
     }
 }
 
 /// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
 /// lack.
-fn rest(found: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> RowRemainder {
+fn rest(row: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> RowRemainder {
     let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
-        let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
-        let missing = (1.0 - share).max(0.0);
-        let variance = noise.posterior_variance(share, spread, SPREAD_FREEDOM, hit, missing);
-        (share, variance.sqrt())
+        let (share, spread) = mean_and_variance(row.escaped.map(|e| e[way].mean()));
+        (share, noise.error(share, spread, hit))
     });
-    let cut = found.cut.mean();
+    let cut = row.cut.mean();
     let lost = 1.0 - ended - hidden - cut - sky - ground;
     RowRemainder {
         sky,
@@ -238,14 +245,14 @@ pub(super) fn ending(material: &Material) -> Rgb {
 pub(super) type Column = (u32, [f64; REPLICATES]);
 
 /// The estimates of replicates, by column.
-fn columns(mut found: Vec<(u32, usize, f64)>) -> Vec<Column> {
-    found.sort_by_key(|&(column, ..)| column);
+fn columns(mut hits: Vec<(u32, usize, f64)>) -> Vec<Column> {
+    hits.sort_by_key(|&(column, ..)| column);
     let column = |group: &[(u32, usize, f64)]| {
         let mut values = [0.0; REPLICATES];
         group.iter().for_each(|&(_, r, w)| values[r] += w);
         (group[0].0, values)
     };
-    found.chunk_by(|a, b| a.0 == b.0).map(column).collect()
+    hits.chunk_by(|a, b| a.0 == b.0).map(column).collect()
 }
 
 fn entry(&(column, values): &Column) -> RayEntry {
@@ -259,48 +266,33 @@ fn entry(&(column, values): &Column) -> RayEntry {
 
 impl Record for RayRow {
     fn write(&self, bytes: &mut Vec<u8>) {
-        let entry = |e: &RayEntry, bytes: &mut Vec<u8>| {
-            bytes.extend(e.column.to_le_bytes());
-            bytes.extend(e.mean.to_le_bytes());
-            bytes.extend(e.variance.to_le_bytes());
-        };
-        write_list(&self.near, bytes, entry);
-        write_list(&self.far, bytes, |way, bytes| write_list(way, bytes, entry));
-        let RowRemainder {
-            sky,
-            sky_error,
-            ground,
-            ground_error,
-            hidden,
-            cut,
-            lost,
-        } = self.rest;
-        let shares = [sky, sky_error, ground, ground_error, hidden, cut, lost];
-        bytes.extend(shares.into_iter().flat_map(f64::to_le_bytes));
-        design_effect::write(&self.error_groups, bytes);
+        self.near.write(bytes);
+        self.far.write(bytes);
+        self.rest.to_array().write(bytes);
+        self.error_groups.write(bytes);
     }
 
     fn read(bytes: &mut RecordReader) -> Option<RayRow> {
-        let entry = |b: &mut RecordReader| {
-            Some(RayEntry {
-                column: b.u32()?,
-                mean: b.f32()?,
-                variance: b.f32()?,
-            })
-        };
         Some(RayRow {
-            near: bytes.list(entry)?,
-            far: bytes.list(|b| b.list(entry))?,
-            rest: RowRemainder {
-                sky: bytes.f64()?,
-                sky_error: bytes.f64()?,
-                ground: bytes.f64()?,
-                ground_error: bytes.f64()?,
-                hidden: bytes.f64()?,
-                cut: bytes.f64()?,
-                lost: bytes.f64()?,
-            },
-            error_groups: design_effect::read(bytes)?,
+            near: Record::read(bytes)?,
+            far: Record::read(bytes)?,
+            rest: RowRemainder::from_array(Record::read(bytes)?),
+            error_groups: Record::read(bytes)?,
+        })
+    }
+}
+
+impl Record for RayEntry {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        (self.column, (self.mean, self.variance)).write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<RayEntry> {
+        let (column, (mean, variance)) = Record::read(bytes)?;
+        Some(RayEntry {
+            column,
+            mean,
+            variance,
         })
     }
 }

@@ -13,7 +13,7 @@ const COVERS: f64 = 1e-5;
 /// Least width of a patch, in steps of its rays off the surface.
 const LEAST_WIDTH: f64 = 16.0;
 
-/// Width of a patch, in steps of its rays off the surface, below which it is said that it shows.
+/// Width of a patch, in steps of its rays off the surface, below which a note mentions it.
 const NARROW: f64 = 100.0;
 
 /// No patch covers the back of this one.
@@ -54,6 +54,11 @@ impl<'a> Sides<'a> {
         self.two_sided && row % 2 == 1
     }
 
+    /// The factor of the front's normal that gives the row's own.
+    pub fn flip(&self, row: usize) -> f64 {
+        if self.is_back(row) { -1.0 } else { 1.0 }
+    }
+
     /// The side that the estimators know this row by.
     pub fn side(&self, row: usize) -> Side {
         side(self.patch(row) as u32, !self.is_back(row))
@@ -79,18 +84,15 @@ impl<'a> Sides<'a> {
         self.leaving(row, tracer).1 < LEAST_WIDTH
     }
 
-    /// That rows are so narrow in their scene that it shows where rays and hemicubes start.
+    /// A note of rows that are so narrow in their scene that it matters where rays and hemicubes start.
     pub fn narrow_note(&self, tracer: &Tracer) -> Option<String> {
-        let narrow: Vec<f64> = (0..self.len())
-            .map(|row| self.leaving(row, tracer))
-            .filter(|&(_, width)| width > 0.0 && width < NARROW)
-            .map(|(step, _)| step)
-            .collect();
-        let step = narrow.iter().copied().fold(0.0, f64::max);
+        let rows = (0..self.len()).map(|row| self.leaving(row, tracer));
+        let narrow: Vec<_> = rows.filter(|row| row.1 > 0.0 && row.1 < NARROW).collect();
+        let step = narrow.iter().map(|row| row.0).fold(0.0, f64::max);
         (!narrow.is_empty()).then(|| {
             format!(
-                "{} rows are less than {NARROW} times as wide as the {step:.1e} that rays start off a surface in so \
-                 large a scene, and see what is close to them less exactly than their errors say",
+                "{} rows are less than {NARROW} times as wide as the distance of {step:.1e} at which rays start \
+                 off surfaces in a scene of this size: they see what is close less exactly than their errors say",
                 narrow.len()
             )
         })
@@ -113,17 +115,17 @@ fn twins(patches: &Patches) -> Vec<u32> {
     let tree = BoxTree::new(&points);
     let twin = |i: usize| {
         let reach = COVERS * patches.diameter(i);
-        let mut found = NO_TWIN;
+        let mut twin = NO_TWIN;
         tree.any(
             |bounds| distance(bounds, centres[i]) <= reach,
             |j| {
                 if covers(patches, i, j as usize, reach) {
-                    found = found.min(j);
+                    twin = twin.min(j);
                 }
                 false
             },
         );
-        found
+        twin
     };
     (0..patches.len()).into_par_iter().map(twin).collect()
 }

@@ -5,6 +5,9 @@ use azulejo_trace::REPLICATES;
 /// Degrees of freedom of the prior model of the noise, besides those of the replicates.
 const MODEL_FREEDOM: f64 = 4.0;
 
+/// Degrees of freedom of the variance of four replicates.
+const SPREAD_FREEDOM: f64 = 3.0;
+
 /// Degrees of freedom of the variance of a pair by rays: four replicates from either side.
 pub(super) const PAIR_FREEDOM: f64 = 2.0 * (REPLICATES as f64 - 1.0) + MODEL_FREEDOM;
 
@@ -45,6 +48,14 @@ impl NoiseModel {
             NoiseModel::Unknown => student(freedom).powi(2) * spread,
             NoiseModel::NoSpread => f64::NAN,
         }
+    }
+
+    /// The standard error of the mean of one row's replicates, from the variance of that mean, `spread`; `hit` is
+    /// the value of a single hit.
+    pub fn error(self, value: f64, spread: f64, hit: f64) -> f64 {
+        let missing = (1.0 - value).max(0.0);
+        self.posterior_variance(value, spread, SPREAD_FREEDOM, hit, missing)
+            .sqrt()
     }
 
     /// Degrees of freedom of the sum of two variances of four replicates each. If one of them
@@ -92,10 +103,10 @@ mod tests {
             (10.0, 2.284),
             (30.0, 2.087),
         ] {
-            let said = 2.0 * student(freedom);
+            let quantile = 2.0 * student(freedom);
             assert!(
-                (said - table).abs() < 0.01 + 0.3 / freedom.powi(2),
-                "{freedom}: {said} {table}"
+                (quantile - table).abs() < 0.01 + 0.3 / freedom.powi(2),
+                "{freedom}: {quantile} {table}"
             );
         }
     }
@@ -109,10 +120,10 @@ mod tests {
 
     #[test]
     fn without_a_law_the_spread_decides() {
-        let said = NoiseModel::Unknown.posterior_variance(0.5, 4.0, 30.0, 1.0, 1.0);
-        assert!((said.sqrt() - 2.087).abs() < 0.01, "{said}");
-        let said = NoiseModel::NoSpread.posterior_variance(0.5, 0.0, 3.0, 1.0, 1.0);
-        assert!(said.is_nan(), "{said}");
+        let variance = NoiseModel::Unknown.posterior_variance(0.5, 4.0, 30.0, 1.0, 1.0);
+        assert!((variance.sqrt() - 2.087).abs() < 0.01, "{variance}");
+        let variance = NoiseModel::NoSpread.posterior_variance(0.5, 0.0, 3.0, 1.0, 1.0);
+        assert!(variance.is_nan(), "{variance}");
         for (spreads, freedom) in [([1.0, 1.0], 6.0), ([0.0, 2.0], 3.0), ([0.0, 0.0], 6.0)] {
             assert_eq!(NoiseModel::Unknown.freedom(spreads), freedom);
         }

@@ -61,8 +61,8 @@ impl FormFactors {
     /// Rows whose sum a change would alter, or whose entries it would reduce to the least allowed
     /// value.
     fn unbalanced_rows(&self, ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync) -> Vec<bool> {
-        let ratio_of = |i: usize, e: &Exchange| ratio(i, e).unwrap_or(0.0);
-        let off = self.weighted(|i, e| e.value * (ratio_of(i, e) - 1.0));
+        let kept_ratio = |i: usize, e: &Exchange| ratio(i, e).unwrap_or(0.0);
+        let off = self.weighted(|i, e| e.value * (kept_ratio(i, e) - 1.0));
         let is_least = |i: usize, e: &Exchange| ratio(i, e).is_some_and(|r| r <= LEAST);
         let least = self
             .exchange
@@ -86,7 +86,7 @@ impl FormFactors {
         let before = self.exchange.entries();
         let dropped = |i: usize, e: &Exchange| if ratio(i, e).is_none() { e.value } else { 0.0 };
         let dropped: f64 = self.exchange.sums(|i, e| [dropped(i, e); 2]).iter().sum();
-        let all: f64 = self.exchange.row_sums().iter().sum();
+        let whole: f64 = self.exchange.row_sums().iter().sum();
         let moved = self.moved(&ratio);
         let sums = self.ended();
         self.scale(true, ratio);
@@ -94,7 +94,7 @@ impl FormFactors {
         self.truncated = Some(Truncation {
             before,
             after: self.exchange.entries(),
-            dropped: if all > 0.0 { dropped / all } else { 0.0 },
+            dropped: if whole > 0.0 { dropped / whole } else { 0.0 },
             moved: self.adjustment(&moved, &deficits),
         });
         self.update_row_errors();

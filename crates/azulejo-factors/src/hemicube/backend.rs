@@ -4,7 +4,7 @@ use crate::engine::HemicubeBackend;
 use azulejo_trace::item_buffer::{
     Device, DrawError, ItemBuffers, Processor, ProcessorBuffers, Seen, Settings, View, World,
 };
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 /// A scene loaded into a backend.
 pub(super) struct BackendBuffers {
@@ -48,9 +48,13 @@ impl BackendBuffers {
         }
     }
 
+    fn active(&self) -> RwLockReadGuard<'_, ActiveBackend> {
+        self.active.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The name of the backend in use.
     pub fn device(&self) -> String {
-        match &*self.active.read().unwrap_or_else(PoisonError::into_inner) {
+        match &*self.active() {
             ActiveBackend::Device { name, .. } => name.clone(),
             ActiveBackend::Processor(_) => Processor.name(),
         }
@@ -64,8 +68,7 @@ impl BackendBuffers {
 
     /// How many views a call should contain.
     pub fn batch(&self) -> usize {
-        let active = self.active.read().unwrap_or_else(PoisonError::into_inner);
-        match &*active {
+        match &*self.active() {
             ActiveBackend::Device { buffers, .. } => buffers.batch().max(1),
             ActiveBackend::Processor(buffers) => buffers.batch(),
         }
@@ -73,19 +76,19 @@ impl BackendBuffers {
 
     /// One answer per view. The processor takes over for good from a device that fails.
     pub fn draw(&self, views: &[View]) -> Vec<Seen> {
-        let error = match &*self.active.read().unwrap_or_else(PoisonError::into_inner) {
+        let error = match &*self.active() {
             ActiveBackend::Processor(buffers) => return buffers.see(views),
             ActiveBackend::Device { buffers, .. } => match buffers.draw(views) {
                 Ok(seen) if seen.len() == views.len() => return seen,
                 Ok(seen) => {
-                    let (found, asked) = (seen.len(), views.len());
-                    DrawError::Lost(format!("it drew {found} of {asked} hemicubes"))
+                    let (drawn, requested) = (seen.len(), views.len());
+                    DrawError::Lost(format!("it drew {drawn} of {requested} hemicubes"))
                 }
                 Err(error) => error,
             },
         };
         self.replace(&error);
-        match &*self.active.read().unwrap_or_else(PoisonError::into_inner) {
+        match &*self.active() {
             ActiveBackend::Processor(buffers) => buffers.see(views),
             // A device is never put back.
             ActiveBackend::Device { .. } => Vec::new(),

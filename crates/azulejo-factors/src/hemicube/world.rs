@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    fn world_of(scene: &Scene, edge: f64) -> World {
+    fn divided_world(scene: &Scene, edge: f64) -> World {
         let patches = Patches::new(scene, PatchSize::Edge(edge));
         world(scene, &patches, &PatchFacets::new(&patches))
     }
@@ -138,10 +138,10 @@ mod tests {
                 sheet(far + DVec3::Z, DVec3::X, 0),
             ],
         );
-        let world = world_of(&scene, 0.5);
+        let world = divided_world(&scene, 0.5);
         assert_eq!(world.mirrors.len(), 3);
-        let first_of = |object: usize| world.mirror_of[4 * object];
-        assert_eq!([0, 1, 2, 3].map(first_of), [0, 0, 1, 2]);
+        let first_mirror = |object: usize| world.mirror_of[4 * object];
+        assert_eq!([0, 1, 2, 3].map(first_mirror), [0, 0, 1, 2]);
         assert_eq!(world.mirror_of[..8], [0; 8]);
         assert!(!world.is_bent.contains(&true));
     }
@@ -164,7 +164,7 @@ mod tests {
             (ball(2), false),
         ] {
             let is_mirror = shape == sheet(0);
-            let world = world_of(&scene(materials.clone(), vec![shape]), 0.0);
+            let world = divided_world(&scene(materials.clone(), vec![shape]), 0.0);
             assert!(world.is_bent.iter().all(|&b| b == is_bent));
             assert_eq!(world.mirrors.len(), usize::from(is_mirror));
         }

@@ -20,7 +20,7 @@ const HEADER: usize = size_of::<Block>();
 pub struct Block {
     /// Positions p.
     pub rows: Range<u32>,
-    /// Positions q: those of `rows`, or behind them.
+    /// Positions q: those of `rows`, or after them.
     pub columns: Range<u32>,
     /// How the numbers are laid out.
     pub kind: BlockKind,
@@ -86,8 +86,8 @@ impl BlockDraft {
 
     /// Whether all entries take less than those that are not zero with their indices.
     fn is_dense(&self, entries: &[(u16, u16, f32)]) -> bool {
-        let all = self.rows.len() * self.columns.len() * 4;
-        self.rows != self.columns && all <= sparse_bytes(entries)
+        let dense_bytes = self.rows.len() * self.columns.len() * 4;
+        self.rows != self.columns && dense_bytes <= sparse_bytes(entries)
     }
 }
 
@@ -99,12 +99,12 @@ pub(super) fn sparse_bytes(entries: &[(u16, u16, f32)]) -> usize {
 
 /// Stores blocks in parts that depend on the blocks alone.
 pub(super) fn store(drafts: Vec<BlockDraft>) -> Vec<BlockPart> {
-    let all: usize = drafts.iter().map(BlockDraft::bytes).sum();
+    let total: usize = drafts.iter().map(BlockDraft::bytes).sum();
     let (mut parts, mut part, mut bytes) = (Vec::new(), BlockPart::default(), 0);
     for draft in drafts {
         bytes += draft.bytes();
         part.push(draft);
-        if bytes * PARTS >= all * (parts.len() + 1) {
+        if bytes * PARTS >= total * (parts.len() + 1) {
             parts.push(std::mem::take(&mut part).fitted());
         }
     }
@@ -122,9 +122,9 @@ impl BlockPart {
             BlockNumbers::Sparse(entries) if draft.is_dense(entries) => {
                 let (m, n) = (draft.rows.len(), draft.columns.len());
                 self.values.resize(self.values.len() + m * n, 0.0);
-                let all = &mut self.values[values as usize..];
+                let dense = &mut self.values[values as usize..];
                 for &(p, q, value) in entries {
-                    all[usize::from(p) * n + usize::from(q)] = value;
+                    dense[usize::from(p) * n + usize::from(q)] = value;
                 }
                 BlockKind::Dense
             }
@@ -204,34 +204,46 @@ impl BlockPart {
         }
     }
 
+    /// Visits row, column and value of the entries that a block stores, counted from its first; none of one of
+    /// low rank.
+    fn for_each_stored(&self, block: &Block, mut visit: impl FnMut(usize, usize, f64)) {
+        let values = &self.values[range(&block.values)];
+        let columns = block.columns.len();
+        match block.kind {
+            BlockKind::Sparse => for_each_sparse(&self.layout[range(&block.layout)], values, visit),
+            BlockKind::Dense => {
+                for (k, &value) in values.iter().enumerate() {
+                    visit(k / columns, k % columns, value.into());
+                }
+            }
+            BlockKind::LowRank { .. } => {}
+        }
+    }
+
+    /// The terms of a block of low rank, each u and then v; none of another block.
+    fn terms(&self, block: &Block) -> impl Iterator<Item = &[f32]> {
+        let values = match block.kind {
+            BlockKind::LowRank { .. } => range(&block.values),
+            _ => 0..0,
+        };
+        self.values[values].chunks_exact(block.rows.len() + block.columns.len())
+    }
+
     /// Visits both positions and S_pq of all pairs p ≤ q that are not 0.
     pub fn for_each(&self, visit: &mut dyn FnMut(usize, usize, f64)) {
         for block in &self.blocks {
-            let values = &self.values[range(&block.values)];
             let (rows, columns) = (range(&block.rows), range(&block.columns));
             let mut visit = |p: usize, q: usize, value: f64| {
                 if value != 0.0 {
                     visit(rows.start + p, columns.start + q, value);
                 }
             };
-            match block.kind {
-                BlockKind::Sparse => {
-                    for_each_sparse(&self.layout[range(&block.layout)], values, visit);
-                }
-                BlockKind::Dense => {
-                    for (p, row) in values.chunks_exact(columns.len()).enumerate() {
-                        let entries = row.iter().enumerate();
-                        entries.for_each(|(q, &value)| visit(p, q, value.into()));
-                    }
-                }
-                BlockKind::LowRank { .. } => {
-                    for p in 0..rows.len() {
-                        for q in 0..columns.len() {
-                            let terms = values.chunks_exact(rows.len() + columns.len());
-                            let value = |t: &[f32]| f64::from(t[p]) * f64::from(t[rows.len() + q]);
-                            visit(p, q, terms.map(value).sum());
-                        }
-                    }
+            self.for_each_stored(block, &mut visit);
+            if let BlockKind::LowRank { .. } = block.kind {
+                for (p, q) in (0..rows.len()).flat_map(|p| (0..columns.len()).map(move |q| (p, q)))
+                {
+                    let value = |t: &[f32]| f64::from(t[p]) * f64::from(t[rows.len() + q]);
+                    visit(p, q, self.terms(block).map(value).sum());
                 }
             }
         }
@@ -240,9 +252,7 @@ impl BlockPart {
     /// Visits position and S_pp of rows that see themselves. Blocks on the diagonal are sparse.
     pub fn for_each_own(&self, visit: &mut dyn FnMut(usize, f64)) {
         for block in self.blocks.iter().filter(|b| b.rows == b.columns) {
-            let layout = &self.layout[range(&block.layout)];
-            let values = &self.values[range(&block.values)];
-            for_each_sparse(layout, values, |p, q, value| {
+            self.for_each_stored(block, |p, q, value| {
                 if p == q {
                     visit(block.rows.start as usize + p, value);
                 }
@@ -253,37 +263,20 @@ impl BlockPart {
     /// Visits pairs of positions that exchange light, enough of them to connect all that do.
     pub fn for_each_link(&self, visit: &mut dyn FnMut(usize, usize)) {
         for block in &self.blocks {
-            let values = &self.values[range(&block.values)];
             let (rows, columns) = (range(&block.rows), range(&block.columns));
-            match block.kind {
-                BlockKind::Sparse => {
-                    let layout = &self.layout[range(&block.layout)];
-                    for_each_sparse(layout, values, |p, q, value| {
-                        if value > 0.0 {
-                            visit(rows.start + p, columns.start + q);
-                        }
-                    });
+            self.for_each_stored(block, |p, q, value| {
+                if value > 0.0 {
+                    visit(rows.start + p, columns.start + q);
                 }
-                BlockKind::Dense => {
-                    for (p, row) in rows.zip(values.chunks_exact(columns.len())) {
-                        let seen = (0..row.len()).filter(|&q| row[q] > 0.0);
-                        seen.for_each(|q| visit(p, columns.start + q));
-                    }
-                }
-                BlockKind::LowRank { .. } => {
-                    // In a product u vᵀ all rows with u exchange with all columns with v.
-                    for term in values.chunks_exact(rows.len() + columns.len()) {
-                        let (u, v) = term.split_at(rows.len());
-                        let seen = |of: &[f32]| -> Vec<usize> {
-                            (0..of.len()).filter(|&k| of[k] != 0.0).collect()
-                        };
-                        let (u, v) = (seen(u), seen(v));
-                        if let (Some(p), Some(q)) = (u.first(), v.first()) {
-                            let (p, q) = (rows.start + p, columns.start + q);
-                            u.iter().for_each(|u| visit(rows.start + u, q));
-                            v.iter().for_each(|v| visit(p, columns.start + v));
-                        }
-                    }
+            });
+            // In a product u vᵀ all rows with u exchange with all columns with v.
+            for term in self.terms(block) {
+                let (u, v) = term.split_at(rows.len());
+                let [u, v] = [u, v].map(|x| (0..x.len()).filter(move |&k| x[k] != 0.0));
+                let (first_u, first_v) = (u.clone().next(), v.clone().next());
+                if let (Some(p), Some(q)) = (first_u, first_v) {
+                    u.for_each(|u| visit(rows.start + u, columns.start + q));
+                    v.for_each(|v| visit(rows.start + p, columns.start + v));
                 }
             }
         }
@@ -327,29 +320,25 @@ impl BlockPart {
     pub fn get(&self, p: u32, q: u32) -> Option<f64> {
         let has = |b: &&Block| b.rows.contains(&p) && b.columns.contains(&q);
         let block = self.blocks.iter().find(has)?;
-        let values = &self.values[range(&block.values)];
         let (m, n) = (block.rows.len(), block.columns.len());
         let (i, j) = (
             (p - block.rows.start) as usize,
             (q - block.columns.start) as usize,
         );
-        Some(match block.kind {
-            BlockKind::Sparse => {
-                let mut found = 0.0;
-                let layout = &self.layout[range(&block.layout)];
-                for_each_sparse(layout, values, |p, q, value| {
-                    if (p, q) == (i, j) {
-                        found = value;
-                    }
-                });
-                found
-            }
-            BlockKind::Dense => values[i * n + j].into(),
+        let mut area = 0.0;
+        match block.kind {
+            BlockKind::Sparse => self.for_each_stored(block, |p, q, value| {
+                if (p, q) == (i, j) {
+                    area = value;
+                }
+            }),
+            BlockKind::Dense => area = self.values[range(&block.values)][i * n + j].into(),
             BlockKind::LowRank { .. } => {
-                let terms = values.chunks_exact(m + n);
-                terms.map(|t| f64::from(t[i]) * f64::from(t[m + j])).sum()
+                let terms = self.terms(block);
+                area = terms.map(|t| f64::from(t[i]) * f64::from(t[m + j])).sum();
             }
-        })
+        }
+        Some(area)
     }
 }
 
@@ -366,8 +355,8 @@ pub(super) fn product(parts: &[BlockPart], x: &[f64], lanes: usize) -> Vec<f64> 
     (0..x.len()).into_par_iter().map(total).collect()
 }
 
-fn range(of: &Range<u32>) -> Range<usize> {
-    of.start as usize..of.end as usize
+fn range(range: &Range<u32>) -> Range<usize> {
+    range.start as usize..range.end as usize
 }
 
 /// Visits row and column of all sparse entries.

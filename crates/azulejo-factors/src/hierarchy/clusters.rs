@@ -24,12 +24,7 @@ impl Clusters {
     pub fn new(places: &[PointNormal], areas: &[f64], leaf: usize) -> Clusters {
         let keys: Vec<_> = places.iter().map(|p| (p.position, p.normal)).collect();
         let whole = Aabb::around(places.iter().map(|p| p.position));
-        let size = if places.is_empty() {
-            0.0
-        } else {
-            whole.size().max_element()
-        };
-        let tree = ClusterTree::new(&keys, size, leaf);
+        let tree = ClusterTree::new(&keys, whole.size().max_element(), leaf);
         let areas: Vec<f64> = tree.order.iter().map(|&i| areas[i as usize]).collect();
         let mut sums = vec![0.0];
         for area in &areas {
@@ -51,7 +46,12 @@ impl Clusters {
         &self.tree.nodes[node]
     }
 
-    /// The halves of a node that is no leaf.
+    /// The positions of the rows and of the columns of a block.
+    pub fn ranges(&self, (a, b): NodePair) -> [Range<u32>; 2] {
+        [a, b].map(|node| self.node(node).range.clone())
+    }
+
+    /// The halves of a node that is not a leaf.
     pub fn children(&self, node: usize) -> [usize; 2] {
         [node + 1, self.tree.nodes[node].second as usize]
     }
@@ -67,7 +67,7 @@ impl Clusters {
         self.sums[range.end as usize] - self.sums[range.start as usize]
     }
 
-    /// Area of all.
+    /// The whole area.
     pub fn whole(&self) -> f64 {
         self.sums[self.sums.len() - 1]
     }
@@ -100,7 +100,7 @@ impl Clusters {
         node: usize,
         pairs: &mut [PairArea],
         diagonal: impl Fn(usize, &mut [PairArea]) -> D + Sync,
-        between: impl FnOnce(usize, usize, &mut [PairArea]) -> B + Send,
+        between: impl FnOnce(NodePair, &mut [PairArea]) -> B + Send,
     ) -> (D, B, D) {
         let [a, b] = self.children(node);
         let middle = self.node(b).range.start;
@@ -110,18 +110,18 @@ impl Clusters {
         let ((first, second), beside) = both(
             count,
             || (diagonal(a, first), diagonal(b, second)),
-            || between(a, b, beside),
+            || between((a, b), beside),
         );
         (first, beside, second)
     }
 
-    /// Divides the block between two nodes, of which these are the pairs, at the larger node that is no
-    /// leaf: its halves, and `of` each of them. `None` for two leaves.
+    /// Divides the block between two nodes, of which these are the pairs, at the larger node that is not a
+    /// leaf: its halves, each with its `part`. `None` for two leaves.
     pub fn halved<T: Send>(
         &self,
         (a, b): NodePair,
         pairs: &mut [PairArea],
-        of: impl Fn(usize, usize, &mut [PairArea]) -> T + Sync,
+        part: impl Fn(NodePair, &mut [PairArea]) -> T + Sync,
     ) -> Option<[(NodePair, T); 2]> {
         let count = pairs.len();
         let is_leaf = |node: usize| self.node(node).is_leaf();
@@ -138,8 +138,7 @@ impl Clusters {
         } else {
             return None;
         };
-        let of = |(a, b): NodePair, pairs: &mut [PairArea]| of(a, b, pairs);
-        let (one, other) = both(count, || of(halves[0], first), || of(halves[1], second));
+        let (one, other) = both(count, || part(halves[0], first), || part(halves[1], second));
         Some([(halves[0], one), (halves[1], other)])
     }
 }
@@ -177,7 +176,7 @@ fn divided(
     pairs.split_at_mut(count)
 }
 
-/// Pairs from which on the halves of a block are worth two threads.
+/// Least number of pairs for which the halves of a block are worth two threads.
 const WORTH_THREADS: usize = 10_000;
 
 /// Both results, computed in parallel if there is enough to do.

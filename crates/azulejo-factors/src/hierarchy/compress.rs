@@ -1,9 +1,10 @@
-//! Compression of a matrix that is there, from the leaves of the block tree up.
+//! Compression of an existing matrix, from the leaves of the block tree up.
 
 use super::blocks::{BlockDraft, BlockNumbers, sparse_bytes};
-use super::clusters::{Clusters, PairArea};
+use super::clusters::{Clusters, NodePair, PairArea};
 use super::low_rank::LowRank;
 use azulejo_trace::{Cancelled, Progress};
+use std::ops::Range;
 
 /// Rows of a leaf: blocks of 128² are small enough to be factored and large enough to have a rank.
 pub(super) const LEAF: usize = 128;
@@ -52,76 +53,78 @@ impl Compression<'_> {
             node,
             pairs,
             |node, pairs| self.diagonal(node, pairs),
-            |a, b, pairs| Ok(self.finished(a, b, self.between(a, b, pairs)?)),
+            |halves, pairs| Ok::<_, Cancelled>(self.finished(halves, self.between(halves, pairs)?)),
         );
-        let mut all = first?;
-        let beside: Result<Compressed, Cancelled> = beside;
-        all.append(beside?);
-        all.append(second?);
-        Ok(all)
+        let mut blocks = first?;
+        blocks.append(beside?);
+        blocks.append(second?);
+        Ok(blocks)
     }
 
     /// The blocks between two clusters, the first before the second.
-    fn between(&self, a: usize, b: usize, pairs: &mut [PairArea]) -> Result<Built, Cancelled> {
+    fn between(&self, block: NodePair, pairs: &mut [PairArea]) -> Result<Built, Cancelled> {
         if pairs.is_empty() {
             return Ok(Built::One(LowRank::default(), 0.0));
         }
-        let halved = self
-            .clusters
-            .halved((a, b), pairs, |a, b, pairs| self.between(a, b, pairs));
-        match halved {
+        let between = |half, pairs: &mut [PairArea]| self.between(half, pairs);
+        match self.clusters.halved(block, pairs, between) {
             Some([(one, first), (other, second)]) => {
-                Ok(self.joined((a, b), [one, other], [first?, second?]))
+                Ok(self.joined(block, [one, other], [first?, second?]))
             }
             None => {
                 self.progress.advance(pairs.len() as u64)?;
-                Ok(self.leaf(a, b, pairs))
+                Ok(self.leaf(block, pairs))
             }
         }
     }
 
     /// Largest norm of the error of a block.
-    fn share(&self, a: usize, b: usize) -> f64 {
-        let area = |node: usize| self.clusters.area(&self.clusters.node(node).range);
-        self.allowed * (area(a) * area(b)).sqrt() / self.clusters.whole()
+    fn share(&self, block: NodePair) -> f64 {
+        let [a, b] = self
+            .clusters
+            .ranges(block)
+            .map(|range| self.clusters.area(&range));
+        self.allowed * (a * b).sqrt() / self.clusters.whole()
     }
 
     /// A block between two leaves: of low rank with three quarters of the error that it may have, if that is
     /// smaller than its entries.
-    fn leaf(&self, a: usize, b: usize, pairs: &[PairArea]) -> Built {
-        let (rows, columns) = (&self.clusters.node(a).range, &self.clusters.node(b).range);
+    fn leaf(&self, block: NodePair, pairs: &[PairArea]) -> Built {
+        let [rows, columns] = self.clusters.ranges(block);
         let entries = sparse(pairs, rows.start, columns.start);
         let (m, n) = (rows.len(), columns.len());
         let bytes = sparse_bytes(&entries).min(4 * m * n);
         let most = bytes / (4 * (m + n));
-        let allowed = (0.75 * self.share(a, b)).powi(2);
-        if allowed > 0.0
-            && most > 0
-            && let Some((block, error)) = LowRank::of(self.columns(a, b, &entries), allowed, most)
-        {
-            return Built::One(block, error);
+        let allowed = (0.75 * self.share(block)).powi(2);
+        if allowed > 0.0 && most > 0 {
+            let mut dense = vec![vec![0.0; m]; n];
+            for e in &entries {
+                dense[usize::from(e.1)][usize::from(e.0)] = self.normalized([&rows, &columns], e);
+            }
+            if let Some((low_rank, error)) = LowRank::of(dense, allowed, most) {
+                return Built::One(low_rank, error);
+            }
         }
-        let (entries, error) = self.without_smallest(a, b, entries, allowed);
+        let (entries, error) = self.without_smallest([&rows, &columns], entries, allowed);
+        let content = BlockNumbers::Sparse(entries);
         Built::Many(Compressed {
             blocks: vec![BlockDraft {
-                rows: rows.clone(),
-                columns: columns.clone(),
-                content: BlockNumbers::Sparse(entries),
+                rows,
+                columns,
+                content,
             }],
             error,
         })
     }
 
-    /// The columns of a block of A^−½ S A^−½.
-    fn columns(&self, a: usize, b: usize, entries: &[(u16, u16, f32)]) -> Vec<Vec<f64>> {
-        let (rows, columns) = (&self.clusters.node(a).range, &self.clusters.node(b).range);
-        let mut all = vec![vec![0.0; rows.len()]; columns.len()];
-        for &(p, q, value) in entries {
-            let (p, q) = (usize::from(p), usize::from(q));
-            let areas = self.weight(rows.start, p) * self.weight(columns.start, q);
-            all[q][p] = f64::from(value) / areas;
-        }
-        all
+    /// An entry of a block of A^−½ S A^−½.
+    fn normalized(
+        &self,
+        [rows, columns]: [&Range<u32>; 2],
+        &(p, q, value): &(u16, u16, f32),
+    ) -> f64 {
+        let areas = self.weight(rows.start, p.into()) * self.weight(columns.start, q.into());
+        f64::from(value) / areas
     }
 
     /// √A of a position; 1 for groups without area, which exchange nothing.
@@ -134,17 +137,11 @@ impl Compression<'_> {
     /// block smaller.
     fn without_smallest(
         &self,
-        a: usize,
-        b: usize,
+        ranges: [&Range<u32>; 2],
         entries: Vec<(u16, u16, f32)>,
         allowed: f64,
     ) -> (Vec<(u16, u16, f32)>, f64) {
-        let (rows, columns) = (&self.clusters.node(a).range, &self.clusters.node(b).range);
-        let square = |&(p, q, value): &(u16, u16, f32)| {
-            let (p, q) = (usize::from(p), usize::from(q));
-            let areas = self.weight(rows.start, p) * self.weight(columns.start, q);
-            (f64::from(value) / areas).powi(2)
-        };
+        let square = |e: &(u16, u16, f32)| self.normalized(ranges, e).powi(2);
         let mut squares: Vec<f64> = entries.iter().map(square).collect();
         squares.sort_unstable_by(f64::total_cmp);
         let (mut dropped, mut least) = (0.0, f64::INFINITY);
@@ -160,76 +157,62 @@ impl Compression<'_> {
     }
 
     /// Two blocks beside each other: one, if that is smaller, with half of the error that is left.
-    fn joined(
-        &self,
-        whole: (usize, usize),
-        parts: [(usize, usize); 2],
-        built: [Built; 2],
-    ) -> Built {
+    fn joined(&self, whole: NodePair, parts: [NodePair; 2], built: [Built; 2]) -> Built {
         let length = |node: usize| self.clusters.node(node).len();
-        let (m, n) = (length(whole.0), length(whole.1));
-        match built {
+        let [first, second] = match built {
             [Built::One(first, e1), Built::One(second, e2)] => {
-                let terms = |k: usize, (a, b): (usize, usize)| k * (length(a) + length(b));
+                let terms = |k: usize, (a, b): NodePair| k * (length(a) + length(b));
                 let apart = terms(first.rank(), parts[0]) + terms(second.rank(), parts[1]);
-                let left = 0.5 * (self.share(whole.0, whole.1) - (e1 + e2).sqrt()).max(0.0);
+                let left = 0.5 * (self.share(whole) - (e1 + e2).sqrt()).max(0.0);
+                let (upper, lower) = (first.clone(), second.clone());
                 let mut one = if parts[0].1 == whole.1 {
-                    first
-                        .clone()
-                        .above(second.clone(), length(parts[0].0), length(parts[1].0))
+                    upper.above(lower, length(parts[0].0), length(parts[1].0))
                 } else {
-                    first
-                        .clone()
-                        .beside(second.clone(), length(parts[0].1), length(parts[1].1))
+                    upper.beside(lower, length(parts[0].1), length(parts[1].1))
                 };
                 let dropped = one.truncate(left * left);
-                if one.rank() * (m + n) <= apart {
+                if terms(one.rank(), whole) <= apart {
                     // The triangle inequality, because the errors need not be orthogonal.
                     let error = ((e1 + e2).sqrt() + dropped.sqrt()).powi(2);
                     return Built::One(one, error);
                 }
-                let mut all = self.finished(parts[0].0, parts[0].1, Built::One(first, e1));
-                all.append(self.finished(parts[1].0, parts[1].1, Built::One(second, e2)));
-                Built::Many(all)
+                [Built::One(first, e1), Built::One(second, e2)]
             }
-            [first, second] => {
-                let mut all = self.finished(parts[0].0, parts[0].1, first);
-                all.append(self.finished(parts[1].0, parts[1].1, second));
-                Built::Many(all)
-            }
-        }
+            built => built,
+        };
+        let mut blocks = self.finished(parts[0], first);
+        blocks.append(self.finished(parts[1], second));
+        Built::Many(blocks)
     }
 
     /// Blocks to be stored.
-    fn finished(&self, a: usize, b: usize, built: Built) -> Compressed {
-        let (block, error) = match built {
-            Built::Many(all) => return all,
-            Built::One(block, error) => (block, error),
+    fn finished(&self, block: NodePair, built: Built) -> Compressed {
+        let (low_rank, error) = match built {
+            Built::Many(blocks) => return blocks,
+            Built::One(low_rank, error) => (low_rank, error),
         };
-        let (rows, columns) = (&self.clusters.node(a).range, &self.clusters.node(b).range);
-        let mut factors = Vec::with_capacity(block.rank() * (rows.len() + columns.len()));
+        let [rows, columns] = self.clusters.ranges(block);
+        let mut factors = Vec::with_capacity(low_rank.rank() * (rows.len() + columns.len()));
         let mut put = |vector: &[f64], start: u32, scale: f64| {
             let places = vector.iter().enumerate();
             factors.extend(places.map(|(k, x)| (x * scale * self.weight(start, k)) as f32));
         };
-        for (u, v) in block.u.iter().zip(&block.v) {
+        for (u, v) in low_rank.u.iter().zip(&low_rank.v) {
             // Both factors get the root of the singular value.
             let root = v.iter().map(|x| x * x).sum::<f64>().sqrt().sqrt();
             put(u, rows.start, root);
-            put(
-                v,
-                columns.start,
-                if root > 0.0 { root.recip() } else { 0.0 },
-            );
+            let inverse = if root > 0.0 { root.recip() } else { 0.0 };
+            put(v, columns.start, inverse);
         }
-        let rank = block.rank() as u32;
-        let draft = BlockDraft {
-            rows: rows.clone(),
-            columns: columns.clone(),
-            content: BlockNumbers::LowRank { rank, factors },
-        };
+        let rank = low_rank.rank() as u32;
+        let content = BlockNumbers::LowRank { rank, factors };
+        let draft = (rank > 0).then_some(BlockDraft {
+            rows,
+            columns,
+            content,
+        });
         Compressed {
-            blocks: if rank > 0 { vec![draft] } else { Vec::new() },
+            blocks: draft.into_iter().collect(),
             error,
         }
     }

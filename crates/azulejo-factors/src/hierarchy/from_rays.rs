@@ -8,6 +8,7 @@ use crate::form_factors::PreparedPlan;
 use crate::form_factors::row_stream::{RowStream, StreamedRow};
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows of a leaf: below it, a pair of clusters has few hits for each row.
 const LEAF: usize = 32;
@@ -15,13 +16,13 @@ const LEAF: usize = 32;
 /// Rows traced at a time.
 const BLOCK: usize = 512;
 
-/// One of so many rays chooses the blocks that the others fill.
+/// One of this many rays chooses the blocks that the others fill.
 const PILOT: u32 = 8;
 
 /// Fewest rays of a row that choose blocks.
 const LEAST_PILOT: u32 = 32;
 
-/// Entries of a block from which on equal ones are added up before it grows.
+/// Least number of entries of a block whose equal ones are added up before it grows.
 const WORTH_SORTING: usize = 4_096;
 
 /// Bytes of a process before it reads a model, and of each patch, about.
@@ -34,7 +35,7 @@ const PATCH_BYTES: f64 = 700.0;
 const BLOCK_BYTES: f64 = 3_750.0;
 const BLOCK_GROWTH: f64 = 0.4;
 
-/// Bytes of each ray of the rows in work: found, sorted by columns, and by blocks.
+/// Bytes of each ray of the rows in progress: found, sorted by columns, and by blocks.
 const RAY_BYTES: f64 = 96.0;
 
 /// Bytes at the peak of the work by rays: an upper estimate.
@@ -79,7 +80,7 @@ impl CompressedFactors {
         let stream = plan.row_stream(plan.requested_rays(), 1);
         let mut filling = Filling::new(&clusters, shapes);
         let n = areas.len();
-        let mut found = CompressedFactors {
+        let mut factors = CompressedFactors {
             areas,
             ends: stream.ends.clone(),
             rest: vec![Default::default(); n],
@@ -96,16 +97,16 @@ impl CompressedFactors {
             filling.add((block * BLOCK) as u32, &streamed);
             for (&row, streamed) in rows.iter().zip(&streamed) {
                 let row = row as usize;
-                found.rest[row] = streamed.rest;
-                (ended[row], found.sum_errors[row]) = streamed.ended;
+                factors.rest[row] = streamed.rest;
+                (ended[row], factors.sum_errors[row]) = streamed.ended;
             }
         }
-        found.parts = store(filling.drafts());
-        found.order = clusters.tree.order;
+        factors.parts = store(filling.drafts());
+        factors.order = clusters.tree.order;
         if options.keep_sums {
-            found.keep_sums(&ended, progress)?;
+            factors.keep_sums(&ended, progress)?;
         }
-        Ok(found)
+        Ok(factors)
     }
 }
 
@@ -162,7 +163,7 @@ struct Filling<'a> {
     /// For each link what each row exchanges with the columns, as its own rays found it, then what each
     /// column does with the rows.
     sums: Vec<f32>,
-    /// The entries of each block that is no link.
+    /// The entries of each block that is not a link.
     entries: Vec<Vec<(u16, u16, f32)>>,
     /// For the leaf of each position its place in `views`.
     leaves: Vec<u32>,
@@ -191,24 +192,22 @@ struct RowShares {
 impl<'a> Filling<'a> {
     fn new(clusters: &'a Clusters, shapes: Vec<BlockShape>) -> Filling<'a> {
         let leaves = clusters.leaves();
-        let mut leaf_of = vec![0; clusters.areas.len()];
+        let mut position_leaves = vec![0; clusters.areas.len()];
         for (k, leaf) in leaves.iter().enumerate() {
-            leaf_of[leaf.start as usize..leaf.end as usize].fill(k as u32);
+            position_leaves[leaf.start as usize..leaf.end as usize].fill(k as u32);
         }
+        // Where the sums of each link begin, and which block each leaf sees from where on.
         let (mut starts, mut count) = (Vec::with_capacity(shapes.len()), 0);
         let mut views = vec![Vec::new(); leaves.len()];
         for (block, shape) in shapes.iter().enumerate() {
             starts.push(count);
-            let (rows, columns) = (
-                &clusters.node(shape.rows).range,
-                &clusters.node(shape.columns).range,
-            );
+            let [rows, columns] = clusters.ranges(shape.nodes);
             if shape.is_link {
                 count += rows.len() + columns.len();
             }
-            let mut show = |to: &std::ops::Range<u32>, start: u32, is_back: bool| {
-                let first = leaf_of[to.start as usize] as usize;
-                let last = leaf_of[to.end as usize - 1] as usize;
+            let mut show = |to: &Range<u32>, start: u32, is_back: bool| {
+                let first = position_leaves[to.start as usize] as usize;
+                let last = position_leaves[to.end as usize - 1] as usize;
                 let view = LeafBlock {
                     start,
                     block: block as u32,
@@ -216,9 +215,9 @@ impl<'a> Filling<'a> {
                 };
                 views[first..=last].iter_mut().for_each(|v| v.push(view));
             };
-            show(rows, columns.start, false);
-            if shape.rows != shape.columns {
-                show(columns, rows.start, true);
+            show(&rows, columns.start, false);
+            if shape.nodes.0 != shape.nodes.1 {
+                show(&columns, rows.start, true);
             }
         }
         views
@@ -231,7 +230,7 @@ impl<'a> Filling<'a> {
             clusters,
             shapes,
             starts,
-            leaves: leaf_of,
+            leaves: position_leaves,
             views,
         }
     }
@@ -239,8 +238,8 @@ impl<'a> Filling<'a> {
     /// Adds rows of positions from `first` on.
     fn add(&mut self, first: u32, rows: &[StreamedRow]) {
         let shares = |(k, row): (usize, &StreamedRow)| self.shares(first + k as u32, row);
-        let all: Vec<RowShares> = rows.par_iter().enumerate().map(shares).collect();
-        for shares in all {
+        let row_shares: Vec<RowShares> = rows.par_iter().enumerate().map(shares).collect();
+        for shares in row_shares {
             for (at, value) in shares.links {
                 self.sums[at] += value;
             }
@@ -260,10 +259,7 @@ impl<'a> Filling<'a> {
         let own = areas[p as usize];
         let views = &self.views[self.leaves[p as usize] as usize];
         let mut links = vec![0.0; views.len()];
-        let mut found = RowShares {
-            links: Vec::new(),
-            entries: Vec::new(),
-        };
+        let mut entries = Vec::new();
         for &(column, weight) in &row.entries {
             let (q, weight) = (self.positions[column as usize], f64::from(weight));
             // The blocks of a leaf divide all positions, so that there is a view that starts before.
@@ -271,38 +267,34 @@ impl<'a> Filling<'a> {
             let shape = &self.shapes[views[k].block as usize];
             if shape.is_link {
                 links[k] += own * weight;
-            } else {
-                let start = |node: usize| self.clusters.node(node).range.start;
-                let (i, j) = if shape.rows == shape.columns {
-                    (p.min(q), p.max(q))
-                } else if views[k].is_back {
-                    (q, p)
-                } else {
-                    (p, q)
-                };
-                let value = pooled(own, areas[q as usize]) * weight;
-                let (i, j) = (i - start(shape.rows), j - start(shape.columns));
-                // What a patch sees of itself is found once, not from two sides.
-                let ways = if p == q { 2.0 } else { 1.0 };
-                found
-                    .entries
-                    .push((views[k].block, i as u16, j as u16, (ways * value) as f32));
+                continue;
             }
+            let (i, j) = if shape.nodes.0 == shape.nodes.1 {
+                (p.min(q), p.max(q))
+            } else if views[k].is_back {
+                (q, p)
+            } else {
+                (p, q)
+            };
+            let value = pooled(own, areas[q as usize]) * weight;
+            // What a patch sees of itself is found once, not from two sides.
+            let ways = if p == q { 2.0 } else { 1.0 };
+            let [rows, columns] = self.clusters.ranges(shape.nodes);
+            let (i, j) = ((i - rows.start) as u16, (j - columns.start) as u16);
+            entries.push((views[k].block, i, j, (ways * value) as f32));
         }
         let sums = views.iter().zip(links).filter(|(_, sum)| *sum > 0.0);
-        found.links = sums
-            .map(|(view, sum)| (self.place(view, p), sum as f32))
-            .collect();
-        found
+        let links = sums.map(|(view, sum)| (self.place(view, p), sum as f32));
+        RowShares {
+            links: links.collect(),
+            entries,
+        }
     }
 
     /// Where the sum of position `p` is stored.
     fn place(&self, view: &LeafBlock, p: u32) -> usize {
         let block = view.block as usize;
-        let (rows, columns) = (
-            &self.clusters.node(self.shapes[block].rows).range,
-            &self.clusters.node(self.shapes[block].columns).range,
-        );
+        let [rows, columns] = self.clusters.ranges(self.shapes[block].nodes);
         self.starts[block]
             + if view.is_back {
                 rows.len() + (p - columns.start) as usize
@@ -316,10 +308,7 @@ impl<'a> Filling<'a> {
         let entries = std::mem::take(&mut self.entries);
         let draft = |(k, mut entries): (usize, Vec<(u16, u16, f32)>)| {
             let shape = self.shapes[k];
-            let (rows, columns) = (
-                self.clusters.node(shape.rows).range.clone(),
-                self.clusters.node(shape.columns).range.clone(),
-            );
+            let [rows, columns] = self.clusters.ranges(shape.nodes);
             let content = if shape.is_link {
                 let sums = &self.sums[self.starts[k]..][..rows.len() + columns.len()];
                 let factors = self.link(sums, [&rows, &columns]);
@@ -341,8 +330,8 @@ impl<'a> Filling<'a> {
 
     /// u, then v, from what the two sides of a link found. The exchange area of the block is pooled as
     /// that of a pair of patches, with the mean areas of patches where rays start.
-    fn link(&self, sums: &[f32], sides: [&std::ops::Range<u32>; 2]) -> Vec<f32> {
-        let side = |range: &std::ops::Range<u32>, sums: &[f32]| -> (Vec<f64>, f64, f64) {
+    fn link(&self, sums: &[f32], sides: [&Range<u32>; 2]) -> Vec<f32> {
+        let side = |range: &Range<u32>, sums: &[f32]| -> (Vec<f64>, f64, f64) {
             let areas = &self.clusters.areas[range.start as usize..range.end as usize];
             let whole: f64 = areas.iter().sum();
             let mean = areas.iter().map(|a| a * a).sum::<f64>() / whole;

@@ -22,11 +22,8 @@ pub fn grouped(
     count: usize,
     progress: &Progress,
 ) -> Result<FormFactors, Cancelled> {
-    assert_eq!(
-        groups.len(),
-        operator.row_areas().len(),
-        "one group for each row"
-    );
+    let row_count = operator.row_areas().len();
+    assert_eq!(groups.len(), row_count, "one group for each row");
     let mut exchange = ExchangeAreas::new();
     progress.begin("groups", count as u64);
     for first in (0..count).step_by(LANES) {
@@ -38,18 +35,9 @@ pub fn grouped(
                 members[i * lanes + lane] = 1.0;
             }
         }
-        let sums = by_group(
-            &operator.exchanged_lanes(&members, lanes),
-            groups,
-            count,
-            lanes,
-        );
-        let spread = by_group(
-            &operator.variance_lanes(&members, lanes),
-            groups,
-            count,
-            lanes,
-        );
+        let sum = |rows: Vec<f64>| by_group(&rows, groups, count, lanes);
+        let sums = sum(operator.exchanged_lanes(&members, lanes));
+        let spread = sum(operator.variance_lanes(&members, lanes));
         for lane in 0..lanes {
             let group = first + lane;
             let entry = |b: usize| {
@@ -75,7 +63,7 @@ pub fn grouped(
     Ok(rows.grouped_as(groups, exchange, &to_nobody))
 }
 
-/// Sums over the rows of each group.
+/// Sums over the rows of each group, of `lanes` numbers for each row.
 fn by_group(rows: &[f64], groups: &[Option<u32>], count: usize, lanes: usize) -> Vec<f64> {
     let mut sums = vec![0.0; count * lanes];
     for (row, group) in rows.chunks_exact(lanes).zip(groups) {

@@ -22,18 +22,18 @@ impl LowRank {
     /// Gram and Schmidt's method with the longest remaining column as the next pivot finds a subspace,
     /// in which singular vectors are found by Jacobi's method.
     pub fn of(mut columns: Vec<Vec<f64>>, allowed: f64, most: usize) -> Option<(LowRank, f64)> {
-        let mut found = LowRank::default();
+        let mut block = LowRank::default();
         let mut left: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         // The last term or two that pivots need beyond singular vectors are cut off again.
         let slack = most + 2;
         loop {
             let error: f64 = left.iter().sum();
             if error <= allowed {
-                orthogonalize(&mut found.v, &mut found.u);
-                let error = error + found.truncate(allowed - error);
-                return Some((found, error)).filter(|f| f.0.rank() <= most);
+                orthogonalize(&mut block.v, &mut block.u);
+                let error = error + block.truncate(allowed - error);
+                return Some((block, error)).filter(|b| b.0.rank() <= most);
             }
-            if found.rank() == slack {
+            if block.rank() == slack {
                 return None;
             }
             let pivot = (0..left.len()).max_by(|&a, &b| left[a].total_cmp(&left[b]))?;
@@ -52,8 +52,8 @@ impl LowRank {
             // What rounding leaves of the pivot would be noise.
             columns[pivot].fill(0.0);
             left[pivot] = 0.0;
-            found.u.push(unit);
-            found.v.push(shares);
+            block.u.push(unit);
+            block.v.push(shares);
         }
     }
 
@@ -76,9 +76,9 @@ impl LowRank {
 
     /// This block left of another with the same rows, m and n being their numbers of columns.
     pub fn beside(self, right: LowRank, m: usize, n: usize) -> LowRank {
-        let mut whole = self.transposed().above(right.transposed(), m, n);
-        whole = whole.transposed();
-        whole
+        self.transposed()
+            .above(right.transposed(), m, n)
+            .transposed()
     }
 
     fn transposed(mut self) -> LowRank {
@@ -204,12 +204,12 @@ mod tests {
     #[test]
     fn the_stated_error_is_the_error() {
         for (allowed, most) in [(1e-2, 1), (1e-6, 4), (1e-12, 8)] {
-            let all = columns(23, 17, 0.0);
-            let (block, stated) = LowRank::of(all.clone(), allowed, most).unwrap();
-            let found = error(&block, &all);
+            let matrix = columns(23, 17, 0.0);
+            let (block, stated) = LowRank::of(matrix.clone(), allowed, most).unwrap();
+            let actual = error(&block, &matrix);
             assert!(
-                stated <= allowed && (found - stated).abs() <= 1e-9 * allowed.max(1e-9),
-                "{found} {stated}"
+                stated <= allowed && (actual - stated).abs() <= 1e-9 * allowed.max(1e-9),
+                "{actual} {stated}"
             );
         }
     }
@@ -225,16 +225,19 @@ mod tests {
 
     #[test]
     fn blocks_beside_each_other_become_one() {
-        let all = columns(24, 16, 0.0);
-        let halves = |from: usize, to: usize| all.iter().map(|c| c[from..to].to_vec()).collect();
-        let of = |columns| LowRank::of(columns, 1e-20, 16).unwrap().0;
-        let (upper, lower) = (of(halves(0, 10)), of(halves(10, 24)));
+        let matrix = columns(24, 16, 0.0);
+        let halves = |from: usize, to: usize| matrix.iter().map(|c| c[from..to].to_vec()).collect();
+        let factored = |columns| LowRank::of(columns, 1e-20, 16).unwrap().0;
+        let (upper, lower) = (factored(halves(0, 10)), factored(halves(10, 24)));
         let mut whole = upper.above(lower, 10, 14);
-        assert!(error(&whole, &all) < 1e-18);
+        assert!(error(&whole, &matrix) < 1e-18);
         let dropped = whole.truncate(1e-8);
-        assert!(dropped <= 1e-8 && error(&whole, &all) <= 1.0001e-8);
+        assert!(dropped <= 1e-8 && error(&whole, &matrix) <= 1.0001e-8);
         assert!(whole.rank() < 5, "{}", whole.rank());
-        let (left, right) = (of(all[..7].to_vec()), of(all[7..].to_vec()));
-        assert!(error(&left.beside(right, 7, 9), &all) < 1e-18);
+        let (left, right) = (
+            factored(matrix[..7].to_vec()),
+            factored(matrix[7..].to_vec()),
+        );
+        assert!(error(&left.beside(right, 7, 9), &matrix) < 1e-18);
     }
 }

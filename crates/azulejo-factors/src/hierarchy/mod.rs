@@ -10,7 +10,7 @@
 //!
 //! | | from | errors |
 //! |---|---|---|
-//! | [`CompressedFactors::new`] | a matrix that is there: singular value decompositions of its blocks | bounded by the tolerance |
+//! | [`CompressedFactors::new`] | an existing matrix: singular value decompositions of its blocks | bounded by the tolerance |
 //! | [`CompressedFactors::from_rays`] | rays, one block of rows after the other: the matrix never exists | those of the rays, and of the tolerance where rays can tell |
 //!
 //! ```
@@ -56,8 +56,8 @@ pub use blocks::{Block, BlockKind, BlockPart};
 use clusters::{Clusters, PairArea};
 use compress::Compression;
 pub use grouped::grouped;
-use operator::probe_vector;
 pub use operator::{FactorOperator, OperatorError, radiosities};
+use operator::{probe_vector, ratio};
 pub use plan::StatedFactors;
 pub use stated::{Estimated, StatedErrors};
 use std::fmt;
@@ -89,7 +89,7 @@ impl Default for CompressionOptions {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CompressionError {
-    /// The tolerance is none.
+    /// The tolerance is not a share of the matrix.
     Tolerance {
         /// What was given.
         found: f64,
@@ -101,6 +101,12 @@ pub enum CompressionError {
 impl From<Cancelled> for CompressionError {
     fn from(_: Cancelled) -> CompressionError {
         CompressionError::Factors(FactorsError::Cancelled)
+    }
+}
+
+impl From<FactorsError> for CompressionError {
+    fn from(error: FactorsError) -> CompressionError {
+        CompressionError::Factors(error)
     }
 }
 
@@ -173,28 +179,25 @@ impl CompressedFactors {
     ) -> Result<CompressedFactors, CompressionError> {
         options.check()?;
         assert_eq!(places.len(), factors.len(), "one place for each row");
+        // The pairs by positions in the order of clusters.
         let clusters = Clusters::new(places, &factors.areas, compress::LEAF);
         let positions = clusters.positions();
         let mut pairs = Vec::with_capacity(factors.exchange.pairs());
         for (i, &p) in positions.iter().enumerate() {
-            let pair = |e: &crate::form_factors::Exchange| {
-                PairArea::new(p, positions[e.column as usize], e.value as f32)
-            };
-            pairs.extend(factors.exchange.upper(i).iter().map(pair));
+            let upper = factors.exchange.upper(i).iter();
+            let pair = |q: u32, value: f64| PairArea::new(p, positions[q as usize], value as f32);
+            pairs.extend(upper.map(|e| pair(e.column, e.value)));
         }
         progress.begin("compression", pairs.len() as u64);
         let light: f64 = factors.exchange.row_sums().iter().sum();
-        let scale = if clusters.whole() > 0.0 {
-            light / clusters.whole()
-        } else {
-            0.0
-        };
+        let scale = ratio(light, clusters.whole());
         let compression = Compression {
             clusters: &clusters,
             allowed: options.tolerance * scale,
             progress,
         };
-        let mut found = CompressedFactors {
+        // Blocks with the error that the tolerance allows, in the norm of the whole matrix.
+        let mut compressed = CompressedFactors {
             areas: factors.areas.clone(),
             ends: factors.ends.clone(),
             rest: factors.rest.clone(),
@@ -205,24 +208,18 @@ impl CompressedFactors {
         if !factors.is_empty() {
             let blocks = compression.diagonal(0, &mut pairs)?;
             drop(pairs);
-            found.bound = if scale > 0.0 {
-                (2.0 * blocks.error).sqrt() / scale
-            } else {
-                0.0
-            };
-            found.parts = blocks::store(blocks.blocks);
+            compressed.bound = ratio((2.0 * blocks.error).sqrt(), scale);
+            compressed.parts = blocks::store(blocks.blocks);
         }
-        found.order = clusters.tree.order;
+        compressed.order = clusters.tree.order;
         let sums = factors.row_sums();
         let noise = factors.noise_of_sums();
         let noise = noise.iter().zip(&sums);
-        found.entry_noise = noise
-            .map(|(e, sum)| if *sum > 0.0 { e * e / sum } else { 0.0 })
-            .collect();
+        compressed.entry_noise = noise.map(|(e, &sum)| ratio(e * e, sum)).collect();
         if options.keep_sums && options.tolerance > 0.0 {
-            found.keep_sums(&factors.ended(), progress)?;
+            compressed.keep_sums(&factors.ended(), progress)?;
         }
-        Ok(found)
+        Ok(compressed)
     }
 
     /// What is known of the rows of these factors, which were computed from `plan` by rays: a matrix
@@ -260,15 +257,12 @@ impl CompressedFactors {
     /// If there is no such row.
     pub fn exchange_area(&self, i: usize, j: usize) -> f64 {
         let position = |row: usize| {
-            let found = self.order.iter().position(|&r| r as usize == row);
-            found.expect("a row of these factors") as u32
+            let place = self.order.iter().position(|&r| r as usize == row);
+            place.expect("a row of these factors") as u32
         };
         let (p, q) = (position(i), position(j));
-        let found = self
-            .parts
-            .iter()
-            .find_map(|part| part.get(p.min(q), p.max(q)));
-        found.unwrap_or(0.0)
+        let area = |part: &BlockPart| part.get(p.min(q), p.max(q));
+        self.parts.iter().find_map(area).unwrap_or(0.0)
     }
 
     /// X x with its standard errors by the noise of rays, if the numbers of x have none of their own.
@@ -281,17 +275,17 @@ impl CompressedFactors {
     /// If `x` has another length than there are rows.
     pub fn apply_with_errors(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let squares: Vec<f64> = x.iter().map(|x| x * x).collect();
-        let (found, squares, sums) = (self.apply(x), self.apply(&squares), self.sums());
+        let (products, squares, sums) = (self.apply(x), self.apply(&squares), self.sums());
         let error = |i: usize| {
             if sums[i] <= 0.0 {
                 return 0.0;
             }
-            let mean = found[i] / sums[i];
-            let spread = (squares[i] - found[i] * mean).max(0.0);
+            let mean = products[i] / sums[i];
+            let spread = (squares[i] - products[i] * mean).max(0.0);
             (self.entry_noise[i] * spread + (self.sum_errors[i] * mean).powi(2)).sqrt()
         };
-        let errors = (0..found.len()).map(error).collect();
-        (found, errors)
+        let errors = (0..products.len()).map(error).collect();
+        (products, errors)
     }
 
     /// Number of blocks that are sparse, dense and of low rank.
@@ -305,33 +299,6 @@ impl CompressedFactors {
             }] += 1;
         }
         kinds
-    }
-
-    fn matrix_bytes(&self) -> usize {
-        4 * self.order.len() + self.parts.iter().map(BlockPart::bytes).sum::<usize>()
-    }
-
-    /// S x for several vectors, whose numbers of one row stand side by side.
-    fn times(&self, x: &[f64], lanes: usize) -> Vec<f64> {
-        assert_eq!(x.len(), lanes * self.len(), "lanes for each row");
-        // By position, one vector after the other, as blocks want them.
-        let lane = |lane: usize| {
-            self.order
-                .iter()
-                .map(move |&row| x[lanes * row as usize + lane])
-        };
-        let found = blocks::product(
-            &self.parts,
-            &(0..lanes).flat_map(lane).collect::<Vec<f64>>(),
-            lanes,
-        );
-        let mut by_row = vec![0.0; x.len()];
-        for (lane, found) in found.chunks_exact(self.len().max(1)).enumerate() {
-            for (&row, value) in self.order.iter().zip(found) {
-                by_row[lanes * row as usize + lane] = *value;
-            }
-        }
-        by_row
     }
 
     fn by_position(&self, x: &[f64]) -> Vec<f64> {
@@ -348,7 +315,7 @@ impl CompressedFactors {
             .iter()
             .fold(0.0, |most, d| most.max((d - 1.0).abs()));
         let off = self.apply(&self.ends);
-        let off = || off.iter().zip(sums).map(|(found, sum)| found - sum);
+        let off = || off.iter().zip(sums).map(|(scaled, sum)| scaled - sum);
         let squares: f64 = off().map(|d| d * d).sum();
         let most = off().fold(0.0f64, |most, d| most.max(d.abs()));
         self.deficit = [(squares / self.len().max(1) as f64).sqrt(), most];
@@ -363,8 +330,7 @@ fn ended_errors(factors: &FormFactors) -> Vec<f64> {
         [e.column as usize, i].map(|to| (error * factors.ends[to]).powi(2))
     });
     let rows = variances.iter().zip(&factors.areas);
-    rows.map(|(v, &a)| if a > 0.0 { v.sqrt() / a } else { 0.0 })
-        .collect()
+    rows.map(|(v, &a)| ratio(v.sqrt(), a)).collect()
 }
 
 impl CompressionOptions {
@@ -372,9 +338,8 @@ impl CompressionOptions {
         if (0.0..1.0).contains(&self.tolerance) {
             Ok(())
         } else {
-            Err(CompressionError::Tolerance {
-                found: self.tolerance,
-            })
+            let found = self.tolerance;
+            Err(CompressionError::Tolerance { found })
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Form factors as a linear operator, whole or compressed.
 
 use super::CompressedFactors;
+use super::blocks::{self, BlockPart};
+use crate::disjoint_sets::DisjointSets;
 use crate::form_factors::{Exchange, ExchangeAreas, FormFactors};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, Progress};
@@ -53,13 +55,13 @@ pub trait FactorOperator: fmt::Debug + Send + Sync {
 
     /// For each row the first of those with which it exchanges light, directly or by way of others.
     fn connected(&self) -> Vec<u32> {
-        let mut rows = ConnectedRows::new(self.row_areas().len());
+        let mut rows = DisjointSets::new(self.row_areas().len());
         self.for_each_pair(&mut |i, j, value| {
             if value > 0.0 {
-                rows.join(i, j);
+                rows.join(i as u32, j as u32);
             }
         });
-        rows.firsts()
+        rows.into_smallest()
     }
 
     /// Variance of Σ_ij r_i S_ij x_j from those of S, as if pairs erred by themselves; what rows see of
@@ -175,64 +177,32 @@ fn in_lanes(
 ) -> Vec<f64> {
     assert_eq!(x.len(), lanes * exchange.len(), "lanes for each row");
     match lanes {
-        1 => exchange
-            .products(x.as_chunks::<1>().0, weight)
-            .as_flattened()
-            .to_vec(),
-        2 => exchange
-            .products(x.as_chunks::<2>().0, weight)
-            .as_flattened()
-            .to_vec(),
-        4 => exchange
-            .products(x.as_chunks::<4>().0, weight)
-            .as_flattened()
-            .to_vec(),
-        8 => exchange
-            .products(x.as_chunks::<8>().0, weight)
-            .as_flattened()
-            .to_vec(),
+        1 => flat_products::<1>(exchange, x, weight),
+        2 => flat_products::<2>(exchange, x, weight),
+        4 => flat_products::<4>(exchange, x, weight),
+        8 => flat_products::<8>(exchange, x, weight),
         _ => {
-            let mut found = vec![0.0; x.len()];
+            let mut products = vec![0.0; x.len()];
             for lane in 0..lanes {
                 let own: Vec<[f64; 1]> = x.iter().skip(lane).step_by(lanes).map(|&x| [x]).collect();
                 let product = exchange.products(&own, &weight);
-                let places = found.iter_mut().skip(lane).step_by(lanes);
+                let places = products.iter_mut().skip(lane).step_by(lanes);
                 places.zip(product).for_each(|(to, [value])| *to = value);
             }
-            found
+            products
         }
     }
 }
 
-/// Rows that exchange light with each other, directly or by way of others.
-pub(super) struct ConnectedRows(Vec<u32>);
-
-impl ConnectedRows {
-    /// So many rows that see nothing.
-    fn new(rows: usize) -> ConnectedRows {
-        ConnectedRows((0..rows as u32).collect())
-    }
-
-    /// Two rows that exchange light.
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.first(a), self.first(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-
-    /// The first row of those that are connected with this one.
-    fn first(&mut self, row: usize) -> u32 {
-        let mut i = row as u32;
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// For each row the first of those that are connected with it.
-    fn firsts(mut self) -> Vec<u32> {
-        (0..self.0.len()).map(|row| self.first(row)).collect()
-    }
+/// The products of `L` vectors whose numbers of one row stand side by side.
+fn flat_products<const L: usize>(
+    exchange: &ExchangeAreas,
+    x: &[f64],
+    weight: impl Fn(&Exchange) -> f64 + Sync,
+) -> Vec<f64> {
+    exchange
+        .products(x.as_chunks::<L>().0, weight)
+        .into_flattened()
 }
 
 /// How far an operator is off another. Vectors have the norm ‖x‖² = Σ A_i x_i², the energy of a
@@ -255,26 +225,26 @@ pub struct OperatorError {
 const STEPS: usize = 20;
 
 impl OperatorError {
-    /// The error of `found` against `exact`, by `probes` ≥ 1 random vectors.
+    /// The error of `approximate` against `exact`, by `probes` ≥ 1 random vectors.
     ///
     /// # Panics
     /// If the two have different numbers of rows.
     pub fn of(
-        found: &dyn FactorOperator,
+        approximate: &dyn FactorOperator,
         exact: &dyn FactorOperator,
         probes: u32,
         seed: u32,
     ) -> OperatorError {
         let areas = exact.row_areas();
         let probe = |k: u32| probe_vector(areas.len(), seed, k);
-        let difference = |x: &[f64]| minus(&found.apply(x), &exact.apply(x));
+        let difference = |x: &[f64]| minus(&approximate.apply(x), &exact.apply(x));
         let mut product = 0.0;
         for k in 0..probes {
             let x = probe(k);
             let whole = norm(&exact.apply(&x), areas);
             product += (ratio(norm(&difference(&x), areas), whole)).powi(2);
         }
-        let off = minus(&found.sums(), &exact.sums());
+        let off = minus(&approximate.sums(), &exact.sums());
         let squares: f64 = off.iter().map(|s| s * s).sum();
         let start = minus(&probe(probes), &vec![0.5; areas.len()]);
         OperatorError {
@@ -297,19 +267,18 @@ pub(super) fn probe_vector(rows: usize, seed: u32, k: u32) -> Vec<f64> {
 
 /// The largest ‖M x‖ / ‖x‖, by power iteration from x.
 fn largest(times: &dyn Fn(&[f64]) -> Vec<f64>, mut x: Vec<f64>, areas: &[f64]) -> f64 {
-    let mut found = 0.0;
+    let mut gain = 0.0;
     for _ in 0..STEPS {
         let length = norm(&x, areas);
-        let next = times(&x);
-        found = ratio(norm(&next, areas), length);
-        x = next;
-        let length = norm(&x, areas);
-        if length == 0.0 {
+        x = times(&x);
+        let next = norm(&x, areas);
+        gain = ratio(next, length);
+        if next == 0.0 {
             return 0.0;
         }
-        x.iter_mut().for_each(|x| *x /= length);
+        x.iter_mut().for_each(|x| *x /= next);
     }
-    found
+    gain
 }
 
 /// Residual, relative to the right side, at which iterations end where no smaller one is possible.
@@ -334,17 +303,11 @@ pub fn radiosities(
     (tolerance, most): (f64, usize),
     progress: &Progress,
 ) -> Result<(Vec<f64>, usize), Cancelled> {
-    let areas: Vec<f64> = factors
-        .row_areas()
-        .iter()
-        .map(|&a| if a > 0.0 { a } else { 1.0 })
-        .collect();
+    let areas = factors.row_areas().iter();
+    let areas: Vec<f64> = areas.map(|&a| if a > 0.0 { a } else { 1.0 }).collect();
     let roots: Vec<f64> = reflectances.iter().map(|r| r.sqrt()).collect();
-    assert_eq!(
-        (exitance.len(), roots.len()),
-        (areas.len(), areas.len()),
-        "one number for each row"
-    );
+    let lengths = [exitance.len(), roots.len()];
+    assert_eq!(lengths, [areas.len(); 2], "one number for each row");
     let times = |x: &[f64]| {
         let own = x.iter().zip(&areas).map(|(x, a)| x * a);
         let reflected = scaled(&factors.exchanged(&scaled(x, &roots)), &roots);
@@ -352,6 +315,7 @@ pub fn radiosities(
             .map(|(own, s)| own - s)
             .collect::<Vec<f64>>()
     };
+    // Conjugate gradients, from y = 0.
     let mut rest = scaled(&factors.exchanged(exitance), &roots);
     let end = tolerance.max(ROUNDING) * dot(&rest, &rest).sqrt();
     let mut y = vec![0.0; areas.len()];
@@ -373,8 +337,8 @@ pub fn radiosities(
         power = grown;
         iterations += 1;
     }
-    let found = exitance.iter().zip(scaled(&y, &roots));
-    Ok((found.map(|(m, y)| m + y).collect(), iterations))
+    let reflected = exitance.iter().zip(scaled(&y, &roots));
+    Ok((reflected.map(|(m, y)| m + y).collect(), iterations))
 }
 
 /// x / areas; 0 where there is no area.
@@ -383,7 +347,7 @@ fn over(x: &[f64], areas: &[f64]) -> Vec<f64> {
 }
 
 /// a / b; 0 unless b is positive.
-fn ratio(a: f64, b: f64) -> f64 {
+pub(super) fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }
 
@@ -397,11 +361,8 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 fn norm(x: &[f64], areas: &[f64]) -> f64 {
-    x.iter()
-        .zip(areas)
-        .map(|(x, a)| a * x * x)
-        .sum::<f64>()
-        .sqrt()
+    let squares = x.iter().zip(areas).map(|(x, a)| a * x * x);
+    squares.sum::<f64>().sqrt()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -418,7 +379,21 @@ impl FactorOperator for CompressedFactors {
     }
 
     fn exchanged_lanes(&self, x: &[f64], lanes: usize) -> Vec<f64> {
-        self.times(x, lanes)
+        assert_eq!(x.len(), lanes * self.len(), "lanes for each row");
+        // By position, one vector after the other, as blocks want them.
+        let lane = |lane: usize| {
+            let order = self.order.iter();
+            order.map(move |&row| x[lanes * row as usize + lane])
+        };
+        let by_position: Vec<f64> = (0..lanes).flat_map(lane).collect();
+        let products = blocks::product(&self.parts, &by_position, lanes);
+        let mut by_row = vec![0.0; x.len()];
+        for (lane, product) in products.chunks_exact(self.len().max(1)).enumerate() {
+            for (&row, value) in self.order.iter().zip(product) {
+                by_row[lanes * row as usize + lane] = *value;
+            }
+        }
+        by_row
     }
 
     /// Of hits of rays, each 1/N of a row, X_ij has the variance X_ij / N; S_ij, for which the rays of
@@ -432,7 +407,10 @@ impl FactorOperator for CompressedFactors {
             rows.flat_map(|(x, a)| x.iter().map(move |x| a * x))
                 .collect()
         };
-        let (before, after) = (self.times(&weigh(x), lanes), weigh(&self.times(x, lanes)));
+        let (before, after) = (
+            self.exchanged_lanes(&weigh(x), lanes),
+            weigh(&self.exchanged_lanes(x, lanes)),
+        );
         before.iter().zip(after).map(|(a, b)| a + b).collect()
     }
 
@@ -450,7 +428,7 @@ impl FactorOperator for CompressedFactors {
     }
 
     fn bytes(&self) -> usize {
-        self.matrix_bytes()
+        4 * self.order.len() + self.parts.iter().map(BlockPart::bytes).sum::<usize>()
     }
 
     fn own(&self) -> Vec<f64> {
@@ -462,12 +440,10 @@ impl FactorOperator for CompressedFactors {
     }
 
     fn connected(&self) -> Vec<u32> {
-        let mut rows = ConnectedRows::new(self.len());
+        let mut rows = DisjointSets::new(self.len());
         for part in &self.parts {
-            part.for_each_link(&mut |p, q| {
-                rows.join(self.order[p] as usize, self.order[q] as usize);
-            });
+            part.for_each_link(&mut |p, q| rows.join(self.order[p], self.order[q]));
         }
-        rows.firsts()
+        rows.into_smallest()
     }
 }

@@ -3,11 +3,10 @@
 use super::stated::StatedErrors;
 use super::{CompressedFactors, CompressionError, CompressionOptions, from_rays};
 use crate::engine::Engine;
-use crate::error::FactorsError;
 use crate::form_factors::{ExchangeAreas, FormFactors, PreparedPlan};
 use azulejo_trace::Progress;
 
-/// Bytes per pair that compression takes beside the matrix.
+/// Bytes per pair that compression takes besides the matrix.
 const PAIR_BYTES: u64 = 12;
 
 /// Compressed factors with their rows and their errors.
@@ -32,7 +31,7 @@ impl StatedFactors {
     /// name, rays do it, and a note says so. The same bits for any number of threads.
     ///
     /// # Errors
-    /// [`CompressionError`]; [`FactorsError::TooLarge`] if neither fits in the memory.
+    /// [`CompressionError`]; [`FactorsError::TooLarge`](crate::FactorsError::TooLarge) if neither fits in the memory.
     pub fn of(
         plan: &PreparedPlan,
         options: &CompressionOptions,
@@ -42,23 +41,16 @@ impl StatedFactors {
         if *plan.engine() == Engine::Rays {
             return StatedFactors::by_rays(plan, options, progress);
         }
-        let forecast = plan.forecast(progress).map_err(CompressionError::Factors)?;
+        let forecast = plan.forecast(progress)?;
         let needed = forecast.bytes + PAIR_BYTES * forecast.pairs;
-        if needed <= plan.memory() {
-            return StatedFactors::whole(plan, options, progress);
+        if needed > plan.memory() && !plan.has_engine_by_name() {
+            let mut stated = StatedFactors::by_rays(plan, options, progress)?;
+            let note = "the whole matrix, which formulas need, would take more than the memory";
+            stated.rows.engine_used.notes.push(note.to_owned());
+            return Ok(stated);
         }
-        if plan.has_engine_by_name() {
-            return Err(CompressionError::Factors(FactorsError::TooLarge {
-                rows: forecast.rows,
-                bytes: needed,
-                memory: plan.memory(),
-            }));
-        }
-        let mut found = StatedFactors::by_rays(plan, options, progress)?;
-        let note =
-            "the whole matrix, which formulas need, would take more than the memory".to_owned();
-        found.rows.engine_used.notes.push(note);
-        Ok(found)
+        plan.refuse_above_memory(needed)?;
+        StatedFactors::whole(plan, options, progress)
     }
 
     fn whole(
@@ -66,8 +58,7 @@ impl StatedFactors {
         options: &CompressionOptions,
         progress: &Progress,
     ) -> Result<StatedFactors, CompressionError> {
-        let computed = plan.compute(progress);
-        let mut rows = computed.map_err(CompressionError::Factors)?;
+        let mut rows = plan.compute(progress)?;
         let factors = CompressedFactors::new(&rows, &plan.places(), options, progress)?;
         let stated = StatedErrors::against(&factors, &rows);
         let whole_bytes = rows.exchange.bytes() as u64;
@@ -85,15 +76,8 @@ impl StatedFactors {
         options: &CompressionOptions,
         progress: &Progress,
     ) -> Result<StatedFactors, CompressionError> {
-        let needed = from_rays::forecast_bytes(plan);
-        if needed > plan.memory() {
-            return Err(CompressionError::Factors(FactorsError::TooLarge {
-                rows: plan.rows(),
-                bytes: needed,
-                memory: plan.memory(),
-            }));
-        }
-        let whole = plan.forecast(progress).map_err(CompressionError::Factors)?;
+        plan.refuse_above_memory(from_rays::forecast_bytes(plan))?;
+        let whole = plan.forecast(progress)?;
         let factors = CompressedFactors::from_rays(plan, options, progress)?;
         Ok(StatedFactors {
             rows: factors.rows_alone(plan),

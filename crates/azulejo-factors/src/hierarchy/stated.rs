@@ -44,8 +44,8 @@ impl StatedErrors {
     ///
     /// # Panics
     /// If the two have different numbers of rows.
-    pub fn against(found: &CompressedFactors, exact: &dyn FactorOperator) -> StatedErrors {
-        let error = OperatorError::of(found, exact, PROBES, 0);
+    pub fn against(compressed: &CompressedFactors, exact: &dyn FactorOperator) -> StatedErrors {
+        let error = OperatorError::of(compressed, exact, PROBES, 0);
         let known = |value: f64| Estimated { value, error: 0.0 };
         StatedErrors {
             product: known(error.product),
@@ -67,44 +67,44 @@ impl StatedErrors {
     /// # Panics
     /// If the plan has other rows.
     pub fn by_rays(
-        found: &CompressedFactors,
+        factors: &CompressedFactors,
         plan: &PreparedPlan,
         progress: &Progress,
     ) -> Result<StatedErrors, Cancelled> {
-        let n = found.len();
+        let n = factors.len();
         assert_eq!(n, plan.rows(), "the rows of the plan");
         let stream = plan.row_stream(plan.requested_rays(), STREAM);
         let mut vectors: Vec<Vec<f64>> = (0..PROBES).map(|k| probe_vector(n, 0, k)).collect();
         vectors.push(vec![1.0; n]);
-        let products: Vec<Vec<f64>> = vectors.iter().map(|x| found.apply(x)).collect();
+        let products: Vec<Vec<f64>> = vectors.iter().map(|x| factors.apply(x)).collect();
         let count = ROWS.min(n);
-        let rows: Vec<u32> = (0..count).map(|k| found.order[k * n / count]).collect();
-        let (mut of_products, mut of_sums) = (Vec::new(), Vec::new());
+        let rows: Vec<u32> = (0..count).map(|k| factors.order[k * n / count]).collect();
+        let (mut product_squares, mut sum_squares) = (Vec::new(), Vec::new());
         progress.begin("stated errors", count as u64);
         for rows in rows.chunks(BLOCK) {
             let again = stream.products(rows, &vectors, progress)?;
             for (&row, again) in rows.iter().zip(again) {
-                let (row, area) = (row as usize, found.areas[row as usize]);
+                let (row, area) = (row as usize, factors.areas[row as usize]);
                 let square = |k: usize| squared_error(products[k][row], again[k]);
                 let probes = 0..PROBES as usize;
                 let off: f64 = probes.clone().map(square).sum();
-                let all: f64 = probes.map(|k| products[k][row].powi(2)).sum();
-                of_products.push([area * off, area * all]);
-                of_sums.push([square(PROBES as usize), 1.0]);
+                let whole: f64 = probes.map(|k| products[k][row].powi(2)).sum();
+                product_squares.push([area * off, area * whole]);
+                sum_squares.push([square(PROBES as usize), 1.0]);
             }
         }
         Ok(StatedErrors {
-            product: root_of_ratio(&of_products),
-            sums: root_of_ratio(&of_sums),
+            product: root_of_ratio(&product_squares),
+            sums: root_of_ratio(&sum_squares),
             rows: count as u64,
         })
     }
 }
 
-/// An unbiased estimate of the square of the error of `found`: the mean of (f − y_a) (f − y_b) over pairs
+/// An unbiased estimate of the square of the error of a `product`: the mean of (f − y_a) (f − y_b) over pairs
 /// of replicates.
-fn squared_error(found: f64, replicates: [f64; REPLICATES]) -> f64 {
-    let off = replicates.map(|y| found - y);
+fn squared_error(product: f64, replicates: [f64; REPLICATES]) -> f64 {
+    let off = replicates.map(|y| product - y);
     let sum: f64 = off.iter().sum();
     let squares: f64 = off.iter().map(|d| d * d).sum();
     (sum * sum - squares) / (REPLICATES * (REPLICATES - 1)) as f64
@@ -149,8 +149,8 @@ mod tests {
 
     #[test]
     fn errors_below_nothing_are_none() {
-        let found = root_of_ratio(&[[-1.0, 4.0], [0.5, 4.0]]);
-        assert!(found.value == 0.0 && found.error > 0.0, "{found:?}");
+        let root = root_of_ratio(&[[-1.0, 4.0], [0.5, 4.0]]);
+        assert!(root.value == 0.0 && root.error > 0.0, "{root:?}");
         assert_eq!(root_of_ratio(&[]), Estimated::default());
     }
 }

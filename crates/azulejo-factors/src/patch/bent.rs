@@ -1,5 +1,5 @@
 //! Faces that count as flat, but are not so to the last digit: numbers of a file were rounded. The tracer
-//! sees their triangles, which lie up to 1e-5 of their diameter in front of their planes or behind them. Rays
+//! sees their triangles, which lie up to 1e-5 of their diameter in front of or behind their planes. Rays
 //! that start on the plane would end on the backs of these triangles.
 
 use super::outline::{Form, Outline, Region};
@@ -15,9 +15,10 @@ const UNSEEN: f64 = 1e-7;
 
 /// Finds those of a scene.
 pub(super) fn bent_regions(outline: &Outline) -> BentRegions {
-    let of_several_triangles = |r: &&(u32, &Region)| matches!(r.1.form, Form::Quad | Form::Polygon);
+    let has_several_triangles =
+        |r: &&(u32, &Region)| matches!(r.1.form, Form::Quad | Form::Polygon);
     let regions = (0..).zip(&outline.regions);
-    let regions = regions.filter(|r| of_several_triangles(&r) && is_bent(outline, r.1));
+    let regions = regions.filter(|r| has_several_triangles(&r) && is_bent(outline, r.1));
     regions
         .map(|(k, region)| (k, triangles(outline, region)))
         .collect()

@@ -25,6 +25,7 @@ const UNSEEN: u32 = u32::MAX;
 
 /// Builds the patches of a division.
 pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) -> Patches {
+    // Vertices and patches, object by object, and the patches around each vertex.
     let mut builder = PatchBuilder::new(outline, contacts, &division);
     builder.add_objects();
     let PatchBuilder {
@@ -64,6 +65,7 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
         around,
         locator,
     };
+    // What depends on the finished patches.
     patches.areas = (0..patches.len()).map(|i| area(&patches, i)).collect();
     pull_inward(&mut patches);
     if let Some(shares) = mean_opacities(outline.scene, &patches) {
@@ -162,13 +164,8 @@ impl<'a> PatchBuilder<'a> {
             _ => self.flat_vertices(region, cells),
         };
         cells.for_each(|ring| {
-            self.corners.push(ring.map(|k| {
-                if k == NO_CORNER {
-                    NO_CORNER
-                } else {
-                    local[k as usize]
-                }
-            }));
+            let vertex = |k: u32| local.get(k as usize).copied().unwrap_or(NO_CORNER);
+            self.corners.push(ring.map(vertex));
             self.owner.push(r);
         });
         self.note_contacts(r, cells, &local);
@@ -188,10 +185,8 @@ impl<'a> PatchBuilder<'a> {
             return;
         }
         let (slots, edge_points) = (self.outline.slots_of(region), &self.division.edge_points);
-        let mut sides: Vec<Vec<u32>> = slots
-            .iter()
-            .map(|s| vec![UNSEEN; edge_points.pieces[s.edge as usize] as usize])
-            .collect();
+        let pieces = slots.iter().map(|s| edge_points.pieces[s.edge as usize]);
+        let mut sides: Vec<Vec<u32>> = pieces.map(|n| vec![UNSEEN; n as usize]).collect();
         let mut next = local.iter();
         cells.for_each_point(|place| {
             if let (CornerOrigin::Side { side, step }, Some(&v)) = (place, next.next()) {
@@ -260,11 +255,9 @@ impl<'a> PatchBuilder<'a> {
                 CornerOrigin::Side { side, step: 0 } => self.corner_vertex(region, first, side),
                 CornerOrigin::Side { side, step } => self.seam_vertex(region, first, side, step),
                 CornerOrigin::Inside => {
-                    let position = weights
-                        .iter()
-                        .map(|&(k, w)| slots[k as usize].position * w)
-                        .sum();
-                    let normal: DVec3 = weights.iter().map(|&(k, w)| normals[k as usize] * w).sum();
+                    let weights = weights.iter().map(|&(k, w)| (k as usize, w));
+                    let position = weights.clone().map(|(k, w)| slots[k].position * w).sum();
+                    let normal: DVec3 = weights.map(|(k, w)| normals[k] * w).sum();
                     self.push_vertex(region.object, position, unit_or(normal, region.normal))
                 }
             };
@@ -371,10 +364,7 @@ fn unit_or(v: DVec3, other: DVec3) -> DVec3 {
 fn corner_angle(outline: &Outline, region: &Region, slot: u32) -> f64 {
     let slots = outline.slots_of(region);
     let (n, k) = (slots.len(), (slot - region.slots.start) as usize);
-    let (next, before) = (
-        slots[(k + 1) % n].position - slots[k].position,
-        slots[(k + n - 1) % n].position - slots[k].position,
-    );
+    let [next, before] = [1, n - 1].map(|step| slots[(k + step) % n].position - slots[k].position);
     let (sine, cosine) = (next.cross(before).dot(region.normal), next.dot(before));
     // Beyond π at the reflex corner of a concave outline.
     sine.atan2(cosine).rem_euclid(std::f64::consts::TAU)
@@ -430,27 +420,23 @@ fn given_vertices(
             shown.push((vertex, GivenVertex { display, weight }));
         }
     };
-    let of_object = |(object, o): (usize, &azulejo_scene::Object)| {
+    let object_vertices = |(object, o): (usize, &azulejo_scene::Object)| {
         let Some(mesh) = o.shape.mesh() else {
             return Lists::default();
         };
         let regions = outline.face_regions[outline.face_base[object] as usize] as usize
             ..outline.face_regions[outline.face_base[object + 1] as usize] as usize;
-        let mut all = Vec::new();
-        outline.regions[regions]
+        let mut vertices = Vec::new();
+        let slots = outline.regions[regions]
             .iter()
-            .flat_map(|r| r.slots.clone())
+            .flat_map(|r| r.slots.clone());
+        slots
             .filter(|&s| outline.slots[s as usize].corner_group == s)
-            .for_each(|s| shown(s, &mut all));
-        Lists::new(mesh.positions.len(), all.iter().copied())
+            .for_each(|s| shown(s, &mut vertices));
+        Lists::new(mesh.positions.len(), vertices.iter().copied())
     };
-    outline
-        .scene
-        .objects
-        .iter()
-        .enumerate()
-        .map(of_object)
-        .collect()
+    let objects = outline.scene.objects.iter().enumerate();
+    objects.map(object_vertices).collect()
 }
 
 fn area(patches: &Patches, i: usize) -> f64 {

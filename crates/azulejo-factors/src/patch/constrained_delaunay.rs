@@ -110,10 +110,7 @@ fn is_free(mesh: &Delaunay, centre: Point2<f64>, from: Point2<f64>, radius: f64)
         let around = [e, e.rev().next(), e.rev().prev()];
         around.into_iter().any(|e| {
             let [a, b] = e.positions();
-            let (p, q) = (
-                (a.x - centre.x, a.y - centre.y),
-                (b.x - centre.x, b.y - centre.y),
-            );
+            let [p, q] = [a, b].map(|end| (end.x - centre.x, end.y - centre.y));
             e.is_constraint_edge() && p.0 * q.0 + p.1 * q.1 <= 0.0
         })
     });

@@ -110,12 +110,12 @@ fn shown_at(patches: &Patches, p: DVec3) -> Vec<u32> {
 
 fn room_with(blocks: Vec<Mesh>) -> Scene {
     let ground = floor(DVec2::splat(-2.0), DVec2::splat(2.0));
-    let all = [ground]
+    let shapes = [ground]
         .into_iter()
         .chain(blocks)
         .map(Shape::Mesh)
         .collect();
-    scene(all)
+    scene(shapes)
 }
 
 #[test]
@@ -279,13 +279,13 @@ fn tessellated_floors_are_cut_across_their_seams() {
             p[0].abs().max(p[1].abs()) < 2.0 - 1e-9 && p[3].abs().max(p[4].abs()) < 2.0 - 1e-9
         });
         // The bottom of the block lies in the same plane and has other edges.
-        let of_block = |e: &[u64; 6]| {
+        let is_of_block = |e: &[u64; 6]| {
             let p = e.map(f64::from_bits);
             let middle = DVec3::new(p[0] + p[3], p[1] + p[4], 0.0) / 2.0;
             is_below(middle, extent, 0.25, at, 1e-9) != Some(false)
         };
         assert_eq!(
-            inside.filter(|(edge, _)| !of_block(edge)).count(),
+            inside.filter(|(edge, _)| !is_of_block(edge)).count(),
             0,
             "at {size}"
         );
@@ -342,13 +342,13 @@ fn exact_shapes_stand_on_floors() {
 fn coincident_faces_share_their_contacts() {
     let (extent, at) = (DVec3::new(1.0, 0.7, 0.5), DVec3::new(-0.3, -0.4, 0.0));
     let below = || floor(DVec2::splat(-2.0), DVec2::splat(2.0));
-    let mut all = vec![below(), below(), block(extent, 0.3, at)];
-    // Among so many a limit of the pairs would leave out the block, and the time would be minutes.
+    let mut meshes = vec![below(), below(), block(extent, 0.3, at)];
+    // Among this many a limit of the pairs would leave out the block, and the time would be minutes.
     let mut many = floor(DVec2::splat(5.0), DVec2::splat(6.0));
     let ring = many.faces.get(0).to_vec();
     (0..200_000).for_each(|_| many.push_face(&ring, 0));
-    all.push(many);
-    let scene = scene(all.into_iter().map(Shape::Mesh).collect());
+    meshes.push(many);
+    let scene = scene(meshes.into_iter().map(Shape::Mesh).collect());
     let outline = Outline::new(&scene);
     let contacts = Contacts::new(&outline);
     assert!(contacts.of(0).len() >= 4);

@@ -7,12 +7,13 @@
 //! 1992). Only contacts are detected, not the borders of shadows.
 
 use super::Lists;
-use super::box_pairs::{Bounds, for_each_pair};
+use super::box_pairs::{for_each_pair, grown};
 use super::outline::{Form, Outline, Region};
-use azulejo_scene::math::area_vector;
+use azulejo_scene::math::{Aabb, area_vector};
 use azulejo_scene::{CoordinateDigits, CoordinateRounding, Primitive, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use std::collections::HashMap;
 
 /// Tolerance of contacts, as a share of both diameters and of the coordinates.
@@ -71,31 +72,25 @@ impl Contacts {
         let facets = ContactFacets::new(outline);
         let groups = facets.coincident();
         let firsts: Vec<u32> = groups.chunk_by(|a, b| a.0 == b.0).map(|g| g[0].1).collect();
-        let boxes: Vec<Bounds> = (firsts.iter()).map(|&f| facets.boxes[f as usize]).collect();
-        let mut found = for_each_pair(&boxes, |pair, boxes, found| {
-            facets.meet(pair.map(|k| firsts[k as usize]), boxes, found);
+        let boxes: Vec<Aabb> = (firsts.iter()).map(|&f| facets.boxes[f as usize]).collect();
+        let mut contacts = for_each_pair(&boxes, |pair, contacts| {
+            facets.meet(pair.map(|k| firsts[k as usize]), contacts);
         });
-        facets.copy_to_coincident(&groups, &mut found);
-        found.extend(seams_below_walls(outline));
+        facets.copy_to_coincident(&groups, &mut contacts);
+        contacts.extend(seams_below_walls(outline));
         let key = |c: &(u32, Contact)| (c.0, c.1.ends.map(|p| p.to_array()), c.1.inside);
-        found.par_sort_unstable_by(|a, b| {
-            key(a)
-                .partial_cmp(&key(b))
-                .unwrap_or(std::cmp::Ordering::Equal)
+        contacts
+            .par_sort_unstable_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
+        contacts.dedup();
+        // A stable sort, so that equal lengths keep the order of their ends.
+        contacts.sort_by(|a, b| {
+            let lengths = b.1.length().total_cmp(&a.1.length());
+            a.0.cmp(&b.0).then(lengths)
         });
-        found.dedup();
-        let kept: Vec<(u32, Contact)> = found
-            .chunk_by(|a, b| a.0 == b.0)
-            .flat_map(|of_one| {
-                let mut of_one = of_one.to_vec();
-                // A stable sort, so that equal lengths keep the order of their ends.
-                of_one.sort_by(|a, b| b.1.length().total_cmp(&a.1.length()));
-                of_one.truncate(LINES_PER_FACE);
-                of_one
-            })
-            .collect();
+        let longest = contacts.chunk_by(|a, b| a.0 == b.0);
+        let longest = longest.flat_map(|region| region.iter().take(LINES_PER_FACE).copied());
         Contacts {
-            lists: Lists::new(outline.regions.len(), kept.iter().copied()),
+            lists: Lists::new(outline.regions.len(), longest),
         }
     }
 
@@ -112,9 +107,8 @@ impl Contacts {
     /// Total length of the lines through a region, and the diameter of their bounding box.
     pub fn extent(&self, region: usize) -> (f64, f64) {
         let inside = || self.of(region).iter().filter(|c| c.inside);
-        let all = Bounds::around(inside().flat_map(|c| c.ends));
-        let length: f64 = inside().map(Contact::length).sum();
-        (length, (all.high - all.low).length().max(0.0))
+        let bounds = Aabb::around(inside().flat_map(|c| c.ends));
+        (inside().map(Contact::length).sum(), bounds.diagonal())
     }
 }
 
@@ -128,7 +122,9 @@ struct ContactFacets<'a> {
     /// The first edges of each region; the last one repeated where there are three.
     edges: Vec<[u32; 4]>,
     /// Enlarged by the tolerance.
-    boxes: Vec<Bounds>,
+    boxes: Vec<Aabb>,
+    /// The tolerance of each.
+    margins: Vec<f64>,
 }
 
 impl<'a> ContactFacets<'a> {
@@ -141,6 +137,7 @@ impl<'a> ContactFacets<'a> {
             exact: Vec::new(),
             edges: Vec::new(),
             boxes: Vec::new(),
+            margins: Vec::new(),
         };
         for object in &outline.scene.objects {
             if let Shape::Primitive(primitive) = &object.shape {
@@ -153,21 +150,19 @@ impl<'a> ContactFacets<'a> {
         };
         facets.edges = facets.regions.par_iter().map(first_edges).collect();
         let count = (facets.regions.len() + facets.exact.len()) as u32;
-        let roundings = outline
-            .scene
-            .objects
-            .iter()
-            .map(|o| o.shape.coordinate_rounding());
+        let objects = outline.scene.objects.iter();
+        let roundings = objects.map(|o| o.shape.coordinate_rounding());
         let roundings: Vec<CoordinateRounding> = roundings.collect();
-        let grown = |f| {
-            let b = Bounds::around((0..facets.count(f)).map(|k| facets.point(f, k)));
-            let reach = b.low.abs().max(b.high.abs()).max_element();
-            let diameter = b.low.distance(b.high);
+        let margined = |f| {
+            let b = Aabb::around((0..facets.count(f)).map(|k| facets.point(f, k)));
+            let reach = b.min.abs().max(b.max.abs()).max_element();
+            let diameter = b.min.distance(b.max);
             let object = facets.region(f).map(|region| region.object as usize);
             let rounding = object.map_or(0.0, |o| touching(&roundings[o], diameter));
-            b.grown((TOUCH * diameter + TOUCH_COORDINATES * reach).max(rounding))
+            let margin = (TOUCH * diameter + TOUCH_COORDINATES * reach).max(rounding);
+            (grown(b, margin), margin)
         };
-        facets.boxes = (0..count).into_par_iter().map(grown).collect();
+        (facets.boxes, facets.margins) = (0..count).into_par_iter().map(margined).unzip();
         facets
     }
 
@@ -197,17 +192,17 @@ impl<'a> ContactFacets<'a> {
             (self.count(f) <= 4).then_some(edges)
         };
         let mut first = HashMap::new();
-        let of_facet = |f: u32| match key(f) {
+        let group = |f: u32| match key(f) {
             Some(key) => (*first.entry(key).or_insert(f), f),
             None => (f, f),
         };
-        let mut groups: Vec<(u32, u32)> = (0..self.boxes.len() as u32).map(of_facet).collect();
+        let mut groups: Vec<(u32, u32)> = (0..self.boxes.len() as u32).map(group).collect();
         groups.sort_unstable();
         groups
     }
 
     /// Gives every facet the contacts of the first that coincides with it.
-    fn copy_to_coincident(&self, groups: &[(u32, u32)], found: &mut Vec<(u32, Contact)>) {
+    fn copy_to_coincident(&self, groups: &[(u32, u32)], contacts: &mut Vec<(u32, Contact)>) {
         let region = |f: u32| self.regions.get(f as usize).copied();
         let mut others: HashMap<u32, Vec<u32>> = HashMap::new();
         for &(first, facet) in groups.iter().filter(|g| g.0 != g.1) {
@@ -219,8 +214,8 @@ impl<'a> ContactFacets<'a> {
             let others = others.get(&first).map_or(&[][..], |o| o);
             others.iter().map(move |&o| (o, contact))
         };
-        let copied: Vec<(u32, Contact)> = found.iter().flat_map(copies).take(MOST_COPIED).collect();
-        found.extend(copied);
+        let copied = contacts.iter().flat_map(copies).take(MOST_COPIED);
+        contacts.extend(copied.collect::<Vec<_>>());
     }
 
     fn region(&self, facet: u32) -> Option<&Region> {
@@ -251,20 +246,22 @@ impl<'a> ContactFacets<'a> {
     }
 
     /// Appends the lines that two facets make on each other.
-    fn meet(&self, [a, b]: [u32; 2], [p, q]: [&Bounds; 2], found: &mut Vec<(u32, Contact)>) {
-        let tolerance = p.margin + q.margin;
+    fn meet(&self, [a, b]: [u32; 2], contacts: &mut Vec<(u32, Contact)>) {
+        let [p, q] = [a, b].map(|f| &self.boxes[f as usize]);
+        let tolerance = self.margins[a as usize] + self.margins[b as usize];
+        let common = (p.max.min(q.max) - p.min.max(q.min)).max_element();
         // Neighbours that share a corner or an edge are the most frequent.
-        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) || self.are_one_face(a, b) {
+        if common <= 4.0 * tolerance || self.share_an_edge(a, b) || self.are_one_face(a, b) {
             return;
         }
-        let of_b = Reach::new(self, &FacetPlane::new(self, a), b, tolerance);
-        if !of_b.meets() {
+        let b_reach = Reach::new(self, &FacetPlane::new(self, a), b, tolerance);
+        if !b_reach.meets() {
             return;
         }
-        let of_a = Reach::new(self, &FacetPlane::new(self, b), a, tolerance);
-        if of_a.meets() {
-            self.lines_on(a, b, of_b.lies_in(), tolerance, found);
-            self.lines_on(b, a, of_a.lies_in(), tolerance, found);
+        let a_reach = Reach::new(self, &FacetPlane::new(self, b), a, tolerance);
+        if a_reach.meets() {
+            self.lines_on([a, b], b_reach.lies_in(), tolerance, contacts);
+            self.lines_on([b, a], a_reach.lies_in(), tolerance, contacts);
         }
     }
 
@@ -280,8 +277,8 @@ impl<'a> ContactFacets<'a> {
         let (Some(p), Some(q)) = (self.edges.get(a as usize), self.edges.get(b as usize)) else {
             return false;
         };
-        let found = p.iter().any(|e| q.contains(e));
-        found || self.count(a).max(self.count(b)) > 4 && self.polygons_share_an_edge(a, b)
+        let is_shared = p.iter().any(|e| q.contains(e));
+        is_shared || self.count(a).max(self.count(b)) > 4 && self.polygons_share_an_edge(a, b)
     }
 
     fn polygons_share_an_edge(&self, a: u32, b: u32) -> bool {
@@ -296,11 +293,10 @@ impl<'a> ContactFacets<'a> {
     /// Appends the lines that `b` makes on `a`, if `a` is a region.
     fn lines_on(
         &self,
-        a: u32,
-        b: u32,
+        [a, b]: [u32; 2],
         in_plane: bool,
         tolerance: f64,
-        found: &mut Vec<(u32, Contact)>,
+        contacts: &mut Vec<(u32, Contact)>,
     ) {
         let Some(region) = self.region(a) else { return };
         let lines = self.lines_in_plane(a, b, in_plane, tolerance);
@@ -314,7 +310,7 @@ impl<'a> ContactFacets<'a> {
                 if inside || stands {
                     let is_ascending = p.to_array() < q.to_array();
                     let ends = if is_ascending { [p, q] } else { [q, p] };
-                    found.push((self.regions[a as usize], Contact { ends, inside }));
+                    contacts.push((self.regions[a as usize], Contact { ends, inside }));
                 }
             });
         }
@@ -334,9 +330,7 @@ impl<'a> ContactFacets<'a> {
             Some(other) => (self.outline.triangles_of(other).iter())
                 .filter_map(|t| plane.cut(t.map(|k| self.point(b, k)), tolerance))
                 .collect(),
-            None => (plane.cut(*self.triangle(b), tolerance))
-                .into_iter()
-                .collect(),
+            None => Vec::from_iter(plane.cut(*self.triangle(b), tolerance)),
         }
     }
 }
@@ -553,7 +547,7 @@ fn seams_below_walls(outline: &Outline) -> Vec<(u32, Contact)> {
         .filter(|&(edge, _)| uses[edge as usize] > 2)
         .collect();
     crowded.sort_unstable();
-    let mut found = Vec::new();
+    let mut contacts = Vec::new();
     for at_edge in crowded.chunk_by(|a, b| a.0 == b.0) {
         let edge = outline.edges[at_edge[0].0 as usize];
         let normal = |r: u32| outline.regions[r as usize].normal;
@@ -564,9 +558,9 @@ fn seams_below_walls(outline: &Outline) -> Vec<(u32, Contact)> {
             if others.iter().any(|o| stands(o.1)) {
                 let ends = [edge.from, edge.to];
                 let inside = false;
-                found.push((r, Contact { ends, inside }));
+                contacts.push((r, Contact { ends, inside }));
             }
         }
     }
-    found
+    contacts
 }

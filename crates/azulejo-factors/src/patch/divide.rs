@@ -47,7 +47,7 @@ impl Division {
             }
             PatchSize::Count(count) => {
                 let target = PatchTarget::new(plan, count.clamp(1, MAX_PATCHES));
-                Division::of_count(plan, target)
+                Division::near_count(plan, target)
             }
             PatchSize::FlatWhole(count) => {
                 let curved = square_edge(outline, count);
@@ -60,7 +60,7 @@ impl Division {
                 let most = most.saturating_add(count.saturating_mul(MOST_CUTS));
                 let division = Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64));
                 if division.patches() > most {
-                    Division::of_count(plan, PatchTarget::new(plan, most.clamp(1, MAX_PATCHES)))
+                    Division::near_count(plan, PatchTarget::new(plan, most.clamp(1, MAX_PATCHES)))
                 } else {
                     division
                 }
@@ -69,11 +69,11 @@ impl Division {
     }
 
     /// The division whose count is nearest: the estimate is corrected by the actual result.
-    fn of_count(plan: DivisionPlan, target: PatchTarget) -> Division {
-        let mut asked = target.added;
+    fn near_count(plan: DivisionPlan, target: PatchTarget) -> Division {
+        let mut requested = target.added;
         let mut best: Option<(f64, Division)> = None;
         for _ in 0..5 {
-            let division = Division::at(plan, plan.fitting(0.0, target.expected + asked));
+            let division = Division::at(plan, plan.fitting(0.0, target.expected + requested));
             let added = division.patches().saturating_sub(target.whole);
             let ratio = added as f64 / target.added;
             // Equal faces are divided all at once or not at all; then rather not.
@@ -90,7 +90,7 @@ impl Division {
             if error < 0.03 || !ratio.is_finite() {
                 break;
             }
-            asked = (asked / ratio.clamp(0.25, 4.0)).clamp(1.0, MAX_PATCHES as f64);
+            requested = (requested / ratio.clamp(0.25, 4.0)).clamp(1.0, MAX_PATCHES as f64);
         }
         best.map_or_else(|| Division::at(plan, f64::INFINITY), |b| b.1)
     }
@@ -103,15 +103,12 @@ impl Division {
             .collect();
         let mut edge_points = EdgePoints::even(edge_pieces(outline, size));
         edge_points.cut_at_ends(outline, plan.contacts, &lines, size);
-        let cells = outline
-            .regions
-            .par_iter()
-            .zip(&lines)
-            .map(|(region, lines)| {
-                let size = plan.size_of(region, size);
-                cells(outline, region, &edge_points, lines.as_deref(), size)
-            })
-            .collect();
+        let cells = |(region, lines): (&Region, &Option<Box<Lines>>)| {
+            let size = plan.region_size(region, size);
+            cells(outline, region, &edge_points, lines.as_deref(), size)
+        };
+        let regions = outline.regions.par_iter().zip(&lines);
+        let cells = regions.map(cells).collect();
         Division { edge_points, cells }
     }
 
@@ -169,7 +166,7 @@ struct DivisionPlan<'a> {
 
 impl DivisionPlan<'_> {
     /// The size of the cells of a region where it is `size` in general.
-    fn size_of(self, region: &Region, size: f64) -> f64 {
+    fn region_size(self, region: &Region, size: f64) -> f64 {
         let shape = &self.outline.scene.objects[region.object as usize].shape;
         match shape {
             Shape::Primitive(primitive) if !is_flat(primitive.kind) => size.min(self.curved),
@@ -183,12 +180,8 @@ impl DivisionPlan<'_> {
         if least > 0.0 && fits(least) {
             return least;
         }
-        let mut high = self
-            .outline
-            .scene
-            .bounds()
-            .diagonal()
-            .max(f64::MIN_POSITIVE);
+        let diagonal = self.outline.scene.bounds().diagonal();
+        let mut high = diagonal.max(f64::MIN_POSITIVE);
         if !high.is_finite() || !fits(high) {
             return f64::INFINITY;
         }
@@ -221,14 +214,9 @@ impl DivisionPlan<'_> {
             match pattern(outline, region, &pieces, size) {
                 Some(cells) if !has_lines => cells_count(&cells),
                 _ => {
-                    let mut sides: Vec<(f64, u32)> = outline
-                        .slots_of(region)
-                        .iter()
-                        .map(|s| {
-                            let edge = s.edge as usize;
-                            (outline.edges[edge].length(), pieces[edge])
-                        })
-                        .collect();
+                    let edges = outline.slots_of(region).iter().map(|s| s.edge as usize);
+                    let sides = edges.map(|edge| (outline.edges[edge].length(), pieces[edge]));
+                    let mut sides: Vec<(f64, u32)> = sides.collect();
                     if has_lines {
                         // Either side of a line acts like a border.
                         sides.push((2.0 * length, (2.0 * length / size).ceil() as u32));
@@ -265,7 +253,7 @@ fn cells_count(cells: &Cells) -> f64 {
 /// Pieces of each edge: as many as its length requires, or up to a quarter more where that lets a
 /// region keep a regular pattern. Edges that are short enough stay whole.
 fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
-    let asked: Vec<(u32, u32)> = outline
+    let limits: Vec<(u32, u32)> = outline
         .edges
         .iter()
         .map(|e| {
@@ -275,7 +263,7 @@ fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
             (least, if least < 2 { 1 } else { pieces(HARMONY * n) })
         })
         .collect();
-    let mut pieces: Vec<u32> = asked.iter().map(|a| a.0).collect();
+    let mut pieces: Vec<u32> = limits.iter().map(|limit| limit.0).collect();
     for _ in 0..HARMONY_ROUNDS {
         let mut changed = false;
         for region in &outline.regions {
@@ -283,11 +271,11 @@ fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
             let edge = |k: usize| slots[k].edge as usize;
             match region.form {
                 Form::Triangle => {
-                    changed |= match_edges(&mut pieces, &asked, &[edge(0), edge(1), edge(2)]);
+                    changed |= match_edges(&mut pieces, &limits, &[edge(0), edge(1), edge(2)]);
                 }
                 Form::Quad => {
-                    changed |= match_edges(&mut pieces, &asked, &[edge(0), edge(2)]);
-                    changed |= match_edges(&mut pieces, &asked, &[edge(1), edge(3)]);
+                    changed |= match_edges(&mut pieces, &limits, &[edge(0), edge(2)]);
+                    changed |= match_edges(&mut pieces, &limits, &[edge(1), edge(3)]);
                 }
                 Form::Empty | Form::Polygon | Form::Part => {}
             }
@@ -300,10 +288,12 @@ fn edge_pieces(outline: &Outline, size: f64) -> Vec<u32> {
 }
 
 /// Raises all edges of a set to its largest count, if all of them allow it.
-fn match_edges(pieces: &mut [u32], asked: &[(u32, u32)], set: &[usize]) -> bool {
+fn match_edges(pieces: &mut [u32], limits: &[(u32, u32)], set: &[usize]) -> bool {
     let most = set.iter().map(|&e| pieces[e]).max().unwrap_or(1);
     let equal = set.iter().all(|&e| pieces[e] == most);
-    let may = set.iter().all(|&e| pieces[e] == most || most <= asked[e].1);
+    let may = set
+        .iter()
+        .all(|&e| pieces[e] == most || most <= limits[e].1);
     if !equal && may {
         set.iter().for_each(|&e| pieces[e] = most);
     }
@@ -324,11 +314,8 @@ fn pattern(outline: &Outline, region: &Region, pieces: &[u32], size: f64) -> Opt
             nv: side(1),
         }),
         Form::Part => {
-            let grid = part_grid(outline, region, size);
-            Some(Cells::Part {
-                nu: grid.nu,
-                nv: grid.nv,
-            })
+            let SurfaceGrid { nu, nv } = part_grid(outline, region, size);
+            Some(Cells::Part { nu, nv })
         }
         Form::Triangle | Form::Quad | Form::Polygon => None,
     }
@@ -345,17 +332,12 @@ fn cells(
     let is_even = lines.is_none() && !slots.iter().any(|s| edge_points.is_cut(s.edge));
     let regular = is_even.then(|| pattern(outline, region, &edge_points.pieces, size));
     regular.flatten().unwrap_or_else(|| {
-        Cells::Irregular(Box::new(Irregular::new(
-            outline,
-            region,
-            edge_points,
-            lines,
-            size,
-        )))
+        let irregular = Irregular::new(outline, region, edge_points, lines, size);
+        Cells::Irregular(Box::new(irregular))
     })
 }
 
-/// The edge of squares of which so many have the area of all surfaces; infinite where there is none.
+/// The edge of squares of which `count` have the area of all surfaces; infinite where there is none.
 fn square_edge(outline: &Outline, count: usize) -> f64 {
     let edge = (area(outline) / count.max(1) as f64).sqrt();
     if edge > 0.0 { edge } else { f64::INFINITY }

@@ -63,6 +63,7 @@ impl EdgePoints {
         lines: &[Option<Box<Lines>>],
         size: f64,
     ) {
+        // Where lines end on edges, and how many faces with contacts there are at each edge.
         let mut ends: Vec<(u32, f64)> = Vec::new();
         let mut faces: HashMap<u32, i64> = HashMap::new();
         for (r, region) in outline.regions.iter().enumerate() {
@@ -71,11 +72,8 @@ impl EdgePoints {
             }
             let slots = outline.slots_of(region);
             let lines = lines[r].as_deref();
-            for (side, share) in lines
-                .iter()
-                .flat_map(|l| l.ends())
-                .filter(|e| e.1 > 0.0 && e.1 < 1.0)
-            {
+            let line_ends = lines.iter().flat_map(|l| l.ends());
+            for (side, share) in line_ends.filter(|e| e.1 > 0.0 && e.1 < 1.0) {
                 let slot = &slots[side as usize];
                 ends.push((slot.edge, if slot.forward { share } else { 1.0 - share }));
             }
@@ -86,6 +84,7 @@ impl EdgePoints {
         if ends.is_empty() {
             return;
         }
+        // Edges at which a face has no contacts are left alone.
         for slot in &outline.slots {
             if let Some(left) = faces.get_mut(&slot.edge) {
                 *left -= 1;
@@ -93,9 +92,9 @@ impl EdgePoints {
         }
         ends.retain(|e| faces[&e.0] == 0);
         ends.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        for of_edge in ends.chunk_by(|a, b| a.0 == b.0) {
-            let edge = of_edge[0].0;
-            let cuts = of_edge.iter().map(|e| e.1);
+        for cuts in ends.chunk_by(|a, b| a.0 == b.0) {
+            let edge = cuts[0].0;
+            let cuts = cuts.iter().map(|e| e.1);
             let inner = inner_points(&outline.edges[edge as usize], cuts, size);
             self.pieces[edge as usize] = inner.len() as u32 + 1;
             self.cut.insert(edge, inner);

@@ -16,8 +16,8 @@ impl Patches {
     /// front; curved ones turn by at most 4° along an edge. Some may have no area, at a pole.
     pub fn triangles(&self) -> Vec<(u32, [DVec3; 3])> {
         let facets = PatchFacets::new(self);
-        let of = |i: usize| facets.of(i).into_iter().map(move |t| (i as u32, t));
-        (0..self.len()).flat_map(of).collect()
+        let numbered = |i: usize| facets.of(i).into_iter().map(move |t| (i as u32, t));
+        (0..self.len()).flat_map(numbered).collect()
     }
 }
 
@@ -121,12 +121,9 @@ impl<'a> PatchFacets<'a> {
         let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
         let n = f64::from(self.steps(i));
         let middle = |k: u32| (f64::from(k) + 0.5) / n;
-        let normal = self
-            .patches
-            .curved_point(i, middle(column), middle(row))
-            .normal;
+        let point = self.patches.curved_point(i, middle(column), middle(row));
         // The parameters of some parts are clockwise.
-        if (c - a).cross(d - b).dot(normal) < 0.0 {
+        if (c - a).cross(d - b).dot(point.normal) < 0.0 {
             [[a, c, b], [a, d, c]]
         } else {
             [[a, b, c], [a, c, d]]

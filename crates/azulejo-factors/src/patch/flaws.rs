@@ -1,10 +1,10 @@
-//! What of a model makes form factors wrong without a trace in their sums: faces that overlap in one plane, whose
+//! What in a model makes form factors wrong without a trace in their sums: faces that overlap in one plane, whose
 //! light counts twice, and faces without area, which have no row.
 
-use super::box_pairs::{Bounds, for_each_pair};
+use super::box_pairs::{for_each_pair, grown};
 use super::{FaceId, Patches};
 use azulejo_scene::Scene;
-use azulejo_scene::math::area_vector;
+use azulejo_scene::math::{Aabb, area_vector};
 use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::DVec3;
 
@@ -23,15 +23,14 @@ impl Patches {
     pub fn overlapping_faces(&self) -> Vec<[FaceId; 2]> {
         let polygons: Vec<_> = (0..self.len()).map(|i| self.polygon(i)).collect();
         let bounds = |corners: &[DVec3]| {
-            let bounds = Bounds::around(corners.iter().copied());
-            bounds.grown(DEPTH * (bounds.high - bounds.low).max_element())
+            let bounds = Aabb::around(corners.iter().copied());
+            grown(bounds, DEPTH * bounds.size().max_element())
         };
         // Curved patches keep an empty box, which meets no other.
-        let boxes: Vec<Bounds> = polygons
+        let boxes = polygons
             .iter()
-            .map(|p| p.as_deref().map_or(Bounds::EMPTY, bounds))
-            .collect();
-        let mut pairs = for_each_pair(&boxes, |pair, _, found| {
+            .map(|p| p.as_deref().map_or(Aabb::EMPTY, bounds));
+        let mut pairs = for_each_pair(&boxes.collect::<Vec<_>>(), |pair, pairs| {
             let [i, j] = pair.map(|k| k as usize);
             let faces = [self.face(i), self.face(j)];
             if let (Some(a), Some(b)) = (&polygons[i], &polygons[j])
@@ -39,7 +38,7 @@ impl Patches {
                 && 1.0 - self.normal(i).dot(self.normal(j)) < TURN
                 && overlap(a, b, self.normal(i))
             {
-                found.push(faces);
+                pairs.push(faces);
             }
         });
         pairs.iter_mut().for_each(|pair| pair.sort_unstable());
@@ -52,24 +51,11 @@ impl Patches {
     pub fn faces_without_area(&self) -> Vec<FaceId> {
         let objects = self.face_base.windows(2).zip(0..);
         let faces = objects.flat_map(|(range, object)| {
-            (range[0]..range[1]).map(move |k| {
-                (
-                    k,
-                    FaceId {
-                        object,
-                        face: k - range[0],
-                    },
-                )
-            })
+            (0..range[1] - range[0]).map(move |face| FaceId { object, face })
         });
-        let has_none = |k: &u32| {
-            let patch =
-                |face: usize| self.region_patches[self.face_regions[face] as usize] as usize;
-            (patch(*k as usize)..patch(*k as usize + 1)).all(|i| self.area(i) <= 0.0)
-        };
+        let has_area = |i: usize| self.area(i) > 0.0;
         faces
-            .filter(|(k, _)| has_none(k))
-            .map(|(_, face)| face)
+            .filter(|&face| !self.patches_of_face(face).any(has_area))
             .collect()
     }
 
@@ -79,19 +65,18 @@ impl Patches {
             Some(object) => format!("face {} of \"{}\"", face.face, object.name),
             None => format!("face {}", face.face),
         };
-        let listed = |all: Vec<String>| {
-            let more = match all.len().saturating_sub(NAMED) {
+        let listed = |names: Vec<String>| {
+            let more = match names.len().saturating_sub(NAMED) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
-            all[..all.len().min(NAMED)].join(", ") + &more
+            names[..names.len().min(NAMED)].join(", ") + &more
         };
         let mut flaws = Vec::new();
         let overlapping = self.overlapping_faces();
         if !overlapping.is_empty() {
-            let pairs = overlapping
-                .iter()
-                .map(|[a, b]| format!("{} on {}", name(b), name(a)));
+            let pairs = overlapping.iter();
+            let pairs = pairs.map(|[a, b]| format!("{} on {}", name(b), name(a)));
             flaws.push(format!(
                 "faces lie in one plane and overlap, and light that meets them counts for both: {}; remove one, or \
                  cut it out of the other",

@@ -64,10 +64,8 @@ impl Irregular {
             lines: lines.map(|lines| line_edges(lines, &border, size * scale)),
             size: size * scale,
         };
-        let sides: Vec<u32> = slots
-            .iter()
-            .map(|s| edge_points.pieces[s.edge as usize])
-            .collect();
+        let sides = slots.iter().map(|s| edge_points.pieces[s.edge as usize]);
+        let sides: Vec<u32> = sides.collect();
         let mesh = ring.divided(&sides, own);
         let mut irregular = Irregular {
             weights: Vec::new(),
@@ -192,13 +190,8 @@ impl PlaneFrame {
         let slots = outline.slots_of(region);
         let n = slots.len();
         let side = |k: usize| slots[(k + 1) % n].position - slots[k].position;
-        let longest = (0..n).fold(0, |best, k| {
-            if side(k).length_squared() > side(best).length_squared() {
-                k
-            } else {
-                best
-            }
-        });
+        let is_longer = |k: usize, l: usize| side(k).length_squared() > side(l).length_squared();
+        let longest = (0..n).fold(0, |best, k| if is_longer(k, best) { k } else { best });
         let x = side(longest).normalize_or_zero();
         PlaneFrame {
             origin: slots[0].position,
@@ -288,10 +281,8 @@ impl<'a> Border<'a> {
 
     /// The point `share` of the way along a side, and the direction from there to the inside.
     fn at(&self, side: usize, share: f64) -> (DVec2, DVec2) {
-        let (a, b) = (
-            self.corners[side],
-            self.corners[(side + 1) % self.corners.len()],
-        );
+        let next = (side + 1) % self.corners.len();
+        let (a, b) = (self.corners[side], self.corners[next]);
         (a + share * (b - a), (b - a).perp().normalize_or_zero())
     }
 
@@ -306,9 +297,7 @@ impl<'a> Border<'a> {
 
 fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
     let whole = (b - a).perp_dot(c - a);
-    let (u, v) = (
-        (p - a).perp_dot(c - a) / whole,
-        (b - a).perp_dot(p - a) / whole,
-    );
+    let u = (p - a).perp_dot(c - a) / whole;
+    let v = (b - a).perp_dot(p - a) / whole;
     [1.0 - u - v, u, v]
 }

@@ -100,14 +100,7 @@ impl Lattice {
         self.corners = self
             .cells
             .iter()
-            .map(|&[i, j]| {
-                [
-                    at([j, i]),
-                    at([j, i + 1]),
-                    at([j + 1, i + 1]),
-                    at([j + 1, i]),
-                ]
-            })
+            .map(|&[i, j]| [[j, i], [j, i + 1], [j + 1, i + 1], [j + 1, i]].map(at))
             .collect();
         let place = |&[j, i]: &[u32; 2]| {
             self.origin + DVec2::new(f64::from(i), f64::from(j)) * self.spacing

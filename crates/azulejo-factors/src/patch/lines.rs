@@ -6,6 +6,7 @@
 
 use super::contacts::{distance_to_segment, share_along};
 use super::irregular::bounds;
+use crate::disjoint_sets::DisjointSets;
 use glam::DVec2;
 use std::collections::{BTreeSet, HashMap};
 
@@ -302,28 +303,17 @@ impl<'a> Graph<'a> {
 
     /// Drops the chains of connected components that are smaller than `least`.
     fn without_small(&self, chains: Vec<Vec<u32>>, least: f64) -> Vec<Vec<u32>> {
-        let mut group: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        fn find(group: &mut [u32], mut n: u32) -> u32 {
-            while group[n as usize] != n {
-                group[n as usize] = group[group[n as usize] as usize];
-                n = group[n as usize];
-            }
-            n
-        }
-        for chain in &chains {
-            for w in chain.windows(2) {
-                let (a, b) = (find(&mut group, w[0]), find(&mut group, w[1]));
-                group[a.max(b) as usize] = a.min(b);
-            }
-        }
+        let mut connected = DisjointSets::new(self.nodes.len());
+        let pairs = chains.iter().flat_map(|chain| chain.windows(2));
+        pairs.for_each(|pair| connected.join(pair[0], pair[1]));
         let mut boxes: HashMap<u32, (DVec2, DVec2)> = HashMap::new();
         for &n in chains.iter().flatten() {
             let p = self.nodes[n as usize];
-            let entry = boxes.entry(find(&mut group, n)).or_insert((p, p));
+            let entry = boxes.entry(connected.find(n)).or_insert((p, p));
             *entry = (entry.0.min(p), entry.1.max(p));
         }
         let is_large = |chain: &Vec<u32>| {
-            let (low, high) = boxes[&find(&mut group, chain[0])];
+            let (low, high) = boxes[&connected.find(chain[0])];
             low.distance(high) >= least
         };
         chains.into_iter().filter(is_large).collect()
@@ -416,11 +406,11 @@ mod tests {
             .map(|k| [arc(k), arc((k + 1) % 628)])
             .map(|[a, b]| [a.x, a.y, b.x, b.y])
             .collect();
-        let all: Vec<[DVec2; 2]> = segments
+        let arcs: Vec<[DVec2; 2]> = segments
             .iter()
             .map(|s| [DVec2::new(s[0], s[1]), DVec2::new(s[2], s[3])])
             .collect();
-        let lines = Lines::new(&SQUARE, &all, 1.0).expect("a circle");
+        let lines = Lines::new(&SQUARE, &arcs, 1.0).expect("a circle");
         assert!(
             (6..24).contains(&lines.edges.len()),
             "{}",

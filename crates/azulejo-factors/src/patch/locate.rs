@@ -119,11 +119,7 @@ impl Patches {
 
     /// The patch of a triangle or part that is a single patch.
     pub fn only_patch(&self, object: u32, face: u32, triangle: u32) -> Option<u32> {
-        let face = (*self.face_base.get(object as usize)?).checked_add(face)? as usize;
-        let (start, end) = (
-            *self.face_regions.get(face)?,
-            *self.face_regions.get(face + 1)?,
-        );
+        let [start, end] = self.face_ends(object, face)?;
         let region = start + triangle.min((end - start).checked_sub(1)?);
         match *self.locator.regions.get(region as usize)? {
             (first, _, Finder::One) if (first as usize) < self.corners.len() => Some(first),
@@ -131,12 +127,15 @@ impl Patches {
         }
     }
 
+    /// The first region of a face, and the first after it.
+    fn face_ends(&self, object: u32, face: u32) -> Option<[u32; 2]> {
+        let face = self.face_base.get(object as usize)?.checked_add(face)? as usize;
+        let ends = self.face_regions.get(face..face.checked_add(2)?)?;
+        Some([ends[0], ends[1]])
+    }
+
     fn find(&self, object: u32, face: u32, triangle: u32, u: f32, v: f32) -> Option<u32> {
-        let face = (*self.face_base.get(object as usize)?).checked_add(face)? as usize;
-        let (start, end) = (
-            *self.face_regions.get(face)?,
-            *self.face_regions.get(face + 1)?,
-        );
+        let [start, end] = self.face_ends(object, face)?;
         // A bent face has one region per triangle.
         let (region, triangle) = if end - start > 1 {
             (start + triangle.min(end - start - 1), 0)
@@ -209,7 +208,7 @@ struct Bins {
     starts: Vec<u32>,
     /// Patches that overlap each bin; at least one per bin.
     items: Vec<u32>,
-    /// The first so many patches are squares, the others triangles.
+    /// The number of patches that are squares; these come first, then triangles.
     squares: u32,
     /// For each patch the affine functions that are the weights of the corners next to the first.
     weights: Vec<[f32; 6]>,
@@ -226,12 +225,12 @@ impl Bins {
     fn new(mesh: &Irregular) -> Bins {
         let (low, high) = bounds(&mesh.points);
         let size = high - low;
-        let wanted = BINS_PER_PATCH * mesh.cells.len() as f64;
+        let target = BINS_PER_PATCH * mesh.cells.len() as f64;
         // A needle's bounding box is nearly flat, so its area alone would require far too many
         // bins.
-        let least = (size.x * size.y / wanted)
+        let least = (size.x * size.y / target)
             .sqrt()
-            .max(size.max_element() / wanted.clamp(1.0, MOST_BINS));
+            .max(size.max_element() / target.clamp(1.0, MOST_BINS));
         let step = if mesh.spacing > least {
             mesh.spacing / (mesh.spacing / least).floor()
         } else {
@@ -240,6 +239,10 @@ impl Bins {
         let low = mesh.origin + ((low - mesh.origin) / step).floor() * step;
         let count = ((high - low) / step).ceil().max(DVec2::ONE);
         let at = |k: u32| mesh.points[k as usize];
+        let weights = |&[a, b, c, d]: &[u32; 4]| {
+            let last = if d == NO_CORNER { c } else { d };
+            affine_weights([a, b, last].map(at))
+        };
         let mut bins = Bins {
             low: low.as_vec2().to_array(),
             per_unit: (1.0 / step) as f32,
@@ -247,15 +250,7 @@ impl Bins {
             starts: Vec::new(),
             items: Vec::new(),
             squares: mesh.squares as u32,
-            weights: (mesh.cells.iter())
-                .map(|c| {
-                    affine_weights([
-                        at(c[0]),
-                        at(c[1]),
-                        at(c[if c[3] == NO_CORNER { 2 } else { 3 }]),
-                    ])
-                })
-                .collect(),
+            weights: mesh.cells.iter().map(weights).collect(),
         };
         bins.fill(mesh, low, step);
         bins

@@ -1,6 +1,7 @@
 //! The faces of the scene before division: flat regions, shared edges, and which regions form one
 //! smooth surface.
 
+use crate::disjoint_sets::DisjointSets;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{MaterialId, PlacedMesh, Primitive, Scene, Shape};
 use glam::DVec3;
@@ -190,10 +191,8 @@ impl<'s> Outline<'s> {
     ) {
         let mesh = placed.mesh;
         let (slot, triangle) = (self.slots.len() as u32, self.triangles.len() as u32);
-        let (first, ring) = (
-            mesh.faces.corner_range(face).start as u32,
-            mesh.faces.get(face),
-        );
+        let first = mesh.faces.corner_range(face).start as u32;
+        let ring = mesh.faces.get(face);
         let positions: Vec<DVec3> = corners
             .iter()
             .map(|&c| placed.position(ring[c as usize]))
@@ -232,18 +231,15 @@ impl<'s> Outline<'s> {
         let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(self.slots.len());
         for region in &self.regions {
             for slot in region.slots.clone() {
-                let (a, b) = (
-                    places[slot as usize],
-                    places[next_slot(region, slot) as usize],
-                );
+                let [a, b] = [slot, next_slot(region, slot)].map(|s| places[s as usize]);
                 self.slots[slot as usize].forward = a < b;
                 sides.push((a.min(b), a.max(b), slot));
             }
         }
         sides.sort_unstable();
         let owner = self.owners();
-        let mut corner_groups = Groups::new(self.slots.len());
-        let mut seams = Groups::new(self.slots.len());
+        let mut corner_groups = DisjointSets::new(self.slots.len());
+        let mut seams = DisjointSets::new(self.slots.len());
         self.join_corners_of_faces(&mut corner_groups);
         for run in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             self.push_edge(run, &owner);
@@ -286,7 +282,7 @@ impl<'s> Outline<'s> {
     }
 
     /// The triangles of a bent face share its corners.
-    fn join_corners_of_faces(&self, groups: &mut Groups) {
+    fn join_corners_of_faces(&self, groups: &mut DisjointSets) {
         for face in self.face_regions.windows(2).filter(|w| w[1] - w[0] > 1) {
             let regions = &self.regions[face[0] as usize..face[1] as usize];
             let (first, last) = (regions[0].slots.start, regions[regions.len() - 1].slots.end);
@@ -303,15 +299,10 @@ impl<'s> Outline<'s> {
     fn push_edge(&mut self, run: &[(u32, u32, u32)], owner: &[u32]) {
         let slot = run[0].2;
         let next = next_slot(&self.regions[owner[slot as usize] as usize], slot);
-        let (a, b) = (
-            self.slots[slot as usize].position,
-            self.slots[next as usize].position,
-        );
-        let (from, to) = if self.slots[slot as usize].forward {
-            (a, b)
-        } else {
-            (b, a)
-        };
+        let [mut from, mut to] = [slot, next].map(|s| self.slots[s as usize].position);
+        if !self.slots[slot as usize].forward {
+            std::mem::swap(&mut from, &mut to);
+        }
         for side in run {
             self.slots[side.2 as usize].edge = self.edges.len() as u32;
         }
@@ -322,8 +313,8 @@ impl<'s> Outline<'s> {
         &self,
         run: &[(u32, u32, u32)],
         owner: &[u32],
-        corner_groups: &mut Groups,
-        seams: &mut Groups,
+        corner_groups: &mut DisjointSets,
+        seams: &mut DisjointSets,
     ) {
         for (i, &(_, _, a)) in run.iter().enumerate() {
             for &(_, _, b) in &run[i.saturating_sub(FACES_COMPARED)..i] {
@@ -387,28 +378,6 @@ fn next_slot(region: &Region, slot: u32) -> u32 {
     }
 }
 
-/// Disjoint sets over 0..n, named by their smallest members.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn new(n: usize) -> Groups {
-        Groups((0..n as u32).collect())
-    }
-
-    fn find(&mut self, mut x: u32) -> u32 {
-        while self.0[x as usize] != x {
-            self.0[x as usize] = self.0[self.0[x as usize] as usize];
-            x = self.0[x as usize];
-        }
-        x
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-}
-
 fn longest_distance(points: &[DVec3]) -> f64 {
     points
         .iter()
@@ -462,10 +431,7 @@ fn flat_form(points: &[DVec3], triangles: &[[u32; 3]]) -> Option<Form> {
 fn is_convex_quad(points: &[DVec3], normal: DVec3) -> bool {
     points.len() == 4
         && (0..4).all(|k| {
-            let (e, f) = (
-                points[(k + 1) % 4] - points[k],
-                points[(k + 3) % 4] - points[k],
-            );
+            let [e, f] = [1, 3].map(|step| points[(k + step) % 4] - points[k]);
             e.cross(f).dot(normal) > 0.01 * e.length() * f.length()
         })
 }

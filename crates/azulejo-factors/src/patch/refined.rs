@@ -37,7 +37,7 @@ impl Patches {
     }
 
     fn part_grids(&self, object: u32) -> Vec<SurfaceGrid> {
-        self.regions_of(object)
+        self.object_regions(object)
             .filter_map(|r| match self.cells[r] {
                 Cells::Part { nu, nv } => Some(SurfaceGrid { nu, nv }),
                 _ => None,
@@ -45,7 +45,7 @@ impl Patches {
             .collect()
     }
 
-    fn regions_of(&self, object: u32) -> std::ops::Range<usize> {
+    fn object_regions(&self, object: u32) -> std::ops::Range<usize> {
         let faces = super::between(&self.face_base, object as usize);
         if faces.is_empty() {
             return 0..0;
@@ -95,7 +95,7 @@ impl Patches {
             return Attribute::per_vertex(self.per_vertex(object, given, DVec2::ZERO, value));
         }
         let (mut values, mut corners) = (Vec::new(), Vec::new());
-        for region in self.regions_of(object) {
+        for region in self.object_regions(object) {
             let base = values.len() as u32;
             values.extend(self.interpolated(region, given, value));
             self.cells[region].for_each(|ring| {
@@ -121,18 +121,18 @@ impl Patches {
         T: Copy + Add<Output = T> + Mul<f64, Output = T>,
     {
         let vertices = self.vertices_of(object);
-        let mut all = vec![filler; vertices.len()];
-        for region in self.regions_of(object) {
+        let mut values = vec![filler; vertices.len()];
+        for region in self.object_regions(object) {
             let points = self.interpolated(region, given, value);
             let mut patch = self.region_patches[region] as usize;
             self.cells[region].for_each(|ring| {
                 for (&local, &v) in ring.iter().zip(self.corner_vertices(patch)) {
-                    all[v as usize - vertices.start] = points[local as usize];
+                    values[v as usize - vertices.start] = points[local as usize];
                 }
                 patch += 1;
             });
         }
-        all
+        values
     }
 
     /// A value at each local point of a region from its values at the mesh's corners.

@@ -18,7 +18,7 @@ impl Patches {
 /// Diffuse reflectance of every patch: of its material, times the mean of its vertices' colours
 /// and of its textures over its corners and centre.
 pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
-    let mut all = Vec::with_capacity(patches.len());
+    let mut reflectances = Vec::with_capacity(patches.len());
     for object in 0..scene.objects.len() as u32 {
         let divided = match patches.refined(object, scene) {
             RefinedShape::Mesh(mesh) if !mesh.colors.is_empty() || mesh.uvs.is_some() => Some(mesh),
@@ -29,10 +29,10 @@ pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
             let pattern = divided
                 .as_ref()
                 .map_or(Rgb::WHITE, |mesh| pattern(scene, mesh, face, material));
-            all.push(material.diffuse * pattern);
+            reflectances.push(material.diffuse * pattern);
         }
     }
-    all
+    reflectances
 }
 
 /// Least share of a patch that counts as there: none has no area at all.
@@ -46,52 +46,62 @@ const OPACITY_STEPS: u32 = 12;
 /// A patch sends and takes light on this share of its area; the rest of what arrives passes it, and is
 /// found by rays on the patches behind.
 pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64>> {
-    let opacities: Vec<Option<&Opacity>> =
-        scene.materials.iter().map(Material::see_through).collect();
+    let opacities = scene.materials.iter().map(Material::see_through);
+    let opacities: Vec<Option<&Opacity>> = opacities.collect();
     if opacities.iter().all(Option::is_none) {
         return None;
     }
     let mut maps = HashMap::new();
-    let mut all = Vec::with_capacity(patches.len());
-    for object in 0..scene.objects.len() as u32 {
-        let of_object = patches.patches_of(object);
-        let is_see_through = |i: usize| opacities[patches.material(i) as usize].is_some();
-        let divided = match &scene.objects[object as usize].shape {
-            Shape::Mesh(_) | Shape::Instance(_) if of_object.clone().any(is_see_through) => {
-                patches.refined(object, scene)
-            }
-            _ => RefinedShape::Mesh(Mesh::default()),
+    let opacity = |patch: usize| opacities[patches.material(patch) as usize];
+    let mean = |patch: usize, uvs: Option<Vec<DVec2>>| {
+        let Some(opacity) = opacity(patch) else {
+            return 1.0;
         };
-        for (face, patch) in of_object.enumerate() {
-            let Some(opacity) = opacities[patches.material(patch) as usize] else {
-                all.push(1.0);
-                continue;
+        let map = opacity.picture.and_then(|picture| {
+            let map = maps
+                .entry((picture.texture, picture.channel))
+                .or_insert_with(|| {
+                    let texture = scene.textures.get(picture.texture as usize)?;
+                    OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
+                });
+            map.as_ref()
+        });
+        let mean = match map.zip(uvs) {
+            Some((map, uvs)) => {
+                let value = |uv| Rgb::grey(opacity.at(map.sample(uv)));
+                mean_over(&uvs, OPACITY_STEPS, value).r
+            }
+            None => opacity.at(1.0),
+        };
+        mean.clamp(LEAST_OPACITY, 1.0)
+    };
+    let is_see_through = |patch: usize| opacity(patch).is_some();
+    Some(by_texture(scene, patches, is_see_through, mean))
+}
+
+/// A value of each patch from its number and the texture coordinates of its corners; these are looked up for
+/// meshes of which `is_textured` holds for some patch.
+fn by_texture<T>(
+    scene: &Scene,
+    patches: &Patches,
+    is_textured: impl Fn(usize) -> bool,
+    mut value: impl FnMut(usize, Option<Vec<DVec2>>) -> T,
+) -> Vec<T> {
+    let mut values = Vec::with_capacity(patches.len());
+    for (object, o) in (0..).zip(&scene.objects) {
+        let range = patches.patches_of(object);
+        let is_mesh = matches!(o.shape, Shape::Mesh(_) | Shape::Instance(_));
+        let is_divided = is_mesh && range.clone().any(&is_textured);
+        let mesh = is_divided.then(|| patches.refined(object, scene));
+        for (face, patch) in range.enumerate() {
+            let uvs = match &mesh {
+                Some(RefinedShape::Mesh(mesh)) => texture_corners(mesh, face),
+                _ => None,
             };
-            let map = opacity.picture.and_then(|picture| {
-                let known = maps.entry((picture.texture, picture.channel));
-                let texture = scene.textures.get(picture.texture as usize);
-                known
-                    .or_insert_with(|| {
-                        let texture = texture?;
-                        OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
-                    })
-                    .as_ref()
-            });
-            let uvs = match &divided {
-                RefinedShape::Mesh(mesh) => texture_corners(mesh, face),
-                RefinedShape::Surface(_) => None,
-            };
-            let mean = match map.zip(uvs) {
-                Some((map, uvs)) => {
-                    let value = |uv| Rgb::grey(opacity.at(map.sample(uv)));
-                    mean_over(&uvs, OPACITY_STEPS, value).r
-                }
-                None => opacity.at(1.0),
-            };
-            all.push(mean.clamp(LEAST_OPACITY, 1.0));
+            values.push(value(patch, uvs));
         }
     }
-    Some(all)
+    values
 }
 
 /// Most steps along each side of a triangle over which an emission is averaged; one for each texel is
@@ -107,35 +117,19 @@ pub(super) fn mean_emitted_pictures(scene: &Scene, patches: &Patches) -> Option<
     }
     let mean = |m: &Material| picture(m).map(|id| scene.textures[id as usize].mean());
     let means: Vec<Option<Rgb>> = scene.materials.iter().map(mean).collect();
-    let mut all = Vec::with_capacity(patches.len());
-    for object in 0..scene.objects.len() as u32 {
-        let of_object = patches.patches_of(object);
-        let emits = |i: usize| means[patches.material(i) as usize].is_some();
-        let divided = match &scene.objects[object as usize].shape {
-            Shape::Mesh(_) | Shape::Instance(_) if of_object.clone().any(emits) => {
-                patches.refined(object, scene)
-            }
-            _ => RefinedShape::Mesh(Mesh::default()),
+    let emits = |patch: usize| means[patches.material(patch) as usize].is_some();
+    let value = |patch: usize, uvs: Option<Vec<DVec2>>| {
+        let material = patches.material(patch) as usize;
+        let Some(mean) = means[material] else {
+            return Rgb::WHITE;
         };
-        for (face, patch) in of_object.enumerate() {
-            let material = patches.material(patch) as usize;
-            let Some(mean) = means[material] else {
-                all.push(Rgb::WHITE);
-                continue;
-            };
-            let uvs = match &divided {
-                RefinedShape::Mesh(mesh) => texture_corners(mesh, face),
-                RefinedShape::Surface(_) => None,
-            };
-            let texture =
-                picture(&scene.materials[material]).map(|id| &scene.textures[id as usize]);
-            all.push(match uvs.zip(texture) {
-                Some((uvs, texture)) => mean_of_texels(texture, &uvs),
-                None => mean,
-            });
+        let texture = picture(&scene.materials[material]).map(|id| &scene.textures[id as usize]);
+        match uvs.zip(texture) {
+            Some((uvs, texture)) => mean_of_texels(texture, &uvs),
+            None => mean,
         }
-    }
-    Some(all)
+    };
+    Some(by_texture(scene, patches, emits, value))
 }
 
 fn mean_of_texels(texture: &Texture, uvs: &[DVec2]) -> Rgb {
@@ -154,11 +148,10 @@ fn mean_of_texels(texture: &Texture, uvs: &[DVec2]) -> Rgb {
 /// Texture coordinates of a face's corners.
 fn texture_corners(mesh: &Mesh, face: usize) -> Option<Vec<DVec2>> {
     let uvs = mesh.uvs.as_ref()?;
-    let corners = mesh.faces.corner_range(face);
-    let corners = corners.zip(mesh.faces.get(face).iter().copied());
+    let corners = mesh.faces.corner_range(face).zip(mesh.faces.get(face));
     Some(
         corners
-            .map(|(corner, vertex)| uvs.at(corner, vertex))
+            .map(|(corner, &vertex)| uvs.at(corner, vertex))
             .collect(),
     )
 }
@@ -168,25 +161,22 @@ fn texture_corners(mesh: &Mesh, face: usize) -> Option<Vec<DVec2>> {
 fn mean_over(corners: &[DVec2], n: u32, value: impl Fn(DVec2) -> Rgb) -> Rgb {
     let (mut sum, mut whole) = (Rgb::BLACK, 0.0);
     for k in 2..corners.len() {
-        let (a, b, c) = (
-            corners[0],
-            corners[k - 1] - corners[0],
-            corners[k] - corners[0],
-        );
+        let a = corners[0];
+        let (b, c) = (corners[k - 1] - a, corners[k] - a);
         // A triangle without area in the picture shows one colour.
         let weight = b.perp_dot(c).abs().max(f64::MIN_POSITIVE);
-        let (mut of_triangle, mut count) = (Rgb::BLACK, 0.0);
+        let (mut triangle_sum, mut count) = (Rgb::BLACK, 0.0);
         for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
             // The centres of the triangles that point up, and of those that point down.
             for third in [1.0, 2.0] {
                 let at = |k: u32| (f64::from(k) + third / 3.0) / f64::from(n);
                 if third == 1.0 || i + j + 1 < n {
-                    of_triangle += value(a + at(i) * b + at(j) * c);
+                    triangle_sum += value(a + at(i) * b + at(j) * c);
                     count += 1.0;
                 }
             }
         }
-        sum += of_triangle * (weight / count);
+        sum += triangle_sum * (weight / count);
         whole += weight;
     }
     sum / whole
@@ -194,29 +184,25 @@ fn mean_over(corners: &[DVec2], n: u32, value: impl Fn(DVec2) -> Rgb) -> Rgb {
 
 /// Mean colour and texture of a face.
 fn pattern(scene: &Scene, mesh: &Mesh, face: usize, material: &Material) -> Rgb {
-    let corners: Vec<(usize, u32)> = mesh
-        .faces
-        .corner_range(face)
-        .zip(mesh.faces.get(face).iter().copied())
-        .collect();
-    let share = 1.0 / corners.len() as f64;
+    let vertices = mesh.faces.get(face);
+    let share = 1.0 / vertices.len() as f64;
     let mut mean = Rgb::WHITE;
     if !mesh.colors.is_empty() {
-        mean = corners
+        mean = vertices
             .iter()
-            .map(|&(_, v)| mesh.colors[v as usize])
+            .map(|&v| mesh.colors[v as usize])
             .sum::<Rgb>()
             * share;
     }
-    let Some(uvs) = &mesh.uvs else { return mean };
-    let at: Vec<DVec2> = corners.iter().map(|&(c, v)| uvs.at(c, v)).collect();
+    let Some(at) = texture_corners(mesh, face) else {
+        return mean;
+    };
     let centre = at.iter().copied().sum::<DVec2>() * share;
-    for texture in material
+    let textures = material
         .textures
         .iter()
-        .map(|&t| &scene.textures[t as usize])
-        .filter(|texture| texture.image.is_some())
-    {
+        .map(|&t| &scene.textures[t as usize]);
+    for texture in textures.filter(|texture| texture.image.is_some()) {
         // Corners moved half way to the centre sample the face and not its neighbours.
         let sample = |p: DVec2| {
             let color = texture.sample(p).unwrap_or([1.0; 3]);

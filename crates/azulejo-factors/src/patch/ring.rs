@@ -10,7 +10,7 @@ use spade::{
 };
 use std::collections::HashSet;
 
-/// Edges longer than this share of the size are halved, in so many rounds.
+/// Edges longer than this share of the size are halved, in at most this many rounds.
 const LONG_EDGE: f64 = 1.45;
 const LONG_EDGE_ROUNDS: usize = 6;
 /// Angles below this are refined away where the border allows it.
@@ -49,18 +49,15 @@ pub(super) struct Divided {
 }
 
 impl Ring<'_> {
-    /// Divides a region with so many pieces on its `sides`; into its `own` triangles if they are
+    /// Divides a region with these numbers of pieces on its `sides`; into its `own` triangles if they are
     /// good enough.
     pub fn divided(&self, sides: &[u32], own: &[[u32; 3]]) -> Divided {
         let whole =
             self.border.len() == sides.len() && diameter(self.corners) <= 2f64.sqrt() * self.size;
-        let without = Pieces::default();
-        let with_lines = self
-            .lines
-            .as_ref()
-            .and_then(|lines| self.triangulated(lines));
+        let lines = self.lines.as_ref();
+        let with_lines = lines.and_then(|lines| self.triangulated(lines));
         let triangulated = match with_lines {
-            None if !whole => self.triangulated(&without),
+            None if !whole => self.triangulated(&Pieces::default()),
             with_lines => with_lines,
         };
         triangulated.unwrap_or_else(|| {
@@ -156,12 +153,11 @@ impl Net {
         let lines = self.lines.iter().filter(|e| e[0] != e[1]);
         let edges = self.walls.iter().chain(lines).copied().collect();
         let mesh = Delaunay::try_bulk_load_cdt(vertices.collect(), edges, |_| {}).ok()?;
-        let complete = mesh.num_vertices() == self.known.len()
-            && self
-                .walls
-                .iter()
-                .all(|&w| constrained_delaunay::joined(&mesh, w));
-        complete.then_some(mesh)
+        let has_walls = self
+            .walls
+            .iter()
+            .all(|&w| constrained_delaunay::joined(&mesh, w));
+        (mesh.num_vertices() == self.known.len() && has_walls).then_some(mesh)
     }
 
     fn divided(self, mesh: &Delaunay, outside: &HashSet<Face>, lines: &Pieces) -> Divided {
@@ -225,13 +221,10 @@ pub(super) fn middles_of_long_edges(
     let mut used = outside.clone();
     let mut middles = Vec::new();
     for edge in long {
-        let faces = edge
-            .as_directed()
-            .face()
-            .fix()
-            .as_inner()
+        let sides = [edge.as_directed(), edge.as_directed().rev()];
+        let faces = sides
             .into_iter()
-            .chain(edge.as_directed().rev().face().fix().as_inner());
+            .filter_map(|side| side.face().fix().as_inner());
         let faces: Vec<Face> = faces.collect();
         if faces.len() == 2 && faces.iter().all(|f| !used.contains(f)) {
             used.extend(faces);
@@ -354,11 +347,8 @@ fn fans(sides: &[u32], border: &[DVec2], own: &[[u32; 3]]) -> Flat {
         let mut ring = Vec::new();
         for i in 0..3 {
             let (c, next) = (t[i], t[(i + 1) % 3]);
-            let pieces = if (c + 1) % n == next {
-                sides[c as usize]
-            } else {
-                1
-            };
+            let is_side = (c + 1) % n == next;
+            let pieces = if is_side { sides[c as usize] } else { 1 };
             ring.extend((0..pieces).map(|step| starts[c as usize] + step));
         }
         match ring[..] {

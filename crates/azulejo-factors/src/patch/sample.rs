@@ -111,13 +111,8 @@ impl Patches {
 
     /// Parameters in the unit square of a curved patch for `(u1, u2)`, and the weight of the point.
     pub(super) fn sample_parameters(&self, i: usize, u1: f64, u2: f64) -> (f64, f64, f64) {
-        let corner = |s, t| self.curved_point(i, s, t).area_density;
-        let densities = [
-            corner(0.0, 0.0),
-            corner(1.0, 0.0),
-            corner(1.0, 1.0),
-            corner(0.0, 1.0),
-        ];
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let densities = corners.map(|(s, t)| self.curved_point(i, s, t).area_density);
         let (s, t, pdf) = sample_bilinear(lifted(densities), u1, u2);
         let (nu, nv) = self.part_grid(i);
         // area_density is per unit of the part's u v, of which a cell has 1/(nu nv).

@@ -330,8 +330,8 @@ fn locate_finds_what_sample_gave() {
                 let face = patches.face(i);
                 let p = patches.sample(i, u1, u2).position;
                 let (t, u, v) = hit(mesh, face.face as usize, p);
-                let found = patches.locate(0, face.face, t, u, v);
-                assert_eq!(found as usize, i, "{name} at {size}, {u1} {u2}");
+                let patch = patches.locate(0, face.face, t, u, v);
+                assert_eq!(patch as usize, i, "{name} at {size}, {u1} {u2}");
             }
         }
     });
@@ -399,8 +399,8 @@ fn locate_on_primitives() {
                 let p = patches.sample(i, u1, u2).position;
                 let local = shape.world_from_object.inverse().transform_point3(p);
                 let (part, u, v) = kind.locate(local);
-                let found = patches.locate(0, part as u32, 0, u as f32, v as f32);
-                assert_eq!(found as usize, i, "{kind:?} {u} {v}");
+                let patch = patches.locate(0, part as u32, 0, u as f32, v as f32);
+                assert_eq!(patch as usize, i, "{kind:?} {u} {v}");
             }
         }
     }
@@ -427,8 +427,8 @@ fn locate_is_total() {
         for face in [0, 1, 5, 1000, u32::MAX] {
             for triangle in [0, 1, 7, u32::MAX] {
                 for (u, v) in odd.iter().flat_map(|u| odd.map(|v| (*u, v))) {
-                    let found = patches.locate(object, face, triangle, u, v);
-                    assert!((found as usize) < patches.len());
+                    let patch = patches.locate(object, face, triangle, u, v);
+                    assert!((patch as usize) < patches.len());
                 }
             }
         }
@@ -559,13 +559,13 @@ fn fine_figures_leave_patches_for_the_room() {
     let faces = figure.faces.len();
     let floor = polygon(&[(-50., -50.), (50., -50.), (50., 50.), (-50., 50.)]);
     let scene = scene(vec![Shape::Mesh(figure), Shape::Mesh(floor)]);
-    let of_floor = |size| {
+    let floor_patches = |size| {
         let patches = Patches::new(&scene, size);
         patches.len() - faces
     };
-    let added = of_floor(PatchSize::Count(300));
+    let added = floor_patches(PatchSize::Count(300));
     assert!((120..180).contains(&added), "half of 300: {added}");
-    let even = of_floor(PatchSize::Squares(300));
+    let even = floor_patches(PatchSize::Squares(300));
     // The figure crosses the floor, which divides it further.
     assert!((300..700).contains(&even), "{even}");
 }
@@ -601,11 +601,14 @@ fn floors_get_their_share_beside_any_number_of_details() {
         let mut shapes: Vec<Shape> = (0..details).map(|k| Shape::Mesh(pyramid(k))).collect();
         shapes.push(Shape::Mesh(floor()));
         let patches = Patches::new(&scene(shapes), PatchSize::Count(400));
-        let of_floor = patches.patches_of(details).len();
+        let floor_patches = patches.patches_of(details).len();
         // Half of 400 is left at least, and everything that the details do not use.
         let expected = 200.max(400usize.saturating_sub(4 * details as usize));
-        let off = of_floor as f64 / expected as f64 - 1.0;
-        assert!(off.abs() < 0.1, "{details} details, {of_floor} patches");
+        let off = floor_patches as f64 / expected as f64 - 1.0;
+        assert!(
+            off.abs() < 0.1,
+            "{details} details, {floor_patches} patches"
+        );
     }
 }
 
@@ -624,10 +627,10 @@ fn faces_of_many_corners_are_divided_by_their_triangles() {
     let patches = Patches::new(&scene, PatchSize::Count(1000));
     let sum: f64 = (0..patches.len()).map(|i| patches.area(i)).sum();
     assert!((sum / expected - 1.0).abs() < 1e-6, "{sum} of {expected}");
-    let all = 0..patches.len();
+    let whole = 0..patches.len();
     let face = FaceId { object: 0, face: 0 };
-    assert_eq!(patches.patches_of_face(face), all);
-    assert!(all.len() < 22_000, "{} patches", all.len());
+    assert_eq!(patches.patches_of_face(face), whole);
+    assert!(whole.len() < 22_000, "{} patches", whole.len());
 }
 
 #[test]
@@ -637,12 +640,12 @@ fn counts_come_near() {
         let off = got as f64 / count as f64 - 1.0;
         assert!(off.abs() < 0.1, "{name}: {got} for {count}");
     };
-    let mut all: Vec<Shape> = specimens().into_iter().map(|s| Shape::Mesh(s.1)).collect();
-    all.extend(KINDS.map(primitive));
-    let all = scene(all);
+    let mut shapes: Vec<Shape> = specimens().into_iter().map(|s| Shape::Mesh(s.1)).collect();
+    shapes.extend(KINDS.map(primitive));
+    let mixed = scene(shapes);
     let trapezoid = scene(vec![Shape::Mesh(specimens().swap_remove(2).1)]);
     for count in [3000, 10_000, 100_000] {
-        check("all", &all, count);
+        check("all", &mixed, count);
         check("trapezoid", &trapezoid, count);
     }
 }

@@ -37,14 +37,14 @@ pub(super) fn split_along_contacts(
     }
     let (mut parted, mut changes) = (Vec::new(), Vec::new());
     for (&v, patches) in &around {
-        let rings: Vec<Corner> = patches
+        let rings = patches
             .iter()
-            .map(|&i| Corner::new(&corners[i], v, vertices))
-            .collect();
+            .map(|&i| Corner::new(&corners[i], v, vertices));
+        let rings: Vec<Corner> = rings.collect();
         let groups = groups(&rings, v, contacts);
         let angle = |g: usize| -> f64 {
-            let of_group = rings.iter().zip(&groups).filter(|r| *r.1 == g);
-            of_group.map(|r| r.0.angle).sum()
+            let members = rings.iter().zip(&groups).filter(|r| *r.1 == g);
+            members.map(|r| r.0.angle).sum()
         };
         let whole: f64 = rings.iter().map(|r| r.angle).sum();
         // A group is named by its first patch, and the first group keeps the vertex.
@@ -52,8 +52,8 @@ pub(super) fn split_along_contacts(
             let into = if g == 0 { v } else { vertices.len() as u32 };
             if g > 0 {
                 vertices.push(vertices[v as usize]);
-                let of_group = patches.iter().zip(&groups).filter(|p| *p.1 == g);
-                changes.extend(of_group.map(|p| (*p.0, v, into)));
+                let members = patches.iter().zip(&groups).filter(|p| *p.1 == g);
+                changes.extend(members.map(|p| (*p.0, v, into)));
             }
             let share = angle(g) / whole;
             parted.push(SplitVertex {

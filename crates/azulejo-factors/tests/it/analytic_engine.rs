@@ -61,23 +61,23 @@ fn polygons_and_mirrors_are_exact() {
     }
 }
 
-fn worst_sum(found: &FormFactors) -> f64 {
-    let ended = found.ended();
-    let sums = ended.iter().zip(&found.rest).map(|(e, r)| e + r.sum());
+fn worst_sum(matrix: &FormFactors) -> f64 {
+    let ended = matrix.ended();
+    let sums = ended.iter().zip(&matrix.rest).map(|(e, r)| e + r.sum());
     sums.map(|sum| (sum - 1.0).abs()).fold(0.0, f64::max)
 }
 
 #[test]
 fn rows_of_closed_rooms_sum_to_one() {
-    let found = compute(&cube_room(), &options());
-    assert!(worst_sum(&found) < 1e-12 && found.is_closed);
+    let matrix = compute(&cube_room(), &options());
+    assert!(worst_sum(&matrix) < 1e-12 && matrix.is_closed);
     let scene = room_with_table(500);
-    let found = compute(&scene, &options());
-    let sums = found.row_sums();
+    let matrix = compute(&scene, &options());
+    let sums = matrix.row_sums();
     let squares: f64 = sums.iter().map(|s| (s - 1.0).powi(2)).sum();
     let rms = (squares / sums.len() as f64).sqrt();
     assert!(rms < 5e-5, "{rms:e}");
-    assert!(found.is_closed);
+    assert!(matrix.is_closed);
 }
 
 /// A small closed box whose fronts are inside: light does not pass its walls, whose backs the room sees.
@@ -87,15 +87,19 @@ fn boxes_inside_out_block_light() {
     let smaller = DAffine3::from_translation(DVec3::splat(0.4));
     let smaller = smaller * DAffine3::from_scale(DVec3::splat(0.2));
     scene.merge(cube_room().transformed(&smaller));
-    let found = compute(&scene, &options());
+    let matrix = compute(&scene, &options());
     for (i, j) in (0..6).flat_map(|i| (6..12).map(move |j| (i, j))) {
-        assert!(found.get(i, j).0 < 1e-12, "{i} {j}: {:?}", found.get(i, j));
+        assert!(
+            matrix.get(i, j).0 < 1e-12,
+            "{i} {j}: {:?}",
+            matrix.get(i, j)
+        );
     }
-    assert!(worst_sum(&found) < 1e-5, "{:e}", worst_sum(&found));
+    assert!(worst_sum(&matrix) < 1e-5, "{:e}", worst_sum(&matrix));
     // The walls see the box: six squares of side 0.2, of which each sends the walls all its light.
-    let hidden: f64 = (0..6).map(|i| found.rest[i].hidden).sum();
+    let hidden: f64 = (0..6).map(|i| matrix.rest[i].hidden).sum();
     assert!((hidden - 6.0 * 0.04).abs() < 1e-5, "{hidden}");
-    assert!(found.is_closed);
+    assert!(matrix.is_closed);
 }
 
 /// Σ X (1 − ρ_s) = 1, whatever the mirrors.
@@ -134,11 +138,11 @@ fn a_round_body_is_not_in_its_own_way() {
     }
     let (place, across) = (dvec3(-2.0, -1.0, 2.0), dvec3(4.0, 0.0, 0.0));
     scenes::add_sheet(&mut scene, place, along, across, grey);
-    let found = compute(&scene, &options());
-    let notes = &found.engine_used.notes;
+    let matrix = compute(&scene, &options());
+    let notes = &matrix.engine_used.notes;
     assert!(!notes.iter().any(|n| n.contains("rays")), "{notes:?}");
     let (strip, mut sum, mut variance) = (128, 0.0, 0.0);
-    for (_, value, error) in found.row(strip) {
+    for (_, value, error) in matrix.row(strip) {
         sum += value;
         variance += f64::from(error).powi(2);
     }
@@ -171,12 +175,12 @@ fn the_unobstructed_sky_is_exact() {
         let along = across.cross(up) * cos + up * sin;
         let grey = scenes::surface(0.5, 0.0, 0.0);
         scenes::add_sheet(&mut scene, DVec3::ONE, along, across, grey);
-        let found = compute(&scene, &options());
+        let matrix = compute(&scene, &options());
         let truth = 0.5 * (1.0 + along.cross(across).dot(up));
-        let rest = found.rest[0];
+        let rest = matrix.rest[0];
         assert!((rest.sky - truth).abs() < 1e-15, "{degrees}: {rest:?}");
         assert!((rest.ground - (1.0 - truth)).abs() < 1e-15, "{rest:?}");
-        assert!(found.rays == 0 && found.row_errors[0] == 0.0);
+        assert!(matrix.rays == 0 && matrix.row_errors[0] == 0.0);
     }
 }
 
@@ -197,7 +201,7 @@ fn the_sky_between_walls() {
     let sheet = 0.5 * out + 0.2 * across + 0.5 * up;
     scenes::add_sheet(&mut scene, sheet, 0.5 * across, 0.4 * up, grey());
     for accuracy in [None, Some(1e-5)] {
-        let found = compute(
+        let matrix = compute(
             &scene,
             &FormFactorOptions {
                 accuracy,
@@ -211,16 +215,16 @@ fn the_sky_between_walls() {
             ..options()
         };
         let by_rays = compute(&scene, &by_rays);
-        for (i, (found, rays)) in found.rest.iter().zip(&by_rays.rest).enumerate() {
+        for (i, (exact, rays)) in matrix.rest.iter().zip(&by_rays.rest).enumerate() {
             let error = 3.0 * (rays.sky_error + rays.ground_error);
             for (a, b) in [
-                (found.sky, rays.sky),
-                (found.ground, rays.ground),
-                (found.hidden, rays.hidden),
+                (exact.sky, rays.sky),
+                (exact.ground, rays.ground),
+                (exact.hidden, rays.hidden),
             ] {
-                assert!((a - b).abs() < error, "{i}: {found:?} {rays:?}");
+                assert!((a - b).abs() < error, "{i}: {exact:?} {rays:?}");
             }
-            assert!(error < 1e-3 && found.sky_error < 1e-4, "{found:?}");
+            assert!(error < 1e-3 && exact.sky_error < 1e-4, "{exact:?}");
         }
     }
 }
@@ -250,12 +254,12 @@ fn no_light_leaves_a_court_with_a_house_downwards() {
 /// Nothing leaves the scene downwards, within the errors of the rows.
 fn check_no_ground(scene: &Scene, accuracies: &[Option<f64>]) {
     for &accuracy in accuracies {
-        let wanted = FormFactorOptions {
+        let options = FormFactorOptions {
             accuracy,
             ..options()
         };
-        let found = compute(scene, &wanted);
-        for (i, rest) in found.rest.iter().enumerate() {
+        let matrix = compute(scene, &options);
+        for (i, rest) in matrix.rest.iter().enumerate() {
             let most = 4.0 * rest.ground_error + 1e-9;
             assert!(rest.ground <= most, "{accuracy:?} {i}: {rest:?}");
             assert!(rest.ground_error < 1e-4, "{rest:?}");
@@ -320,20 +324,20 @@ fn open_rooms_agree_with_rays() {
     };
     let by_rays = compute(&scene, &by_rays);
     let (mut squares, mut errors) = (0.0, 0.0);
-    for (i, (found, rays)) in exact.rest.iter().zip(&by_rays.rest).enumerate() {
+    for (i, (formulas, rays)) in exact.rest.iter().zip(&by_rays.rest).enumerate() {
         for (a, b, error) in [
-            (found.sky, rays.sky, rays.sky_error),
-            (found.ground, rays.ground, rays.ground_error),
+            (formulas.sky, rays.sky, rays.sky_error),
+            (formulas.ground, rays.ground, rays.ground_error),
         ] {
             assert!(
                 (a - b).abs() < 5.0 * error + 2e-4,
-                "{i}: {found:?} {rays:?}"
+                "{i}: {formulas:?} {rays:?}"
             );
             squares += (a - b).powi(2);
             errors += error.powi(2);
         }
-        let expected = 0.79 * (found.sky_error + found.ground_error);
-        assert!(exact.row_errors[i] >= expected, "{i}: {found:?}");
+        let expected = 0.79 * (formulas.sky_error + formulas.ground_error);
+        assert!(exact.row_errors[i] >= expected, "{i}: {formulas:?}");
     }
     assert!(squares < 1.3 * errors, "{squares:e} {errors:e}");
     assert!(exact.rays == 0);
@@ -480,14 +484,14 @@ proptest! {
 }
 
 /// The matrix between faces, from that between their patches.
-fn by_face(found: &FormFactors) -> FormFactors {
-    let mut faces: Vec<(u32, u32)> = found.faces.iter().map(|f| (f.object, f.face)).collect();
+fn by_face(matrix: &FormFactors) -> FormFactors {
+    let mut faces: Vec<(u32, u32)> = matrix.faces.iter().map(|f| (f.object, f.face)).collect();
     let own = faces.clone();
     faces.sort_unstable();
     faces.dedup();
     let group = |face: &(u32, u32)| faces.binary_search(face).ok().map(|k| k as u32);
     let groups: Vec<Option<u32>> = own.iter().map(group).collect();
-    found.grouped(&groups, faces.len())
+    matrix.grouped(&groups, faces.len())
 }
 
 /// Images in divided mirrors between divided faces, compared with those between whole faces, which
@@ -515,23 +519,23 @@ fn check_divided(scene: &Scene, count: usize) -> FormFactors {
     });
     let divided = with(divided);
     assert!(divided.len() > 32);
-    let [whole, rays, found] = [&whole, &rays, &divided].map(by_face);
-    let areas = found.areas.clone();
+    let [whole, rays, divided] = [&whole, &rays, &divided].map(by_face);
+    let areas = divided.areas.clone();
     for order in 0..2 {
-        let [whole, rays, found] = [&whole, &rays, &found].map(|f| &f.orders[order]);
+        let [whole, rays, divided] = [&whole, &rays, &divided].map(|f| &f.orders[order]);
         for (i, &area) in areas.iter().enumerate() {
-            for j in i..found.len() {
-                let [exact, rays, found] = [whole, rays, found].map(|o| o.get(i, j));
-                let off = found.value - rays.value;
-                let noise = f64::from(rays.error).hypot(f64::from(found.error));
+            for j in i..divided.len() {
+                let [exact, rays, divided] = [whole, rays, divided].map(|o| o.get(i, j));
+                let off = divided.value - rays.value;
+                let noise = f64::from(rays.error).hypot(f64::from(divided.error));
                 let limit = 1e-4 * area;
                 assert!(
-                    (found.value - exact.value).abs() < limit,
-                    "order {order}, {i} {j}: {found:?} is not {exact:?}"
+                    (divided.value - exact.value).abs() < limit,
+                    "order {order}, {i} {j}: {divided:?} is not {exact:?}"
                 );
                 assert!(
                     off.abs() < 5.0 * noise + limit,
-                    "order {order}, {i} {j}: {found:?} and rays {rays:?}"
+                    "order {order}, {i} {j}: {divided:?} and rays {rays:?}"
                 );
             }
         }
@@ -558,8 +562,8 @@ fn mirrored_room(mirrors: [bool; 6]) -> Scene {
 #[test]
 fn divided_mirrors_are_one_mirror_each() {
     let one = mirrored_room([false, false, true, false, false, false]);
-    let found = check_divided(&one, 150);
-    assert!(!found.engine_used.notes.iter().any(|n| n.contains("rays")));
+    let matrix = check_divided(&one, 150);
+    assert!(!matrix.engine_used.notes.iter().any(|n| n.contains("rays")));
     check_divided(
         &mirrored_room([false, false, true, true, false, false]),
         150,
@@ -575,8 +579,8 @@ fn divided_mirrors_are_one_mirror_each() {
 #[test]
 fn mirrors_at_right_angles_are_seen_in_either_order() {
     let scene = mirrored_room([true, false, true, false, false, false]);
-    let found = compute(&scene, &options());
-    assert!(!found.engine_used.notes.iter().any(|n| n.contains("rays")));
-    assert!(worst_sum(&found) < 1e-8, "{:e}", worst_sum(&found));
+    let matrix = compute(&scene, &options());
+    assert!(!matrix.engine_used.notes.iter().any(|n| n.contains("rays")));
+    assert!(worst_sum(&matrix) < 1e-8, "{:e}", worst_sum(&matrix));
     check_against_rays(&scene);
 }

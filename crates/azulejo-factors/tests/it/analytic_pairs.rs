@@ -24,9 +24,9 @@ fn check(case: &Case, value: f64, error: f64, tolerance: f64) {
 /// The polygons of a case: sender, receiver, and occluders.
 fn polygons(case: &Case) -> (Vec<DVec3>, Vec<DVec3>, Vec<Vec<DVec3>>) {
     let objects = 0..case.scene.objects.len() as u32;
-    let mut all: Vec<_> = objects.map(|k| polygon(&case.scene, k)).collect();
-    let others = all.split_off(2);
-    (all[0].clone(), all[1].clone(), others)
+    let mut polygons: Vec<_> = objects.map(|k| polygon(&case.scene, k)).collect();
+    let others = polygons.split_off(2);
+    (polygons[0].clone(), polygons[1].clone(), others)
 }
 
 #[test]
@@ -35,8 +35,8 @@ fn occluded_pairs() {
     let shadows = cases.iter().filter(|c| c.kind == CaseKind::Shadow);
     for case in shadows {
         let (p1, p2, occluders) = polygons(case);
-        let found = visible_form_factor(&p1, &p2, &occluders, ACCURACY);
-        check(case, found.value, found.error, 1e-9);
+        let share = visible_form_factor(&p1, &p2, &occluders, ACCURACY);
+        check(case, share.value, share.error, 1e-9);
         let back = visible_form_factor(&p2, &p1, &occluders, ACCURACY);
         check(case, back.value, back.error, 1e-9);
     }
@@ -63,9 +63,9 @@ fn mirrored_pairs() {
                 let chain: Vec<&[DVec3]> = (0..length)
                     .map(|k| walls[(first + k) % walls.len()])
                     .collect();
-                let found = mirrored_form_factor(&p1, &p2, &chain, &walls, ACCURACY);
-                value += rho_s.powi(length as i32) * found.value;
-                error += rho_s.powi(length as i32) * found.error;
+                let share = mirrored_form_factor(&p1, &p2, &chain, &walls, ACCURACY);
+                value += rho_s.powi(length as i32) * share.value;
+                error += rho_s.powi(length as i32) * share.error;
                 if walls.len() == 1 {
                     break;
                 }

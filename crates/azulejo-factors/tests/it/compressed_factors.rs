@@ -98,9 +98,9 @@ fn dense(operator: &dyn FactorOperator) -> Vec<Vec<f64>> {
 }
 
 /// Frobenius norm of A^−½ (S − S') A^−½ over the mean row sum, which tolerances refer to.
-fn error(found: &dyn FactorOperator, exact: &dyn FactorOperator) -> f64 {
+fn error(approximate: &dyn FactorOperator, exact: &dyn FactorOperator) -> f64 {
     let areas = exact.row_areas();
-    let (a, b) = (dense(found), dense(exact));
+    let (a, b) = (dense(approximate), dense(exact));
     let mut squares = 0.0;
     for i in 0..areas.len() {
         for j in 0..areas.len() {
@@ -114,30 +114,30 @@ fn error(found: &dyn FactorOperator, exact: &dyn FactorOperator) -> f64 {
 fn check_compression(name: &str, matrix: &(FormFactors, Vec<PointNormal>)) {
     let mut bytes = usize::MAX;
     for tolerance in [0.0, 1e-4, 1e-3, 1e-2, 1e-1] {
-        let found = compressed(matrix, &with(tolerance, false));
-        let off = error(&found, &matrix.0);
+        let approximate = compressed(matrix, &with(tolerance, false));
+        let off = error(&approximate, &matrix.0);
         eprintln!(
             "{name} {tolerance:e}: {off:.1e}, stated {:.1e}",
-            found.bound
+            approximate.bound
         );
         // Numbers are stored with 24 bits.
         assert!(
-            off <= found.bound + 1e-6,
+            off <= approximate.bound + 1e-6,
             "{name} {tolerance}: {off} {}",
-            found.bound
+            approximate.bound
         );
         assert!(
-            found.bound <= tolerance,
+            approximate.bound <= tolerance,
             "{name} {tolerance}: {}",
-            found.bound
+            approximate.bound
         );
         assert!(
-            found.bytes() <= bytes,
+            approximate.bytes() <= bytes,
             "{name} {tolerance}: {bytes}, then {}",
-            found.bytes()
+            approximate.bytes()
         );
-        bytes = found.bytes();
-        let columns = dense(&found);
+        bytes = approximate.bytes();
+        let columns = dense(&approximate);
         for (i, column) in columns.iter().enumerate() {
             for (j, value) in column.iter().enumerate() {
                 assert_eq!(value.to_bits(), columns[j][i].to_bits(), "{name}: {i} {j}");
@@ -161,17 +161,17 @@ fn two_plates_are_a_few_products() {
         },
     );
     check_compression("plates", &matrix);
-    let found = compressed(&matrix, &with(1e-3, true));
-    assert!(found.kinds()[2] > 0, "{:?}", found.kinds());
+    let approximate = compressed(&matrix, &with(1e-3, true));
+    assert!(approximate.kinds()[2] > 0, "{:?}", approximate.kinds());
     // A few entries, by themselves.
     for (i, j) in [(0, 300), (300, 0), (17, 511), (3, 5)] {
         let truth = matrix.0.exchange.get(i, j).value;
-        let value = found.exchange_area(i, j);
+        let value = approximate.exchange_area(i, j);
         assert!(
             (value - truth).abs() < 1e-3 * matrix.0.areas[i],
             "{i} {j}: {value} {truth}"
         );
-        assert_eq!(value.to_bits(), found.exchange_area(j, i).to_bits());
+        assert_eq!(value.to_bits(), approximate.exchange_area(j, i).to_bits());
     }
 }
 
@@ -185,9 +185,9 @@ fn mirrors_are_compressed_too() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let matrix = whole(&scene, &rays(600, 2_048));
     check_compression("mirror", &matrix);
-    let found = compressed(&matrix, &with(1e-2, true));
+    let approximate = compressed(&matrix, &with(1e-2, true));
     let ended = |operator: &dyn FactorOperator| operator.apply(&matrix.0.ends);
-    for (a, b) in ended(&found).iter().zip(ended(&matrix.0)) {
+    for (a, b) in ended(&approximate).iter().zip(ended(&matrix.0)) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
 }
@@ -230,11 +230,11 @@ fn threads_change_no_bit() {
 }
 
 /// What can be compared: a bound that is not known is not equal to itself.
-fn bits(found: &CompressedFactors) -> CompressedFactors {
-    assert!(found.bound.is_nan());
+fn bits(approximate: &CompressedFactors) -> CompressedFactors {
+    assert!(approximate.bound.is_nan());
     CompressedFactors {
         bound: 0.0,
-        ..found.clone()
+        ..approximate.clone()
     }
 }
 
@@ -252,8 +252,10 @@ fn one_patch_none_and_all_in_one_point() {
         normal: DVec3::Z,
     };
     let none = (FormFactors::default(), Vec::new());
-    let found = compressed(&none, &CompressionOptions::default());
-    assert!(found.is_empty() && found.apply(&[]).is_empty() && found.bound == 0.0);
+    let approximate = compressed(&none, &CompressionOptions::default());
+    assert!(
+        approximate.is_empty() && approximate.apply(&[]).is_empty() && approximate.bound == 0.0
+    );
     for n in [1usize, 300] {
         let row = |i: usize| {
             let entry = |j: usize| Exchange {
@@ -272,8 +274,11 @@ fn one_patch_none_and_all_in_one_point() {
         };
         let matrix = (factors, vec![place; n]);
         for tolerance in [0.0, 1e-3] {
-            let found = compressed(&matrix, &with(tolerance, true));
-            assert!(found.sums().iter().all(|s| (s - 1.0).abs() < 1e-6), "{n}");
+            let approximate = compressed(&matrix, &with(tolerance, true));
+            assert!(
+                approximate.sums().iter().all(|s| (s - 1.0).abs() < 1e-6),
+                "{n}"
+            );
         }
     }
     // Nothing sees anything.
@@ -284,8 +289,8 @@ fn one_patch_none_and_all_in_one_point() {
         rest: vec![RowRemainder::default(); 200],
         ..FormFactors::default()
     };
-    let found = compressed(&(dark, vec![place; 200]), &CompressionOptions::default());
-    assert!(found.sums().iter().all(|&s| s == 0.0) && found.kinds() == [0; 3]);
+    let approximate = compressed(&(dark, vec![place; 200]), &CompressionOptions::default());
+    assert!(approximate.sums().iter().all(|&s| s == 0.0) && approximate.kinds() == [0; 3]);
 }
 
 #[test]
@@ -323,30 +328,30 @@ fn rays_build_what_formulas_say() {
     let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
     let (truth, _) = whole(&scene, &exact(1_350));
     for tolerance in [0.0, 1e-2] {
-        let found = by_rays(&scene, &rays(1_350, 4_096), tolerance);
-        let links = found.kinds()[2];
+        let approximate = by_rays(&scene, &rays(1_350, 4_096), tolerance);
+        let links = approximate.kinds()[2];
         assert_eq!(links > 0, tolerance > 0.0, "{links} links");
-        let off = OperatorError::of(&found, &truth, 3, 1);
+        let off = OperatorError::of(&approximate, &truth, 3, 1);
         eprintln!(
             "{tolerance:e}: {off:?}, {} bytes of {}",
-            found.bytes(),
+            approximate.bytes(),
             truth.bytes()
         );
         assert!(off.product < 8e-3 && off.worst < 4e-2, "{off:?}");
         // Rays of a closed room arrive, all but one or two of some rows along its edges.
         assert!(off.most_of_sum < 1e-3 && off.mean_of_sum < 1e-4, "{off:?}");
-        check_stated(&found, &truth);
-        let values = found.parts.iter().flat_map(|p| &p.values);
+        check_stated(&approximate, &truth);
+        let values = approximate.parts.iter().flat_map(|p| &p.values);
         assert!(values.clone().all(|&v| v >= 0.0 && v.is_finite()));
     }
 }
 
 /// Nine in ten products lie within two stated errors of the truth, and errors are not stated to be
 /// many times too large.
-fn check_stated(found: &CompressedFactors, truth: &FormFactors) {
-    let n = found.len();
+fn check_stated(approximate: &CompressedFactors, truth: &FormFactors) {
+    let n = approximate.len();
     let x: Vec<f64> = (0..n).map(|i| ((i / 50) % 7) as f64).collect();
-    let ((y, errors), truth) = (found.apply_with_errors(&x), truth.apply(&x));
+    let ((y, errors), truth) = (approximate.apply_with_errors(&x), truth.apply(&x));
     let off = |i: usize| (y[i] - truth[i]).abs();
     let within = (0..n).filter(|&i| off(i) <= 2.0 * errors[i]).count();
     let stated: f64 = errors.iter().map(|e| e * e).sum();
@@ -367,25 +372,25 @@ fn rays_by_mirrors_end_somewhere() {
         ..rays(1_200, 8_192)
     };
     let (truth, _) = whole(&scene, &options);
-    let found = by_rays(&scene, &rays(1_200, 2_048), 1e-2);
-    let ended = found.apply(&found.ends);
+    let approximate = by_rays(&scene, &rays(1_200, 2_048), 1e-2);
+    let ended = approximate.apply(&approximate.ends);
     for (i, ended) in ended.iter().enumerate() {
-        let sum = ended + found.rest[i].sum();
+        let sum = ended + approximate.rest[i].sum();
         assert!((sum - 1.0).abs() < 1e-4 || *ended == 0.0, "row {i}: {sum}");
     }
-    let off = OperatorError::of(&found, &truth, 3, 1);
-    eprintln!("{off:?}, {:?}", found.kinds());
+    let off = OperatorError::of(&approximate, &truth, 3, 1);
+    eprintln!("{off:?}, {:?}", approximate.kinds());
     assert!(off.product < 2e-2, "{off:?}");
-    check_stated(&found, &truth);
+    check_stated(&approximate, &truth);
 }
 
 #[test]
 fn light_in_a_furnace_is_the_same_everywhere() {
     let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
     let matrix = whole(&scene, &exact(600));
-    let found = compressed(&matrix, &with(1e-2, true));
-    let n = found.len();
-    for operator in [&matrix.0 as &dyn FactorOperator, &found] {
+    let approximate = compressed(&matrix, &with(1e-2, true));
+    let n = approximate.len();
+    for operator in [&matrix.0 as &dyn FactorOperator, &approximate] {
         let solve = |exitance: &[f64]| {
             let ends = (1e-12, 100);
             radiosities(operator, exitance, &vec![0.75; n], ends, &Progress::new()).unwrap()
@@ -412,13 +417,13 @@ fn light_in_a_furnace_is_the_same_everywhere() {
 #[test]
 fn products_go_both_ways() {
     let matrix = whole(&plates(), &exact(400));
-    let found = compressed(&matrix, &with(1e-3, false));
-    let n = found.len();
+    let approximate = compressed(&matrix, &with(1e-3, false));
+    let n = approximate.len();
     let (x, y): (Vec<f64>, Vec<f64>) = (0..n).map(|i| ((i % 5) as f64, (i % 3) as f64)).unzip();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (there, back) = (
-        dot(&y, &found.apply(&x)),
-        dot(&found.apply_transposed(&y), &x),
+        dot(&y, &approximate.apply(&x)),
+        dot(&approximate.apply_transposed(&y), &x),
     );
     assert!((there - back).abs() < 1e-12 * there.abs(), "{there} {back}");
 }
@@ -458,10 +463,10 @@ proptest! {
             ..FormFactors::default()
         };
         let tolerance = 10f64.powf(-exponent);
-        let found = compressed(&(factors.clone(), places), &with(tolerance, false));
-        let off = error(&found, &factors);
-        prop_assert!(found.bound <= tolerance, "{} {tolerance}", found.bound);
-        prop_assert!(off <= found.bound + 1e-6 || off.is_nan(), "{off} {}", found.bound);
+        let approximate = compressed(&(factors.clone(), places), &with(tolerance, false));
+        let off = error(&approximate, &factors);
+        prop_assert!(approximate.bound <= tolerance, "{} {tolerance}", approximate.bound);
+        prop_assert!(off <= approximate.bound + 1e-6 || off.is_nan(), "{off} {}", approximate.bound);
     }
 }
 
@@ -487,9 +492,13 @@ fn check_operator(name: &str, operator: &dyn FactorOperator) {
         let x: Vec<f64> = (0..n * lanes).map(|k| ((k * 7) % 11) as f64).collect();
         let together = operator.exchanged_lanes(&x, lanes);
         for lane in 0..lanes {
-            let of = |all: &[f64]| all.iter().skip(lane).step_by(lanes).copied().collect();
-            let (one, found): (Vec<f64>, Vec<f64>) = (of(&x), of(&together));
-            assert_eq!(operator.exchanged(&one), found, "{name}: {lane} of {lanes}");
+            let numbers = |x: &[f64]| x.iter().skip(lane).step_by(lanes).copied().collect();
+            let (one, product): (Vec<f64>, Vec<f64>) = (numbers(&x), numbers(&together));
+            assert_eq!(
+                operator.exchanged(&one),
+                product,
+                "{name}: {lane} of {lanes}"
+            );
         }
     }
 }
@@ -509,14 +518,14 @@ fn operators_are_what_their_products_are() {
 fn groups_of_blocks_are_those_of_the_matrix() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let matrix = whole(&scene, &rays(400, 1_024));
-    let found = compressed(&matrix, &with(0.0, false));
+    let approximate = compressed(&matrix, &with(0.0, false));
     // Every fifth row belongs to no group.
     let group = |i: usize| (!i.is_multiple_of(5)).then_some((i % 11) as u32);
-    let groups: Vec<Option<u32>> = (0..found.len()).map(group).collect();
+    let groups: Vec<Option<u32>> = (0..approximate.len()).map(group).collect();
     let truth = matrix.0.grouped(&groups, 11);
     let mut rows = matrix.0.clone();
     rows.exchange = ExchangeAreas::new();
-    let grouped = hierarchy::grouped(&found, &rows, &groups, 11, &Progress::new()).unwrap();
+    let grouped = hierarchy::grouped(&approximate, &rows, &groups, 11, &Progress::new()).unwrap();
     assert_eq!(grouped.areas, truth.areas);
     for a in 0..11 {
         assert!((grouped.rest[a].hidden - truth.rest[a].hidden).abs() < 1e-6);
@@ -548,8 +557,8 @@ fn rows_that_see_each_other_are_connected() {
     kinds.dedup();
     assert_eq!(kinds.len(), 2);
     for tolerance in [0.0, 1e-2] {
-        let found = compressed(&matrix, &with(tolerance, true));
-        assert_eq!(found.connected(), truth, "{tolerance}");
+        let approximate = compressed(&matrix, &with(tolerance, true));
+        assert_eq!(approximate.connected(), truth, "{tolerance}");
     }
     assert_eq!(by_rays(&scene, &exact(600), 1e-2).connected(), truth);
 }
@@ -565,32 +574,32 @@ fn stated_errors_are_the_errors() {
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let compression = with(1e-2, true);
         let progress = Progress::new();
-        let found = StatedFactors::of(&plan.prepare(), &compression, &progress).unwrap();
-        assert!(found.stated.rows == 1_024 && found.factors.kinds()[2] > 0);
-        assert!(found.whole_bytes as usize > found.factors.bytes());
-        let off = OperatorError::of(&found.factors, &truth, 4, 0);
-        let stated = found.stated.product;
-        eprintln!("{count}: {off:?}, {:?}", found.stated);
+        let computed = StatedFactors::of(&plan.prepare(), &compression, &progress).unwrap();
+        assert!(computed.stated.rows == 1_024 && computed.factors.kinds()[2] > 0);
+        assert!(computed.whole_bytes as usize > computed.factors.bytes());
+        let off = OperatorError::of(&computed.factors, &truth, 4, 0);
+        let stated = computed.stated.product;
+        eprintln!("{count}: {off:?}, {:?}", computed.stated);
         assert!(
             (stated.value - off.product).abs() <= 3.0 * stated.error,
             "{stated:?} {off:?}"
         );
         assert!(stated.error < 0.2 * stated.value, "{stated:?}");
-        assert!(found.stated.sums.value < 1e-3);
+        assert!(computed.stated.sums.value < 1e-3);
     }
     // Formulas are compressed as a whole, with errors against the whole.
     let options = exact(600);
     let plan = Plan::new(&scene, &tracer, &options).unwrap();
-    let found = StatedFactors::of(&plan.prepare(), &with(1e-3, true), &Progress::new()).unwrap();
-    assert!(found.stated.rows == 0 && found.stated.product.value < 1e-3);
-    assert!(found.rows.exchange.is_empty() && found.rows.len() == found.factors.len());
+    let computed = StatedFactors::of(&plan.prepare(), &with(1e-3, true), &Progress::new()).unwrap();
+    assert!(computed.stated.rows == 0 && computed.stated.product.value < 1e-3);
+    assert!(computed.rows.exchange.is_empty() && computed.rows.len() == computed.factors.len());
 }
 
 #[test]
 fn what_does_not_fit_is_by_rays_or_refused() {
     let scene = cube([(); 6].map(|()| surface(0.5, 0.0, 0.0)));
     let tracer = Tracer::new(&scene);
-    let of = |engine: Engine, memory: u64| {
+    let compute = |engine: Engine, memory: u64| {
         let options = FormFactorOptions {
             engine,
             memory,
@@ -603,12 +612,12 @@ fn what_does_not_fit_is_by_rays_or_refused() {
     let options = exact(1_500);
     let plan = Plan::new(&scene, &tracer, &options).unwrap();
     let whole = plan.prepare().forecast(&Progress::new()).unwrap();
-    let found = of(Engine::Auto, whole.bytes + 6 * whole.pairs).unwrap();
-    assert!(found.stated.rows > 0);
-    let notes = found.rows.engine_used.notes.concat();
+    let computed = compute(Engine::Auto, whole.bytes + 6 * whole.pairs).unwrap();
+    assert!(computed.stated.rows > 0);
+    let notes = computed.rows.engine_used.notes.concat();
     assert!(notes.contains("more than the memory"), "{notes}");
     for (engine, memory) in [(Engine::Analytic, 12 << 20), (Engine::Rays, 2 << 20)] {
-        let refused = of(engine, memory).unwrap_err();
+        let refused = compute(engine, memory).unwrap_err();
         let is_too_large = matches!(
             refused,
             CompressionError::Factors(FactorsError::TooLarge { .. })

@@ -77,8 +77,8 @@ struct Answered {
 }
 
 fn ask(case: Case, options: &FormFactorOptions) -> Answered {
-    let found = case.ask(&Tracer::new(&case.scene), options, &Progress::new());
-    let (answer, factors) = found.unwrap_or_else(|e| panic!("{}: {e}", case.id));
+    let result = case.ask(&Tracer::new(&case.scene), options, &Progress::new());
+    let (answer, factors) = result.unwrap_or_else(|e| panic!("{}: {e}", case.id));
     let (id, truth, engine) = (&case.id, case.truth.value, factors.engine_used.name);
     let (value, off, error) = (answer.value, answer.off(&case), answer.error);
     eprintln!("{engine:9} {id:16} {value:.10} truth {truth:.10} off {off:.1e} ± {error:.1e}");
@@ -189,17 +189,17 @@ const FACETS: f64 = 0.015;
 
 /// Engines that render: as accurate as the others, except for the facets of curved bodies.
 fn check_drawn(engine: Engine, name: &str) {
-    let mut found = answers(engine);
+    let mut answered = answers(engine);
     assert!(
-        found.iter().all(|a| a.engine == name),
+        answered.iter().all(|a| a.engine == name),
         "{name} is what runs"
     );
-    for a in &mut found {
+    for a in &mut answered {
         if a.case.kind == CaseKind::Curved {
             a.case.truth.error += FACETS * a.case.truth.value;
         }
     }
-    check_honesty(&found);
+    check_honesty(&answered);
 }
 
 #[test]
@@ -221,8 +221,8 @@ fn hemicubes_get_better() {
         let flat = cases().into_iter().filter(|c| c.kind == CaseKind::Polygons);
         let squares = flat.map(|case| {
             let options = options(engine.clone(), &case);
-            let found = ask(case, &options);
-            (found.answer.off(&found.case) / found.case.truth.value).powi(2)
+            let answered = ask(case, &options);
+            (answered.answer.off(&answered.case) / answered.case.truth.value).powi(2)
         });
         let squares: Vec<f64> = squares.collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
@@ -232,7 +232,7 @@ fn hemicubes_get_better() {
 }
 
 /// The tolerance of formulas, relative to the truth.
-fn asked_of_formulas(kind: CaseKind) -> Option<f64> {
+fn formula_tolerance(kind: CaseKind) -> Option<f64> {
     match kind {
         CaseKind::Polygons => Some(1e-10),
         CaseKind::Shadow => Some(1e-6),
@@ -243,15 +243,15 @@ fn asked_of_formulas(kind: CaseKind) -> Option<f64> {
 
 #[test]
 fn analytic() {
-    let found = answers(Engine::Analytic);
-    assert!(found.iter().all(|a| a.engine == "analytic"));
+    let answers = answers(Engine::Analytic);
+    assert!(answers.iter().all(|a| a.engine == "analytic"));
     // Mirrors at angles that divide a turn join their images; once rounded, some are left to rays.
     let is_by_rays = |a: &Answered| a.case.kind == CaseKind::Mirrors && a.answer.error > 1e-5;
-    assert!(found.iter().filter(|a| is_by_rays(a)).count() <= 8);
-    for answered in found.iter().filter(|a| !is_by_rays(a)) {
+    assert!(answers.iter().filter(|a| is_by_rays(a)).count() <= 8);
+    for answered in answers.iter().filter(|a| !is_by_rays(a)) {
         let Answered { case, answer, .. } = answered;
-        if let Some(asked) = asked_of_formulas(case.kind) {
-            let most = asked * case.truth.value + case.truth.error;
+        if let Some(tolerance) = formula_tolerance(case.kind) {
+            let most = tolerance * case.truth.value + case.truth.error;
             assert!(
                 answer.off(case) <= most,
                 "{}: {answer:?}, {:?}",
@@ -260,5 +260,5 @@ fn analytic() {
             );
         }
     }
-    check_honesty(&found);
+    check_honesty(&answers);
 }

@@ -15,10 +15,10 @@ use glam::{DAffine3, DVec3, dvec3};
 const WHOLE: PatchSize = PatchSize::Edge(0.0);
 
 fn factors(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
-    let found = form_factors(scene, &Tracer::new(scene), options, &Progress::new());
-    let found = found.expect("the scene has surfaces");
-    check_promises(&found, scene);
-    found
+    let matrix = form_factors(scene, &Tracer::new(scene), options, &Progress::new());
+    let matrix = matrix.expect("the scene has surfaces");
+    check_promises(&matrix, scene);
+    matrix
 }
 
 fn by_rays(size: PatchSize, rays: u32) -> FormFactorOptions {
@@ -39,11 +39,11 @@ fn by_formula(size: PatchSize, rays: u32) -> FormFactorOptions {
 }
 
 /// Invariants of every matrix: order, range, finite numbers, reciprocity.
-fn check_promises(found: &FormFactors, scene: &Scene) {
+fn check_promises(matrix: &FormFactors, scene: &Scene) {
     let is_specular = scene.materials.iter().any(Material::is_specular);
-    assert_eq!(found.exchange.len(), found.len());
-    for i in 0..found.len() {
-        let row: Vec<_> = found.row(i).collect();
+    assert_eq!(matrix.exchange.len(), matrix.len());
+    for i in 0..matrix.len() {
+        let row: Vec<_> = matrix.row(i).collect();
         assert!(
             row.windows(2).all(|w| w[0].0 < w[1].0),
             "columns of row {i} ascend"
@@ -57,20 +57,20 @@ fn check_promises(found: &FormFactors, scene: &Scene) {
                 is_specular || x <= 1.0 + 4.0 * f64::from(error),
                 "{i} {j}: {x} ± {error}"
             );
-            let back = found.get(j as usize, i as u32).0;
-            let (there, back) = (found.areas[i] * x, found.areas[j as usize] * back);
+            let back = matrix.get(j as usize, i as u32).0;
+            let (there, back) = (matrix.areas[i] * x, matrix.areas[j as usize] * back);
             assert!(
                 (there - back).abs() <= 4.0 * f64::EPSILON * there,
                 "{i} {j}: {there} {back}"
             );
         }
-        let rest = found.rest[i];
+        let rest = matrix.rest[i];
         let shares = [rest.sky, rest.ground, rest.cut, rest.hidden, rest.lost];
         assert!(
             shares.iter().all(|s| (0.0..1.001).contains(s)),
             "{shares:?}"
         );
-        assert!(found.row_errors[i].is_finite());
+        assert!(matrix.row_errors[i].is_finite());
     }
 }
 
@@ -87,23 +87,23 @@ fn cube_truth(size: PatchSize) -> Vec<Vec<f64>> {
 }
 
 /// Mean over rows of Σ |error|.
-fn row_error(found: &FormFactors, truth: &[Vec<f64>]) -> f64 {
+fn row_error(matrix: &FormFactors, truth: &[Vec<f64>]) -> f64 {
     let error = |(i, row): (usize, &Vec<f64>)| -> f64 {
         row.iter()
             .enumerate()
-            .map(|(j, exact)| (found.get(i, j as u32).0 - exact).abs())
+            .map(|(j, exact)| (matrix.get(i, j as u32).0 - exact).abs())
             .sum()
     };
     truth.iter().enumerate().map(error).sum::<f64>() / truth.len() as f64
 }
 
 /// Share of the entries whose error is within `most` standard errors.
-fn within(found: &FormFactors, truth: &[Vec<f64>], most: f64) -> f64 {
-    let entries = (0..found.len()).flat_map(|i| found.row(i).map(move |(j, x, e)| (i, j, x, e)));
+fn within(matrix: &FormFactors, truth: &[Vec<f64>], most: f64) -> f64 {
+    let entries = (0..matrix.len()).flat_map(|i| matrix.row(i).map(move |(j, x, e)| (i, j, x, e)));
     let is_within = |&(i, j, x, e): &(usize, u32, f64, f32)| {
         (x - truth[i][j as usize]).abs() <= most * f64::from(e) + 1e-12
     };
-    entries.filter(is_within).count() as f64 / found.exchange.entries() as f64
+    entries.filter(is_within).count() as f64 / matrix.exchange.entries() as f64
 }
 
 #[test]
@@ -116,15 +116,15 @@ fn standard_errors_are_honest() {
         (1 << 16, 0.5),
     ] {
         let size = PatchSize::Edge(edge);
-        let (found, truth) = (
+        let (matrix, truth) = (
             factors(&cube_room(), &by_rays(size, rays)),
             cube_truth(size),
         );
-        let (two, four) = (within(&found, &truth, 2.0), within(&found, &truth, 4.0));
-        let said = found.row_errors.iter().sum::<f64>() / found.len() as f64;
-        let ratio = said / row_error(&found, &truth);
+        let (two, four) = (within(&matrix, &truth, 2.0), within(&matrix, &truth, 4.0));
+        let stated = matrix.row_errors.iter().sum::<f64>() / matrix.len() as f64;
+        let ratio = stated / row_error(&matrix, &truth);
         eprintln!(
-            "{rays} rays, edge {edge}: {two:.3} in 2 SE, {four:.4} in 4 SE, row error said/true {ratio:.2}"
+            "{rays} rays, edge {edge}: {two:.3} in 2 SE, {four:.4} in 4 SE, row error stated/true {ratio:.2}"
         );
         assert!(
             (0.90..0.995).contains(&two) && four >= 0.995,
@@ -136,23 +136,23 @@ fn standard_errors_are_honest() {
 
 /// With few rays most columns of a row are never found, and are off by their whole value.
 #[test]
-fn errors_of_rows_include_what_no_ray_found() {
+fn errors_single_error_include_what_no_ray_found() {
     let size = PatchSize::Edge(0.125);
     let truth = cube_truth(size);
     for rays in [16, 64, 256, 1 << 10, 1 << 12] {
-        let found = factors(&cube_room(), &by_rays(size, rays));
-        assert_eq!(found.len(), 384);
-        let said = found.row_errors.iter().sum::<f64>() / found.len() as f64;
-        let ratio = said / row_error(&found, &truth);
+        let matrix = factors(&cube_room(), &by_rays(size, rays));
+        assert_eq!(matrix.len(), 384);
+        let stated = matrix.row_errors.iter().sum::<f64>() / matrix.len() as f64;
+        let ratio = stated / row_error(&matrix, &truth);
         assert!((0.85..1.3).contains(&ratio), "{rays} rays: {ratio}");
         let missed = |i: usize| {
-            let seen: Vec<u32> = found.row(i).map(|(j, ..)| j).collect();
+            let seen: Vec<u32> = matrix.row(i).map(|(j, ..)| j).collect();
             let is_missed = |j: &usize| seen.binary_search(&(*j as u32)).is_err();
             let missed = (0..384).filter(is_missed).map(|j| truth[i][j]);
             missed.sum::<f64>()
         };
         let missed: f64 = (0..384).map(missed).sum();
-        let expected: f64 = found.unseen.iter().sum();
+        let expected: f64 = matrix.unseen.iter().sum();
         assert!(
             (expected - missed).abs() < 0.15 * missed + 0.2,
             "{rays} rays miss {missed}, not {expected}"
@@ -183,10 +183,10 @@ fn formulas_make_rows_better() {
 #[test]
 fn a_cube_of_six_faces() {
     let (opposite, adjacent) = (0.19982489569839, 0.20004377607540);
-    let found = factors(&cube_room(), &by_formula(WHOLE, 256));
+    let matrix = factors(&cube_room(), &by_formula(WHOLE, 256));
     for i in 0..6 {
-        assert_eq!(found.row(i).count(), 5);
-        for (j, x, error) in found.row(i) {
+        assert_eq!(matrix.row(i).count(), 5);
+        for (j, x, error) in matrix.row(i) {
             let exact = if j as usize == i ^ 1 {
                 opposite
             } else {
@@ -206,13 +206,16 @@ fn closed_rows_sum_to_one() {
         by_rays(PatchSize::Edge(0.2), 1 << 10),
         by_formula(PatchSize::Edge(0.2), 1 << 10),
     ] {
-        let found = factors(&cube_room(), &options);
+        let matrix = factors(&cube_room(), &options);
         assert!(
-            found.is_closed && found.closed.is_some_and(|m| m.total > 0.0 && m.total < 0.2),
+            matrix.is_closed
+                && matrix
+                    .closed
+                    .is_some_and(|m| m.total > 0.0 && m.total < 0.2),
             "{:?}",
-            found.closed
+            matrix.closed
         );
-        let sums = found.row_sums();
+        let sums = matrix.row_sums();
         assert!(sums.iter().all(|s| (s - 1.0).abs() <= 1e-6), "{sums:?}");
     }
 }
@@ -229,7 +232,7 @@ fn closed_matrices_are_nearer_to_the_truth_than_their_rows() {
         ..by_formula(size, 1)
     };
     let exact = factors(&scene, &exact);
-    let (mut of_rows, mut of_closed) = (0.0, 0.0);
+    let (mut single_error, mut closed_error) = (0.0, 0.0);
     for seed in 0..4 {
         let options = FormFactorOptions {
             seed,
@@ -242,24 +245,27 @@ fn closed_matrices_are_nearer_to_the_truth_than_their_rows() {
             let row = prepared.row(i, &Progress::new()).expect("not cancelled");
             for (j, alone) in row.iter().enumerate() {
                 let truth = exact.get(i, j as u32).0;
-                of_rows += (alone.value - truth).abs();
-                of_closed += (closed.get(i, j as u32).0 - truth).abs();
+                single_error += (alone.value - truth).abs();
+                closed_error += (closed.get(i, j as u32).0 - truth).abs();
             }
         }
     }
-    assert!(of_closed < 0.75 * of_rows, "{of_closed} {of_rows}");
+    assert!(
+        closed_error < 0.75 * single_error,
+        "{closed_error} {single_error}"
+    );
 }
 
 #[test]
 fn open_scenes_are_not_closed() {
-    let found = factors(
+    let matrix = factors(
         &cornell_box(CornellVariant::Diffuse),
         &by_formula(PatchSize::Count(300), 1 << 10),
     );
-    assert!(!found.is_closed && found.closed.is_none());
-    for (i, sum) in found.row_sums().iter().enumerate() {
-        let sum = sum + found.rest[i].sum();
-        assert!((sum - 1.0).abs() <= 2.0 * found.row_errors[i], "{sum}");
+    assert!(!matrix.is_closed && matrix.closed.is_none());
+    for (i, sum) in matrix.row_sums().iter().enumerate() {
+        let sum = sum + matrix.rest[i].sum();
+        assert!((sum - 1.0).abs() <= 2.0 * matrix.row_errors[i], "{sum}");
     }
 }
 
@@ -288,24 +294,24 @@ fn mirrors_keep_the_sum_of_what_they_do_not_reflect() {
         by_rays(PatchSize::Edge(0.25), 1 << 12),
         by_formula(PatchSize::Edge(0.25), 1 << 12),
     ] {
-        let found = factors(&scene, &options);
-        assert!(found.is_closed && found.closed.is_none());
-        let kept = |j: u32| 1.0 - rho_s[found.faces[j as usize].face as usize];
-        let sum = |i| found.row(i).map(|(j, x, _)| x * kept(j)).sum::<f64>();
+        let matrix = factors(&scene, &options);
+        assert!(matrix.is_closed && matrix.closed.is_none());
+        let kept = |j: u32| 1.0 - rho_s[matrix.faces[j as usize].face as usize];
+        let sum = |i| matrix.row(i).map(|(j, x, _)| x * kept(j)).sum::<f64>();
         let error = |i| {
-            found
+            matrix
                 .row(i)
                 .map(|(j, _, e)| (f64::from(e) * kept(j)).powi(2))
                 .sum::<f64>()
                 .sqrt()
         };
-        let whole: f64 = found.areas.iter().sum();
-        let mean: f64 = (0..found.len())
-            .map(|i| found.areas[i] * sum(i))
+        let whole: f64 = matrix.areas.iter().sum();
+        let mean: f64 = (0..matrix.len())
+            .map(|i| matrix.areas[i] * sum(i))
             .sum::<f64>()
             / whole;
-        for i in 0..found.len() {
-            let missing = sum(i) + found.rest[i].sum() - 1.0;
+        for i in 0..matrix.len() {
+            let missing = sum(i) + matrix.rest[i].sum() - 1.0;
             assert!(
                 missing.abs() <= 4.0 * error(i),
                 "row {i}: {missing} ± {}",
@@ -313,7 +319,7 @@ fn mirrors_keep_the_sum_of_what_they_do_not_reflect() {
             );
         }
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
-        assert!(found.row_sums().iter().all(|&sum| sum > 1.0));
+        assert!(matrix.row_sums().iter().all(|&sum| sum > 1.0));
     }
 }
 
@@ -363,21 +369,21 @@ fn emitters_have_exact_columns() {
     mesh.face_materials[0] = lamp;
     let size = PatchSize::Edge(0.07);
     let patches = Patches::new(&scene, size);
-    let found = factors(&scene, &by_formula(size, 64));
+    let matrix = factors(&scene, &by_formula(size, 64));
     let floor = patches.patches_of_face(FaceId { object: 0, face: 4 });
     let lamp = patches.patches_of(1);
     assert!(floor.len() >= 225 && lamp.len() >= 9);
     for i in floor {
         for j in lamp.clone() {
             let exact = form_factor(&patches.polygon(i).unwrap(), &patches.polygon(j).unwrap());
-            let (x, _) = found.get(i, j as u32);
+            let (x, _) = matrix.get(i, j as u32);
             // Closure does not change exact entries.
             assert!((x / exact - 1.0).abs() < 1e-9, "{i} {j}: {x} {exact}");
         }
     }
     // The back of the lamp's plate occludes the piece of the ceiling above it.
-    assert!(found.is_closed && found.rest.iter().any(|r| r.hidden > 0.01));
-    for (sum, rest) in found.row_sums().iter().zip(&found.rest) {
+    assert!(matrix.is_closed && matrix.rest.iter().any(|r| r.hidden > 0.01));
+    for (sum, rest) in matrix.row_sums().iter().zip(&matrix.rest) {
         assert!((sum + rest.hidden - 1.0).abs() < 1e-6);
     }
 }
@@ -396,7 +402,7 @@ fn two_sides_are_two_rows() {
             two_sided: true,
             ..by_formula(WHOLE, 1 << 12)
         };
-        let found = factors(
+        let matrix = factors(
             &scene,
             &FormFactorOptions {
                 analytic,
@@ -404,20 +410,20 @@ fn two_sides_are_two_rows() {
             },
         );
         assert_eq!(
-            (found.len(), &found.is_back[..]),
+            (matrix.len(), &matrix.is_back[..]),
             (4, &[false, true, false, true][..])
         );
         // Front of the floor, 0, and back of the ceiling, 3, see each other; 1 and 2 see nothing.
-        let (x, error) = found.get(0, 3);
+        let (x, error) = matrix.get(0, 3);
         assert!((x - exact).abs() <= 4.0 * f64::from(error), "{x} ± {error}");
-        assert_eq!(found.exchange.entries(), 2);
-        assert_eq!([1, 2].map(|i| found.rest[i].escaped()), [1.0; 2]);
+        assert_eq!(matrix.exchange.entries(), 2);
+        assert_eq!([1, 2].map(|i| matrix.rest[i].escaped()), [1.0; 2]);
     }
     // One-sided, the same squares see nothing: the back of the ceiling only occludes.
-    let found = factors(&scene, &by_formula(WHOLE, 1 << 12));
-    assert!(found.exchange.pairs() == 0 && !found.is_closed);
+    let matrix = factors(&scene, &by_formula(WHOLE, 1 << 12));
+    assert!(matrix.exchange.pairs() == 0 && !matrix.is_closed);
     assert!(
-        (found.rest[0].hidden - exact).abs() < 1e-2 && (found.rest[0].sum() - 1.0).abs() < 1e-6
+        (matrix.rest[0].hidden - exact).abs() < 1e-2 && (matrix.rest[0].sum() - 1.0).abs() < 1e-6
     );
 }
 
@@ -427,9 +433,9 @@ fn two_sides_of_a_closed_room_are_closed() {
         two_sided: true,
         ..by_rays(PatchSize::Edge(0.5), 1 << 10)
     };
-    let found = factors(&cube_room(), &options);
-    assert!(found.is_closed);
-    for (sum, &is_back) in found.row_sums().iter().zip(&found.is_back) {
+    let matrix = factors(&cube_room(), &options);
+    assert!(matrix.is_closed);
+    for (sum, &is_back) in matrix.row_sums().iter().zip(&matrix.is_back) {
         let expected = if is_back { 0.0 } else { 1.0 };
         assert!((sum - expected).abs() < 1e-6);
     }
@@ -448,14 +454,14 @@ fn a_sphere_sees_itself_evenly() {
         two_sided: true,
         ..by_formula(PatchSize::Count(24), 1 << 14)
     };
-    let found = factors(&scene, &options);
-    let whole: f64 = found.areas.iter().sum::<f64>() / 2.0;
+    let matrix = factors(&scene, &options);
+    let whole: f64 = matrix.areas.iter().sum::<f64>() / 2.0;
     let (mut entries, mut inside) = (0, 0);
-    for i in (0..found.len()).filter(|&i| found.is_back[i]) {
-        assert!(found.get(i, i as u32).0 > 0.0);
-        for (j, x, error) in found.row(i) {
+    for i in (0..matrix.len()).filter(|&i| matrix.is_back[i]) {
+        assert!(matrix.get(i, i as u32).0 > 0.0);
+        for (j, x, error) in matrix.row(i) {
             entries += 1;
-            let off = (x - found.areas[j as usize] / whole).abs();
+            let off = (x - matrix.areas[j as usize] / whole).abs();
             inside += usize::from(off <= 3.0 * f64::from(error));
         }
     }
@@ -477,7 +483,7 @@ fn threads_do_not_matter() {
             .num_threads(threads)
             .build()
             .unwrap();
-        let found = pool.install(|| {
+        let matrices = pool.install(|| {
             [
                 factors(&scene, &options),
                 factors(&cube_room(), &by_formula(PatchSize::Edge(0.2), 256)),
@@ -487,7 +493,7 @@ fn threads_do_not_matter() {
             let values = (0..f.len()).flat_map(|i| f.exchange.upper(i));
             values.map(|e| e.value.to_bits()).collect()
         };
-        found.map(|f| (bits(&f), f))
+        matrices.map(|f| (bits(&f), f))
     };
     let one = run(1);
     for threads in [2, 3, 8] {
@@ -512,8 +518,8 @@ fn empty_scenes_and_cancellation() {
 #[test]
 fn few_rays_are_still_rows() {
     for rays in [0, 1, 5] {
-        let found = factors(&cube_room(), &by_rays(WHOLE, rays));
-        assert!(found.rays >= 6 * u64::from(rays) && found.exchange.pairs() > 0);
+        let matrix = factors(&cube_room(), &by_rays(WHOLE, rays));
+        assert!(matrix.rays >= 6 * u64::from(rays) && matrix.exchange.pairs() > 0);
     }
 }
 

@@ -76,8 +76,8 @@ fn lid(a: f64, b: f64, c: f64) -> Scene {
 fn check(scene: &Scene, point: FactorPoint, truth: f64) {
     let (mut outside, mut total) = (0, 0.0);
     for seed in 0..100 {
-        let found = factors(scene, &[point], 256, seed);
-        let factor = found[0].factors[0].1;
+        let seen = factors(scene, &[point], 256, seed);
+        let factor = seen[0].factors[0].1;
         outside += usize::from((factor.value - truth).abs() > 2.0 * factor.error);
         total += factor.value / 100.0;
         assert!(factor.error < 0.05, "{factor:?}");
@@ -125,12 +125,12 @@ fn shares_add_up_with_mirrors_backs_and_openings() {
         facing(DVec3::new(0.5, 0.5, 2.0), -DVec3::Z),
         sphere(DVec3::new(0.5, 0.5, 0.0)),
     ];
-    for (k, found) in factors(&scene, &points, 4096, 0).iter().enumerate() {
-        let seen: f64 = found.factors.iter().map(|(_, f)| 0.6 * f.value).sum();
-        let sum = seen + found.rest.sum();
+    for (k, point) in factors(&scene, &points, 4096, 0).iter().enumerate() {
+        let seen: f64 = point.factors.iter().map(|(_, f)| 0.6 * f.value).sum();
+        let sum = seen + point.rest.sum();
         assert!((sum - 1.0).abs() < 1e-9, "point {k}: {sum}");
-        assert_eq!(found.factors.is_empty(), k == 1, "the back is no column");
-        assert_eq!(found.rest.hidden > 0.0, k == 1);
+        assert_eq!(point.factors.is_empty(), k == 1, "the back is no column");
+        assert_eq!(point.rest.hidden > 0.0, k == 1);
     }
 }
 

@@ -135,6 +135,6 @@ fn a_cancelled_row_is_none() {
     let (scene, progress) = (cube_room(), Progress::new());
     progress.cancel();
     let options = options(Engine::Rays, true);
-    let found = form_factors_from(&scene, &Tracer::new(&scene), 0, &options, &progress);
-    assert!(found.is_err());
+    let row = form_factors_from(&scene, &Tracer::new(&scene), 0, &options, &progress);
+    assert!(row.is_err());
 }

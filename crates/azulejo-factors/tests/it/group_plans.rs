@@ -15,8 +15,8 @@ use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 
 /// A factor with its standard error.
-fn entry(found: &FormFactors, i: usize, j: usize) -> (f64, f64) {
-    let (value, error) = found.get(i, j as u32);
+fn entry(matrix: &FormFactors, i: usize, j: usize) -> (f64, f64) {
+    let (value, error) = matrix.get(i, j as u32);
     (value, f64::from(error))
 }
 
@@ -77,9 +77,9 @@ fn planned(engine: &Engine) -> FormFactorOptions {
 
 fn by_object(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
     let tracer = Tracer::new(scene);
-    let found = form_factors(scene, &tracer, options, &Progress::new()).expect("surfaces");
-    let groups: Vec<Option<u32>> = found.faces.iter().map(|f| Some(f.object)).collect();
-    found.grouped(&groups, scene.objects.len())
+    let matrix = form_factors(scene, &tracer, options, &Progress::new()).expect("surfaces");
+    let groups: Vec<Option<u32>> = matrix.faces.iter().map(|f| Some(f.object)).collect();
+    matrix.grouped(&groups, scene.objects.len())
 }
 
 #[test]
@@ -93,9 +93,9 @@ fn groups_of_a_box_have_their_closed_forms_within_honest_errors() {
                 seed,
                 ..planned(&engine)
             };
-            let found = by_object(&scene, &options);
+            let matrix = by_object(&scene, &options);
             for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
-                let ((factor, error), truth) = (entry(&found, i, j), truth(i, j));
+                let ((factor, error), truth) = (entry(&matrix, i, j), truth(i, j));
                 within += usize::from((factor - truth).abs() <= 2.0 * error);
                 count += 1;
                 squares += (factor / truth - 1.0).powi(2);
@@ -123,17 +123,17 @@ fn by_default_groups_of_a_box_are_exact() {
             groups: Some(GroupBy::Object),
             ..FormFactorOptions::default()
         };
-        let found = by_object(&scene, &options);
+        let matrix = by_object(&scene, &options);
         for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
-            let off = (entry(&found, i, j).0 - truth(i, j)).abs();
+            let off = (entry(&matrix, i, j).0 - truth(i, j)).abs();
             assert!(off < 1e-6, "{:?}, {i} {j}: {off}", options.engine);
         }
-        let note = found
+        let note = matrix
             .engine_used
             .notes
             .iter()
             .find(|n| n.contains("sums over 6 groups"));
-        assert!(note.is_some(), "{:?}", found.engine_used.notes);
+        assert!(note.is_some(), "{:?}", matrix.engine_used.notes);
     }
 }
 
@@ -163,8 +163,8 @@ fn planned_groups_with_shadows_are_those_of_a_fine_division() {
     };
     let known = by_object(&scene, &fine);
     for engine in samplers() {
-        let found = by_object(&scene, &planned(&engine));
-        let [most, most_of_95] = distances(&found, &known);
+        let matrix = by_object(&scene, &planned(&engine));
+        let [most, most_of_95] = distances(&matrix, &known);
         eprintln!("{engine:?}: at most {most:.1}, 95% within {most_of_95:.1}");
         assert!(
             most < 6.0 && most_of_95 < 2.5,
@@ -175,9 +175,9 @@ fn planned_groups_with_shadows_are_those_of_a_fine_division() {
         groups: Some(GroupBy::Object),
         ..fine
     };
-    let found = by_object(&scene, &analytic);
-    for (i, j) in (0..found.len()).flat_map(|i| (0..found.len()).map(move |j| (i, j))) {
-        let off = (entry(&found, i, j).0 - entry(&known, i, j).0).abs();
+    let matrix = by_object(&scene, &analytic);
+    for (i, j) in (0..matrix.len()).flat_map(|i| (0..matrix.len()).map(move |j| (i, j))) {
+        let off = (entry(&matrix, i, j).0 - entry(&known, i, j).0).abs();
         assert!(off < 2e-4, "{i} {j}: {off}");
     }
 }
@@ -195,8 +195,8 @@ fn curved_groups_have_their_closed_form() {
     }
     let truth = unit_spheres(3.0);
     for engine in samplers() {
-        let found = by_object(&scene, &planned(&engine));
-        let (factor, error) = entry(&found, 0, 1);
+        let matrix = by_object(&scene, &planned(&engine));
+        let (factor, error) = entry(&matrix, 0, 1);
         eprintln!("{engine:?}: {factor:.6} ± {error:.6}, truth {truth:.6}");
         assert!(
             (factor - truth).abs() < 4.0 * error,

@@ -57,11 +57,11 @@ fn fronts(patches: &Patches) -> Vec<Side> {
 
 /// Form factor of a row to one side, all orders together, with its standard error.
 fn factor(row: &Row, to: Side) -> (f64, f64) {
-    let of = |entries: &Vec<azulejo_factors::row::Entry>| {
-        let found = entries.iter().filter(|e| e.side == to);
-        found.map(|e| e.weight.r).sum::<f64>()
+    let weight = |entries: &Vec<azulejo_factors::row::Entry>| {
+        let to_side = entries.iter().filter(|e| e.side == to);
+        to_side.map(|e| e.weight.r).sum::<f64>()
     };
-    spread(&row.entries.iter().map(of).collect::<Vec<f64>>())
+    spread(&row.entries.iter().map(weight).collect::<Vec<f64>>())
 }
 
 /// One form factor between whole faces, by both engines.
@@ -69,9 +69,9 @@ fn factor(row: &Row, to: Side) -> (f64, f64) {
 fn check_factor(what: &str, scene: &Scene, from: u32, to: u32, truth: f64) {
     for engine in both(64, 256) {
         let (_, rows, ran) = rows_of(scene, WHOLE, &engine, |_| vec![side(from, true)]);
-        let found = factor(&rows[0], side(to, true));
+        let estimate = factor(&rows[0], side(to, true));
         let name = format!("{what} by {}", ran.name);
-        check(&name, found, truth, 2e-3, 2e-4);
+        check(&name, estimate, truth, 2e-3, 2e-4);
     }
 }
 
@@ -187,8 +187,11 @@ fn check_closure(what: &str, scene: &Scene, patches: &Patches, rows: &[Row], wit
             diffuse += e.weight.r * m.diffuse.r / 4.0;
         }
         let lost = row.all_escaped().r + row.cut.r;
-        let all = diffuse + row.absorbed.r + lost;
-        assert!((all - 1.0).abs() < within, "{what}, row {i}: fates {all}");
+        let whole = diffuse + row.absorbed.r + lost;
+        assert!(
+            (whole - 1.0).abs() < within,
+            "{what}, row {i}: fates {whole}"
+        );
         let has_glass = scene.materials.iter().any(|m| m.dielectric.is_some());
         let sum = kept + lost;
         assert!(
@@ -391,10 +394,10 @@ fn rows_stand_alone() {
     let scene = cube_with(&[2], 0.5);
     for points in [4, 300] {
         let engine = Engine::Hemicube(options(16, points));
-        let all = rows_of(&scene, PatchSize::Count(24), &engine, fronts).1;
+        let rows = rows_of(&scene, PatchSize::Count(24), &engine, fronts).1;
         let some = rows_of(&scene, PatchSize::Count(24), &engine, |_| vec![10, 6]).1;
-        assert_eq!(some[0].entries, all[5].entries);
-        assert_eq!(some[1].entries, all[3].entries);
+        assert_eq!(some[0].entries, rows[5].entries);
+        assert_eq!(some[1].entries, rows[3].entries);
     }
 }
 
@@ -526,10 +529,10 @@ fn check_fault(fault: Fault, device: &str, note: Option<&str>) {
     };
     let card = HemicubeBackend::Device(Arc::new(Faulty(fault)));
     let size = PatchSize::Count(24);
-    let (_, found, ran) = rows_of(&scene, size, &engine(card), fronts);
+    let (_, drawn, ran) = rows_of(&scene, size, &engine(card), fronts);
     let (_, truth, _) = rows_of(&scene, size, &engine(HemicubeBackend::Processor), fronts);
     let entries = |rows: &[Row]| rows.iter().map(|r| r.entries.clone()).collect::<Vec<_>>();
-    assert_eq!(entries(&found), entries(&truth));
+    assert_eq!(entries(&drawn), entries(&truth));
     assert_eq!(
         (ran.name.as_str(), ran.device.as_str()),
         ("hemicube", device)
@@ -540,8 +543,8 @@ fn check_fault(fault: Fault, device: &str, note: Option<&str>) {
         "{:?}",
         ran.notes
     );
-    for (said, expected) in ran.notes.iter().zip(note) {
-        assert!(said.contains(expected), "{said}");
+    for (note, expected) in ran.notes.iter().zip(note) {
+        assert!(note.contains(expected), "{note}");
     }
 }
 
@@ -656,7 +659,7 @@ fn mirrored_body(diffuse: f64, mirror: f64) -> Scene {
 fn windows_of_a_closed_body_of_mirrors_come_to_an_end() {
     let scene = mirrored_body(0.5, 0.3);
     let tracer = Tracer::new(&scene);
-    let of = |engine: Engine| {
+    let compute = |engine: Engine| {
         let options = FormFactorOptions {
             engine,
             size: WHOLE,
@@ -666,7 +669,10 @@ fn windows_of_a_closed_body_of_mirrors_come_to_an_end() {
         };
         form_factors(&scene, &tracer, &options, &Progress::new()).expect("computed")
     };
-    let (drawn, traced) = (of(Engine::Hemicube(options(32, 4))), of(Engine::Rays));
+    let (drawn, traced) = (
+        compute(Engine::Hemicube(options(32, 4))),
+        compute(Engine::Rays),
+    );
     for factors in [&drawn, &traced] {
         let name = &factors.engine_used.name;
         // B = M + ρ_d X B, by iteration.

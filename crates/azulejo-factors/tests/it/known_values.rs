@@ -81,14 +81,14 @@ fn words_and_numbers(id: &str) -> (String, Vec<f64>) {
 /// What formulas say of a case; `None` for numbers from elsewhere.
 fn formula(case: &Case) -> Option<f64> {
     let (words, numbers) = words_and_numbers(&case.id);
-    let of_polygons = || double_contour(&polygon(&case.scene, 0), &polygon(&case.scene, 1));
+    let polygon_value = || double_contour(&polygon(&case.scene, 0), &polygon(&case.scene, 1));
     let (words, numbers) = (&*words, &numbers[..]);
     let mut values = [
-        of_flat_pairs(words, numbers),
-        of_bodies(words, numbers),
-        of_mirrors(words, numbers),
-        of_systems(words),
-        matches!(words, "tri par" | "hex par" | "tri skew" | "C-17").then(of_polygons),
+        flat_pair_value(words, numbers),
+        body_value(words, numbers),
+        mirror_value(words, numbers),
+        system_value(words),
+        matches!(words, "tri par" | "hex par" | "tri skew" | "C-17").then(polygon_value),
     ]
     .into_iter()
     .flatten();
@@ -97,7 +97,7 @@ fn formula(case: &Case) -> Option<f64> {
     value
 }
 
-fn of_flat_pairs(words: &str, numbers: &[f64]) -> Option<f64> {
+fn flat_pair_value(words: &str, numbers: &[f64]) -> Option<f64> {
     let beside = |x: Span, eta, zeta| perpendicular(x, UNIT, eta, zeta);
     Some(match (words, numbers) {
         ("par" | "C-11", &[a, b, c]) => opposed(a, b, c),
@@ -134,7 +134,7 @@ fn of_flat_pairs(words: &str, numbers: &[f64]) -> Option<f64> {
     })
 }
 
-fn of_bodies(words: &str, numbers: &[f64]) -> Option<f64> {
+fn body_value(words: &str, numbers: &[f64]) -> Option<f64> {
     let base_to_wall = |height| 1.0 - coaxial_disks(1.0, 1.0, height);
     Some(match (words, numbers) {
         ("disk" | "disks", &[r1, r2, h]) => coaxial_disks(r1, r2, h),
@@ -169,7 +169,7 @@ fn of_bodies(words: &str, numbers: &[f64]) -> Option<f64> {
     })
 }
 
-fn of_mirrors(words: &str, numbers: &[f64]) -> Option<f64> {
+fn mirror_value(words: &str, numbers: &[f64]) -> Option<f64> {
     let (once, twice) = (opposed(1.0, 1.0, 1.0), opposed(2.0, 1.0, 1.0));
     Some(match (words, numbers) {
         ("strips", []) | ("corridor", [1.0]) => strips(1.0, 1.0),
@@ -198,7 +198,7 @@ fn of_mirrors(words: &str, numbers: &[f64]) -> Option<f64> {
     })
 }
 
-fn of_systems(words: &str) -> Option<f64> {
+fn system_value(words: &str) -> Option<f64> {
     let rho = [0.5, 0.7, 0.3, 0.3, 0.6, 0.6];
     let floor = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     Some(match words {

@@ -151,10 +151,10 @@ proptest! {
         }
         for a in 0..count {
             for b in 0..count {
-                let found = g.exchange.get(a, b);
-                prop_assert!((found.value - sums[a][b]).abs() <= 1e-12 * (1.0 + sums[a][b]));
+                let entry = g.exchange.get(a, b);
+                prop_assert!((entry.value - sums[a][b]).abs() <= 1e-12 * (1.0 + sums[a][b]));
                 let error = variances[a][b].sqrt();
-                prop_assert!((f64::from(found.error) - error).abs() <= 1e-5 * error);
+                prop_assert!((f64::from(entry.error) - error).abs() <= 1e-5 * error);
             }
         }
         // What arrives at rows without a group is hidden, and nothing is missing.
@@ -162,9 +162,9 @@ proptest! {
         let whole: Vec<f64> = rows.collect();
         for (a, ended) in g.ended().into_iter().enumerate() {
             let members = (0..m.len()).filter(|&i| groups[i] == Some(a as u32));
-            let all: f64 = members.map(|i| whole[i] * m.areas[i]).sum();
-            let found = (ended + g.rest[a].sum()) * g.areas[a];
-            prop_assert!((found - all).abs() <= 1e-10 * (1.0 + all), "{found} {all}");
+            let total: f64 = members.map(|i| whole[i] * m.areas[i]).sum();
+            let group = (ended + g.rest[a].sum()) * g.areas[a];
+            prop_assert!((group - total).abs() <= 1e-10 * (1.0 + total), "{group} {total}");
         }
     }
 }
@@ -285,34 +285,34 @@ fn closure_never_silently() {
         ..options(0.0, 1 << 10)
     };
     let check = |scene: &Scene, closure, expected: bool| {
-        let found = compute(scene, &always(closure));
-        let rows = found.ended().into_iter().zip(&found.rest);
+        let factors = compute(scene, &always(closure));
+        let rows = factors.ended().into_iter().zip(&factors.rest);
         let off = rows
             .filter(|(ended, _)| *ended > 0.0)
             .map(|(ended, rest)| (ended + rest.sum() - 1.0).abs())
             .fold(0.0, f64::max);
-        assert_eq!(found.closed.is_some(), expected);
+        assert_eq!(factors.closed.is_some(), expected);
         assert_eq!(off < 1e-8, expected, "{off}");
-        if let Some(moved) = found.closed {
+        if let Some(moved) = factors.closed {
             assert!(moved.total > 0.0 && moved.mean <= moved.most && moved.most < 0.5);
             assert!(moved.deficit < 1e-8);
         }
-        found
+        factors
     };
     check(&cube_room(), Closure::Closed, true);
     check(&cube_room(), Closure::Never, false);
     let open = cornell_box(CornellVariant::Diffuse);
     check(&open, Closure::Closed, false);
-    let found = check(&open, Closure::Always, true);
-    assert!(!found.is_closed && found.rest.iter().any(|r| r.sky > 0.01 && r.ground > 0.01));
+    let factors = check(&open, Closure::Always, true);
+    assert!(!factors.is_closed && factors.rest.iter().any(|r| r.sky > 0.01 && r.ground > 0.01));
     let mirrors = mirror_room(Rgb::grey(0.5));
     check(&mirrors, Closure::Closed, false);
     check(&mirrors, Closure::Always, true);
     let coloured = mirror_room(Rgb::new(0.5, 0.4, 0.3));
-    let found = compute(&coloured, &always(Closure::Always));
+    let factors = compute(&coloured, &always(Closure::Always));
     assert!(
-        found.closed.is_none()
-            && found
+        factors.closed.is_none()
+            && factors
                 .engine_used
                 .notes
                 .iter()
@@ -341,26 +341,26 @@ fn the_sky_above_a_wall() {
         two_sided: true,
         ..options(0.0, 1 << 12)
     };
-    let found = compute(&scene, &whole);
-    assert_eq!(found.len(), 10);
+    let factors = compute(&scene, &whole);
+    assert_eq!(factors.len(), 10);
     // From the floor the open top is the facing square, 0.1998; walls see it as a neighbour.
     let (opposite, adjacent) = (0.19982489569839, 0.20004377607540);
     let floor = (0..10).find(|&i| {
-        !found.is_back[i] && found.rest[i].sky > 0.0 && {
-            (found.rest[i].sky - opposite).abs() < 4.0 * found.rest[i].sky_error
-                && found.row(i).count() == 4
+        !factors.is_back[i] && factors.rest[i].sky > 0.0 && {
+            (factors.rest[i].sky - opposite).abs() < 4.0 * factors.rest[i].sky_error
+                && factors.row(i).count() == 4
         }
     });
-    assert!(floor.is_some(), "{:?}", found.rest);
-    for i in (0..10).filter(|&i| !found.is_back[i]) {
-        let rest = found.rest[i];
+    assert!(floor.is_some(), "{:?}", factors.rest);
+    for i in (0..10).filter(|&i| !factors.is_back[i]) {
+        let rest = factors.rest[i];
         let known = [opposite, adjacent].map(|x| (rest.sky - x).abs() <= 4.0 * rest.sky_error);
         assert!(known.contains(&true) && rest.sky_error < 8e-3, "{rest:?}");
         assert_eq!((rest.ground, rest.ground_error), (0.0, 0.0));
     }
     // From outside, walls see half sky, half ground, and the floor's back the ground alone.
-    for i in (0..10).filter(|&i| found.is_back[i]) {
-        let rest = found.rest[i];
+    for i in (0..10).filter(|&i| factors.is_back[i]) {
+        let rest = factors.rest[i];
         let half = (rest.sky - 0.5).abs() <= 4.0 * rest.sky_error;
         assert!(
             half || (rest.sky, rest.ground, rest.ground_error) == (0.0, 1.0, 0.0),
@@ -425,13 +425,13 @@ fn check_interrupted(scene: &Scene, options: &FormFactorOptions, cuts: &[usize])
             progress: &progress,
             at,
         };
-        let found = prepared.compute(Run::new(&kept, &progress));
+        let result = prepared.compute(Run::new(&kept, &progress));
         blocks = kept.blocks.into_inner().unwrap();
         if at < usize::MAX {
-            assert_eq!(found, Err(FactorsError::Cancelled));
+            assert_eq!(result, Err(FactorsError::Cancelled));
             assert!(blocks.len() >= at, "what was computed at once is kept");
         } else {
-            assert!(found.unwrap() == whole && blocks.len() > cuts.len());
+            assert!(result.unwrap() == whole && blocks.len() > cuts.len());
         }
     }
 }
@@ -449,10 +449,10 @@ fn what_does_not_fit_is_refused_before_it_begins() {
         form_factors(&scene, &tracer, &options, &Progress::new()).unwrap_err()
     };
     // Not even the patches fit, and they are not created.
-    let said = refused(PatchSize::Count(1_000_000_000), 1 << 30).to_string();
+    let message = refused(PatchSize::Count(1_000_000_000), 1 << 30).to_string();
     assert!(
-        said.contains("1000000000 patches") && said.contains("1.0 GiB"),
-        "{said}"
+        message.contains("1000000000 patches") && message.contains("1.0 GiB"),
+        "{message}"
     );
     let few = refused(PatchSize::Count(2_000), 2 << 20);
     assert!(matches!(few, FactorsError::TooLarge { bytes, .. } if bytes > 2 << 20));
@@ -477,14 +477,14 @@ fn forecasts_are_near_what_comes() {
         };
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let prepared = plan.prepare();
-        let said = prepared.forecast(&Progress::new()).unwrap();
-        let found = prepared.compute(&Progress::new()).unwrap();
-        let ratio = said.pairs as f64 / found.exchange.pairs() as f64;
+        let forecast = prepared.forecast(&Progress::new()).unwrap();
+        let factors = prepared.compute(&Progress::new()).unwrap();
+        let ratio = forecast.pairs as f64 / factors.exchange.pairs() as f64;
         eprintln!(
-            "{} rows, {rays} rays: pairs said/true {ratio:.2}",
-            found.len()
+            "{} rows, {rays} rays: pairs stated/true {ratio:.2}",
+            factors.len()
         );
-        assert_eq!(said.rows, found.len());
+        assert_eq!(forecast.rows, factors.len());
         assert!((0.8..2.5).contains(&ratio), "{ratio}");
     }
 }

@@ -35,18 +35,18 @@ pub fn polygon(scene: &Scene, object: u32) -> Vec<DVec3> {
 }
 
 /// Form factor from object 0 to object 1, over all their patches, with its standard error.
-pub fn between(found: &FormFactors) -> (f64, f64) {
+pub fn between(matrix: &FormFactors) -> (f64, f64) {
     let rows_of = |object: u32| {
-        (0..found.len()).filter(move |&i| found.faces[i] == FaceId { object, face: 0 })
+        (0..matrix.len()).filter(move |&i| matrix.faces[i] == FaceId { object, face: 0 })
     };
     let (mut sum, mut variance) = (0.0, 0.0);
     for i in rows_of(0) {
         for j in rows_of(1) {
-            let (value, error) = found.get(i, j as u32);
-            sum += found.areas[i] * value;
-            variance += (found.areas[i] * f64::from(error)).powi(2);
+            let (value, error) = matrix.get(i, j as u32);
+            sum += matrix.areas[i] * value;
+            variance += (matrix.areas[i] * f64::from(error)).powi(2);
         }
     }
-    let area: f64 = rows_of(0).map(|i| found.areas[i]).sum();
+    let area: f64 = rows_of(0).map(|i| matrix.areas[i]).sum();
     (sum / area, variance.sqrt() / area)
 }

@@ -37,10 +37,10 @@ fn rows_telescope() {
                 .map(|e| e.weight.r)
                 .sum::<f64>()
                 / row.entries.len() as f64;
-            let all = (row.absorbed + row.all_escaped() + row.cut).mean() + sum * diffuse;
+            let whole = (row.absorbed + row.all_escaped() + row.cut).mean() + sum * diffuse;
             assert!(
-                (all - 1.0).abs() < 1e-11,
-                "ρ_d {diffuse}, ρ_s {mirror}: {all} of 1"
+                (whole - 1.0).abs() < 1e-11,
+                "ρ_d {diffuse}, ρ_s {mirror}: {whole} of 1"
             );
             let identity = sum * (1.0 - mirror) + row.cut.mean();
             assert!(
@@ -128,9 +128,12 @@ fn rows_through_gauze() {
         };
         (to_upper(&rows[0]), patches.area(1))
     };
-    let check = |(found, area): (f64, f64), factor: f64, whole: f64| {
+    let check = |(estimate, area): (f64, f64), factor: f64, whole: f64| {
         let spread = (factor * (1.0 - factor) / f64::from(1 << 14)).sqrt();
-        assert!((found - factor).abs() < 4.0 * spread, "{found} of {factor}");
+        assert!(
+            (estimate - factor).abs() < 4.0 * spread,
+            "{estimate} of {factor}"
+        );
         assert!((area - whole).abs() < 1e-12, "{area} of {whole}");
     };
     let plain = || surface(0.5, 0.0, 0.0);

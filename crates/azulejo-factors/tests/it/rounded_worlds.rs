@@ -99,19 +99,19 @@ fn strip(from: f64, to: f64) -> Vec<[f64; 2]> {
 }
 
 /// The factor between objects, and its standard error.
-fn between(found: &FormFactors, from: &[usize], to: &[usize]) -> (f64, f64) {
+fn between(matrix: &FormFactors, from: &[usize], to: &[usize]) -> (f64, f64) {
     let rows = |objects: &[usize]| -> Vec<usize> {
-        let is_of = |&i: &usize| objects.contains(&(found.faces[i].object as usize));
-        (0..found.len()).filter(is_of).collect()
+        let is_of = |&i: &usize| objects.contains(&(matrix.faces[i].object as usize));
+        (0..matrix.len()).filter(is_of).collect()
     };
     let (from, to) = (rows(from), rows(to));
-    let area: f64 = from.iter().map(|&i| found.areas[i]).sum();
+    let area: f64 = from.iter().map(|&i| matrix.areas[i]).sum();
     let (mut sum, mut variance) = (0.0, 0.0);
     for &i in &from {
         for &j in &to {
-            let (f, error) = found.get(i, j as u32);
-            sum += found.areas[i] * f;
-            variance += (found.areas[i] * f64::from(error)).powi(2);
+            let (f, error) = matrix.get(i, j as u32);
+            sum += matrix.areas[i] * f;
+            variance += (matrix.areas[i] * f64::from(error)).powi(2);
         }
     }
     (sum / area, variance.sqrt() / area)
@@ -119,44 +119,44 @@ fn between(found: &FormFactors, from: &[usize], to: &[usize]) -> (f64, f64) {
 
 /// A factor is right but for `slack`, and for what is by chance: five standard errors, each of four replicates.
 #[track_caller]
-fn check_factor(found: &FormFactors, from: &[usize], to: &[usize], truth: f64, slack: f64) {
-    let (f, error) = between(found, from, to);
+fn check_factor(matrix: &FormFactors, from: &[usize], to: &[usize], truth: f64, slack: f64) {
+    let (f, error) = between(matrix, from, to);
     assert!(
         (f - truth).abs() <= slack + 5.0 * error,
         "{} {from:?} {to:?}: {f} ± {error:e}, truth {truth}",
-        found.engine_used.name
+        matrix.engine_used.name
     );
 }
 
 /// The floor sees ceiling and wall, and they the floor, as in the room with its floor in one piece.
 #[track_caller]
-fn check_floor(found: &FormFactors, floor: &[usize], slack: f64) {
+fn check_floor(matrix: &FormFactors, floor: &[usize], slack: f64) {
     let DVec3 { x, y, z } = SIZE;
-    check_factor(found, floor, &[CEILING], opposed(x, y, z), slack);
-    check_factor(found, &[CEILING], floor, opposed(x, y, z), slack);
-    check_factor(found, floor, &[WALL], on_common_edge(x, y, z), slack);
-    check_factor(found, &[WALL], floor, on_common_edge(x, z, y), slack);
+    check_factor(matrix, floor, &[CEILING], opposed(x, y, z), slack);
+    check_factor(matrix, &[CEILING], floor, opposed(x, y, z), slack);
+    check_factor(matrix, floor, &[WALL], on_common_edge(x, y, z), slack);
+    check_factor(matrix, &[WALL], floor, on_common_edge(x, z, y), slack);
 }
 
 /// All entries are shares; a row of some area loses at most the share `lost(area)` of its light, and is off 1 by
 /// no more than that, `slack` and chance.
 #[track_caller]
-fn check_rows(found: &FormFactors, slack: f64, lost: impl Fn(f64) -> f64) {
-    let (sums, noise) = (found.row_sums(), found.noise_of_sums());
-    for i in 0..found.len() {
+fn check_rows(matrix: &FormFactors, slack: f64, lost: impl Fn(f64) -> f64) {
+    let (sums, noise) = (matrix.row_sums(), matrix.noise_of_sums());
+    for i in 0..matrix.len() {
         let off = (sums[i] - 1.0).abs();
-        let (at_most, lost) = (slack + 5.0 * noise[i], lost(found.areas[i]));
-        let name = &found.engine_used.name;
+        let (at_most, lost) = (slack + 5.0 * noise[i], lost(matrix.areas[i]));
+        let name = &matrix.engine_used.name;
         assert!(off <= at_most + lost, "{name} row {i}: 1 - {off:e}");
-        let rest = found.rest[i].sum();
+        let rest = matrix.rest[i].sum();
         assert!(rest <= lost, "{name} row {i} loses {rest:e}");
-        assert!(found.row(i).all(|(_, f, _)| (0.0..=1.0).contains(&f)));
+        assert!(matrix.row(i).all(|(_, f, _)| (0.0..=1.0).contains(&f)));
     }
 }
 
 /// What a few rays of a row that go astray stand for.
-fn few_rays(found: &FormFactors) -> f64 {
-    match found.engine_used.name.as_str() {
+fn few_rays(matrix: &FormFactors) -> f64 {
+    match matrix.engine_used.name.as_str() {
         "analytic" => 0.0,
         _ => 4.0 / f64::from(RAYS),
     }
@@ -173,14 +173,14 @@ fn t_joints_stay_closed() {
         // Lengths are some metres: the unit in the last place is about the share that rounding moves.
         let unit = 10f64.powi(-decimals);
         for engine in engines() {
-            let found = compute(&turned, &engine);
+            let matrix = compute(&turned, &engine);
             // With six decimals a joint gapes less than single precision tells: no ray passes. With four, some
             // do, and rays and hemicubes may take the room for open.
             let gapes = decimals == 4 && engine != Engine::Analytic;
-            let leak = if gapes { few_rays(&found) } else { 0.0 };
-            check_rows(&found, unit, |_| unit + leak);
-            check_floor(&found, &floor, unit);
-            assert!(gapes || found.is_closed, "{k} {decimals} {engine:?}");
+            let leak = if gapes { few_rays(&matrix) } else { 0.0 };
+            check_rows(&matrix, unit, |_| unit + leak);
+            check_floor(&matrix, &floor, unit);
+            assert!(gapes || matrix.is_closed, "{k} {decimals} {engine:?}");
         }
     }
 }
@@ -194,17 +194,17 @@ fn cracks_let_out_their_own_light() {
         let (scene, floor) = room_with_floor(&[strip(0.0, x), strip(x + width, SIZE.x)]);
         let crack = width * SIZE.y;
         for engine in engines() {
-            let found = compute(&scene, &engine);
-            let lost = |area: f64| crack / area + few_rays(&found);
-            check_rows(&found, 1e-10, lost);
-            check_floor(&found, &floor, crack / (SIZE.y * SIZE.z));
+            let matrix = compute(&scene, &engine);
+            let lost = |area: f64| crack / area + few_rays(&matrix);
+            check_rows(&matrix, 1e-10, lost);
+            check_floor(&matrix, &floor, crack / (SIZE.y * SIZE.z));
         }
-        let found = compute(&scene, &Engine::Analytic);
-        let rows = found.areas.iter().zip(found.row_sums());
+        let matrix = compute(&scene, &Engine::Analytic);
+        let rows = matrix.areas.iter().zip(matrix.row_sums());
         let lacking: f64 = rows.map(|(area, sum)| area * (1.0 - sum)).sum();
         assert!((lacking / crack - 1.0).abs() < 1e-6, "{lacking} of {crack}");
         // A millionth of a row's light is what counts as a leak.
-        assert_eq!(found.is_closed, is_closed, "{width}");
+        assert_eq!(matrix.is_closed, is_closed, "{width}");
         // Turned and rounded, the crack is as wide but for the last digit.
         let digits = Digits::Decimals(6);
         let turned = compute(&posed(&scene, &pose(3, 10.0), digits), &Engine::Analytic);
@@ -226,17 +226,17 @@ fn room_with_sliver(height: f64) -> (Scene, Vec<usize>) {
 fn slivers_disturb_no_other_row() {
     for height in [1e-4, 1e-6] {
         let (straight, floor) = room_with_sliver(height);
-        let found = compute(&straight, &Engine::Analytic);
-        check_rows(&found, 1e-9, |_| 1e-9);
-        check_floor(&found, &floor, 1e-12);
-        assert!(found.is_closed);
+        let matrix = compute(&straight, &Engine::Analytic);
+        check_rows(&matrix, 1e-9, |_| 1e-9);
+        check_floor(&matrix, &floor, 1e-12);
+        assert!(matrix.is_closed);
         for decimals in [7, 6] {
             let scene = posed(&straight, &pose(2, 10.0), Digits::Decimals(decimals));
             for engine in engines() {
-                let found = compute(&scene, &engine);
-                let note = found.engine_used.notes.join("; ");
-                check_sliver(&found);
-                check_floor(&found, &floor, 2.0 * 10f64.powi(-decimals));
+                let matrix = compute(&scene, &engine);
+                let note = matrix.engine_used.notes.join("; ");
+                check_sliver(&matrix);
+                check_floor(&matrix, &floor, 2.0 * 10f64.powi(-decimals));
                 let says = note.contains("1 rows are less than 100 times as wide");
                 assert_eq!(says, engine != Engine::Analytic, "{note}");
             }
@@ -264,9 +264,9 @@ fn slivers_open_no_room() {
             closure: Closure::Closed,
             ..options(&Engine::Rays)
         };
-        let found = form_factors(scene, &Tracer::new(scene), &options, &Progress::new()).unwrap();
-        assert!(raw.is_closed && found.is_closed && found.closed.is_some());
-        for (sum, rest) in found.row_sums().iter().zip(&found.rest) {
+        let matrix = form_factors(scene, &Tracer::new(scene), &options, &Progress::new()).unwrap();
+        assert!(raw.is_closed && matrix.is_closed && matrix.closed.is_some());
+        for (sum, rest) in matrix.row_sums().iter().zip(&matrix.rest) {
             assert_eq!(rest.escaped(), 0.0);
             assert!((sum + rest.hidden - 1.0).abs() < 1e-7, "{sum} {rest:?}");
         }
@@ -276,17 +276,17 @@ fn slivers_open_no_room() {
 /// All rows are closed but that of the sliver, object 0, which sees less rather than more: rounding turned it by
 /// itself, and rays cannot start on it alone.
 #[track_caller]
-fn check_sliver(found: &FormFactors) {
-    let (sums, noise) = (found.row_sums(), found.noise_of_sums());
-    for i in 0..found.len() {
+fn check_sliver(matrix: &FormFactors) {
+    let (sums, noise) = (matrix.row_sums(), matrix.noise_of_sums());
+    for i in 0..matrix.len() {
         let slack = 1e-6 + 5.0 * noise[i];
-        let least = match found.faces[i].object {
+        let least = match matrix.faces[i].object {
             0 => 0.8,
             _ => 1.0 - slack,
         };
         assert!((least..=1.0 + slack).contains(&sums[i]), "{i}: {}", sums[i]);
-        let (to_sliver, _) = between(found, &[found.faces[i].object as usize], &[0]);
-        assert!(to_sliver * found.areas[i] <= found.areas[0] * (1.0 + 1e-9));
+        let (to_sliver, _) = between(matrix, &[matrix.faces[i].object as usize], &[0]);
+        assert!(to_sliver * matrix.areas[i] <= matrix.areas[0] * (1.0 + 1e-9));
     }
 }
 
@@ -303,10 +303,10 @@ fn sheets_back_to_back_are_one_wall() {
     for (scene, slack) in [(&scene, 1e-10), (&turned, 1e-6)] {
         assert!(flaws(scene).is_empty());
         for engine in engines() {
-            let found = compute(scene, &engine);
-            check_floor(&found, &[0], slack);
-            assert_eq!(between(&found, &[twin], &[0, 1, 2, 3, 4, 5]), (0.0, 0.0));
-            assert!(found.is_closed);
+            let matrix = compute(scene, &engine);
+            check_floor(&matrix, &[0], slack);
+            assert_eq!(between(&matrix, &[twin], &[0, 1, 2, 3, 4, 5]), (0.0, 0.0));
+            assert!(matrix.is_closed);
         }
     }
 }
@@ -332,9 +332,9 @@ fn sheets_back_to_back_may_be_divided_in_other_ways() {
     let turned = posed(&scene, &pose(1, 10.0), Digits::Decimals(6));
     for (scene, slack) in [(&scene, 1e-10), (&turned, 1e-6)] {
         for engine in engines() {
-            let found = compute(scene, &engine);
-            check_floor(&found, &[0], slack);
-            assert_eq!(between(&found, &[twin], &[0, 1, 2, 3, 4, 5]), (0.0, 0.0));
+            let matrix = compute(scene, &engine);
+            check_floor(&matrix, &[0], slack);
+            assert_eq!(between(&matrix, &[twin], &[0, 1, 2, 3, 4, 5]), (0.0, 0.0));
         }
     }
 }
@@ -354,11 +354,11 @@ fn doubled_sheets_are_named() {
         let refused = ask(scene, &Engine::Analytic);
         assert!(matches!(refused, Err(FactorsError::Doubtful { .. })));
         for engine in rays_and_hemicubes() {
-            let found = compute(scene, &engine);
-            assert_eq!(between(&found, &[0], &[twin]).0, 0.0);
+            let matrix = compute(scene, &engine);
+            assert_eq!(between(&matrix, &[0], &[twin]).0, 0.0);
             let truth = opposed(SIZE.x, SIZE.y, SIZE.z);
-            check_factor(&found, &[0], &[CEILING], truth, 0.0);
-            check_factor(&found, &[CEILING], &[0, twin], 1.5 * truth, 0.0);
+            check_factor(&matrix, &[0], &[CEILING], truth, 0.0);
+            check_factor(&matrix, &[CEILING], &[0, twin], 1.5 * truth, 0.0);
         }
     }
 }
@@ -396,20 +396,20 @@ fn two_slabs(at: DVec3, width: f64, thickness: f64) -> Vec<Vec<DVec3>> {
 /// The slabs whose lower one starts at object `first` see each other as two squares at the distance of their
 /// side, and nothing of themselves.
 #[track_caller]
-fn check_slabs(found: &FormFactors, first: usize, slack: f64) {
+fn check_slabs(matrix: &FormFactors, first: usize, slack: f64) {
     let side = |slab: usize, face: usize| [first + slab * FACES + face];
     let f = opposed(1.0, 1.0, 1.0);
     assert!((f - 0.199_825).abs() < 1e-6);
-    check_factor(found, &side(0, TOP), &side(1, BOTTOM), f, slack);
-    check_factor(found, &side(1, BOTTOM), &side(0, TOP), f, slack);
+    check_factor(matrix, &side(0, TOP), &side(1, BOTTOM), f, slack);
+    check_factor(matrix, &side(1, BOTTOM), &side(0, TOP), f, slack);
     for (a, b) in [
         (side(0, TOP), side(0, BOTTOM)),
         (side(1, TOP), side(1, BOTTOM)),
         (side(0, BOTTOM), side(1, BOTTOM)),
         (side(0, TOP), side(1, TOP)),
     ] {
-        assert_eq!(between(found, &a, &b).0, 0.0);
-        assert_eq!(between(found, &b, &a).0, 0.0);
+        assert_eq!(between(matrix, &a, &b).0, 0.0);
+        assert_eq!(between(matrix, &b, &a).0, 0.0);
     }
 }
 
@@ -443,17 +443,17 @@ fn thin_slabs_on_a_plain() {
     let mut polygons = two_slabs(at, 1.0, 1e-3);
     polygons.push(ground.map(|[x, y]| dvec3(x, y, 0.0)).to_vec());
     let scene = posed(&sheets(&polygons), &DAffine3::IDENTITY, Digits::Decimals(4));
-    let found = compute(&scene, &Engine::Analytic);
-    check_slabs(&found, 0, 1e-6);
+    let matrix = compute(&scene, &Engine::Analytic);
+    check_slabs(&matrix, 0, 1e-6);
     let ground = polygons.len() - 1;
     // The ground fills the view of the lowest face but for the horizon, (12.5 / 3000)² / 2 of it at most.
-    check_factor(&found, &[BOTTOM], &[ground], 1.0, 1e-5);
+    check_factor(&matrix, &[BOTTOM], &[ground], 1.0, 1e-5);
     for engine in rays_and_hemicubes() {
-        let found = compute(&scene, &engine);
-        let notes = found.engine_used.notes.join("; ");
+        let matrix = compute(&scene, &engine);
+        let notes = matrix.engine_used.notes.join("; ");
         assert!(!notes.contains("times as wide"), "{notes}");
         // Five standard errors.
-        check_slabs(&found, 0, 4e-3);
+        check_slabs(&matrix, 0, 4e-3);
     }
 }
 
@@ -465,18 +465,18 @@ fn thin_slabs_at_both_ends_of_a_world() {
     let first = polygons.len();
     polygons.extend(two_slabs(dvec3(10_000.0, 0.0, 0.0), 1.0, 1e-3));
     let scene = sheets(&polygons);
-    let found = compute(&scene, &Engine::Analytic);
+    let matrix = compute(&scene, &Engine::Analytic);
     for at in [0, first] {
-        check_slabs(&found, at, 1e-6);
+        check_slabs(&matrix, at, 1e-6);
     }
     for engine in rays_and_hemicubes() {
-        let found = compute(&scene, &engine);
-        let notes = found.engine_used.notes.join("; ");
+        let matrix = compute(&scene, &engine);
+        let notes = matrix.engine_used.notes.join("; ");
         let expected = "12 rows are less than 100 times as wide";
         assert!(notes.contains(expected), "{notes}");
         // dF/dgap is about −0.3 per metre.
         for at in [0, first] {
-            check_slabs(&found, at, 0.3 * 0.04);
+            check_slabs(&matrix, at, 0.3 * 0.04);
         }
     }
 }
@@ -532,17 +532,17 @@ fn streets_in_city_coordinates() {
             _ => 0.15 * 0.7 * 10f64.powi(-decimals),
         };
         for engine in engines() {
-            let found = compute(&scene, &engine);
-            check_factor(&found, &[0], &[1], to_wall, slack);
-            check_factor(&found, &[2], &[0], to_ground, slack);
-            check_factor(&found, &[1], &[2], across, slack);
-            let noise = found.noise_of_sums()[0];
-            let sky = found.rest[0].sky;
+            let matrix = compute(&scene, &engine);
+            check_factor(&matrix, &[0], &[1], to_wall, slack);
+            check_factor(&matrix, &[2], &[0], to_ground, slack);
+            check_factor(&matrix, &[1], &[2], across, slack);
+            let noise = matrix.noise_of_sums()[0];
+            let sky = matrix.rest[0].sky;
             assert!(
                 (sky - (1.0 - 2.0 * to_wall)).abs() <= 2.0 * slack + 5.0 * noise,
                 "{sky}"
             );
-            assert!(!found.is_closed);
+            assert!(!matrix.is_closed);
         }
     }
 }
