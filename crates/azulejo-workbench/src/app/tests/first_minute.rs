@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::command::FileRequest;
-use crate::document::{NewLightKind, NewShapeKind};
+use crate::document::{Example, NewLightKind, NewShapeKind};
 use crate::view::{Shading, sees_all};
 use azulejo::scene::synthetic::cube_room;
 
@@ -199,4 +199,16 @@ fn a_failure_stays_until_it_is_seen_or_something_else_is_done() {
     assert!(app.failure.is_some(), "looking around is no answer");
     app.execute(Command::DismissFailure);
     assert_eq!(app.failure, None);
+}
+
+#[test]
+fn every_example_is_a_valid_scene_with_light_and_a_view() {
+    for example in Example::ALL {
+        let mut app = App::quiet();
+        app.execute(Command::OpenExample(example));
+        assert_eq!(app.errors, 0, "{:?}", app.messages);
+        app.document.scene().validate().unwrap();
+        assert!(app.document.has_light() && !app.document.cameras.is_empty());
+        assert!(!app.is_changed(), "an example is nothing to save");
+    }
 }

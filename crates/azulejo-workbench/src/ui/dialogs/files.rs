@@ -235,8 +235,8 @@ fn file_types(what: FileRequest, cx: &PanelContext) -> Vec<(String, Vec<String>)
             request::title(what, cx).to_owned()
         };
         let upper = extensions.iter().map(|e| e.to_uppercase());
-        let all = extensions.iter().map(|e| (*e).to_owned());
-        types.push((name, all.chain(upper).collect()));
+        let lower = extensions.iter().map(|e| (*e).to_owned());
+        types.push((name, lower.chain(upper).collect()));
     }
     types.push((cx.tr("All files").to_owned(), vec!["*".into()]));
     types

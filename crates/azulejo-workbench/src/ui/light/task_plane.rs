@@ -2,9 +2,10 @@
 
 use super::super::panel_context::PanelContext;
 use super::row;
+use crate::app::TaskPlane;
 use crate::app::light_unit::ShownUnit;
-use crate::app::{MAX_POINTS, TaskGrid, TaskPlane, TaskPlaneSettings};
 use crate::command::{Command, FileRequest};
+use crate::document::{MAX_POINTS, TaskGrid, TaskPlaneSettings};
 use crate::jobs::JobKind;
 use crate::ui::inputs;
 use crate::ui::viewport::number;

@@ -1,174 +1,104 @@
 //! Steps that bake lightmaps, save and show them.
 
-use super::fields::{number, path, split, whole};
-use crate::app::App;
+use super::fields::{number, one_of, path, percent, split, unless, whole};
+use super::step::{ScriptStep, StepResult, command, commands};
 use crate::bake::{BakeSettings, LightmapFile};
 use crate::command::Command;
 use crate::ui::lightmap::LightmapView;
 use azulejo::formats::gltf::patch::Convention;
 use azulejo::lightmap::{BakedLight, BakedSides};
-use std::path::PathBuf;
-
-/// What a step about lightmaps does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum BakeStep {
-    /// `bake`, `bake size=512 error=5%`: bakes with these settings, and otherwise those of before.
-    Bake(Vec<BakeOption>),
-    /// `save-lightmap FILE`: the model as `.glb` or `.gltf`, or irradiance as `.exr`.
-    Save(PathBuf),
-    /// `save-error-map FILE`: the standard error as `.exr`.
-    SaveErrorMap(PathBuf),
-    /// `lightmap VIEW`, `lightmap VIEW PAGE`, `lightmap none`: what the window with it shows.
-    Show(Option<(LightmapView, u32)>),
-}
-
-/// An option of `bake`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BakeOption {
-    /// `size=512`
-    Size(u32),
-    /// `texels-per-metre=20`
-    Density(f64),
-    /// `error=5%`
-    Error(f64),
-    /// `light=total`, `indirect`, `direct`
-    Light(BakedLight),
-    /// `sides=usual`, `front`, `brighter`
-    Sides(Option<BakedSides>),
-    /// `as=moz`, `mx`, `plain`
-    Convention(Convention),
-}
 
 /// The step of this first word; `None` if it is about something else.
-pub(super) fn parse(word: &str, rest: &str) -> Option<Result<BakeStep, String>> {
+pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
     Some(match word {
-        "bake" => {
-            let options: Result<Vec<_>, _> = rest.split_whitespace().map(option).collect();
-            options.map(BakeStep::Bake)
-        }
-        "save-lightmap" => path(word, rest).map(BakeStep::Save),
-        "save-error-map" => path(word, rest).map(BakeStep::SaveErrorMap),
-        "lightmap" => show(rest),
+        "bake" => bake(rest),
+        "save-lightmap" => path(word, rest).map(|path| {
+            let extension = path.extension().map(|e| e.to_ascii_lowercase());
+            let what = match extension.is_some_and(|e| e == "exr") {
+                true => LightmapFile::Irradiance,
+                false => LightmapFile::Model,
+            };
+            command(Command::SaveLightmap(what, path))
+        }),
+        "save-error-map" => path(word, rest)
+            .map(|path| command(Command::SaveLightmap(LightmapFile::StandardError, path))),
+        "lightmap" => unless("none", rest, page).map(ScriptStep::ShowLightmap),
         _ => return None,
     })
 }
 
-fn option(text: &str) -> Result<BakeOption, String> {
-    let (key, value) = text.split_once('=').unwrap_or((text, ""));
-    Ok(match key {
+/// `bake`, `bake size=512 error=5%`: with these settings, and otherwise those of before.
+fn bake(text: &str) -> StepResult {
+    // Applied once before the script runs, so that mistakes are reported at its start.
+    let mut settings = BakeSettings::default();
+    (text.split_whitespace()).try_for_each(|option| set(&mut settings, option))?;
+    let text = text.to_owned();
+    Ok(commands(move |app| {
+        let mut settings = app.lightmap.settings;
+        (text.split_whitespace()).try_for_each(|option| set(&mut settings, option))?;
+        Ok(vec![Command::SetBake(settings), Command::Bake])
+    }))
+}
+
+/// Changes settings by an option such as `size=512`.
+fn set(settings: &mut BakeSettings, option: &str) -> Result<(), String> {
+    let (key, value) = option.split_once('=').unwrap_or((option, ""));
+    match key {
         "size" => match whole(value, 8192)? {
             few @ ..16 => return Err(format!("a page of {few} texels, expected 16 to 8192")),
-            size => BakeOption::Size(size),
+            size => (settings.size, settings.texels_per_metre) = (size, None),
         },
         "texels-per-metre" => match number(value)? {
-            density if density > 0.0 => BakeOption::Density(density),
+            density if density > 0.0 => settings.texels_per_metre = Some(density),
             density => return Err(format!("{density} texels per metre, expected more than 0")),
         },
-        "error" => {
-            let percent = value.strip_suffix('%').and_then(|t| t.parse().ok());
-            let valid = percent.filter(|p: &f64| (0.1..=100.0).contains(p));
-            let error =
-                valid.ok_or_else(|| format!("\"{value}\" is not an error, expected as in 5%"))?;
-            BakeOption::Error(error / 100.0)
-        }
-        "light" => BakeOption::Light(one(
-            key,
-            value,
-            &[
-                ("total", BakedLight::Total),
-                ("indirect", BakedLight::Indirect),
-                ("direct", BakedLight::Direct),
-            ],
-        )?),
-        "sides" => BakeOption::Sides(one(
-            key,
-            value,
-            &[
-                ("usual", None),
-                ("front", Some(BakedSides::Front)),
-                ("brighter", Some(BakedSides::Brighter)),
-                ("both", Some(BakedSides::Both)),
-            ],
-        )?),
-        "as" => BakeOption::Convention(one(
-            key,
-            value,
-            &[
-                ("moz", Convention::Moz),
-                ("mx", Convention::Mx),
-                ("plain", Convention::Plain),
-            ],
-        )?),
+        "error" => settings.error = percent(value, 0.1)?,
+        "light" => settings.light = one(key, value, &LIGHTS)?,
+        "sides" => settings.sides = one(key, value, &SIDES)?,
+        "as" => settings.convention = one(key, value, &CONVENTIONS)?,
         other => {
             return Err(format!(
                 "bake \"{other}\", expected size, texels-per-metre, error, light, sides or as"
             ));
         }
-    })
-}
-
-/// One of some words.
-fn one<T: Copy>(key: &str, value: &str, all: &[(&str, T)]) -> Result<T, String> {
-    let found = all.iter().find(|(word, _)| *word == value);
-    found.map(|(_, one)| *one).ok_or_else(|| {
-        let words: Vec<&str> = all.iter().map(|(word, _)| *word).collect();
-        format!("{key} \"{value}\", expected {}", words.join(", "))
-    })
-}
-
-fn show(text: &str) -> Result<BakeStep, String> {
-    if text == "none" {
-        return Ok(BakeStep::Show(None));
     }
+    Ok(())
+}
+
+const LIGHTS: [(&str, BakedLight); 3] = [
+    ("total", BakedLight::Total),
+    ("indirect", BakedLight::Indirect),
+    ("direct", BakedLight::Direct),
+];
+
+const SIDES: [(&str, Option<BakedSides>); 4] = [
+    ("usual", None),
+    ("front", Some(BakedSides::Front)),
+    ("brighter", Some(BakedSides::Brighter)),
+    ("both", Some(BakedSides::Both)),
+];
+
+const CONVENTIONS: [(&str, Convention); 3] = [
+    ("moz", Convention::Moz),
+    ("mx", Convention::Mx),
+    ("plain", Convention::Plain),
+];
+
+/// What one of some words stands for.
+fn one<T: Copy>(key: &str, value: &str, words: &[(&str, T)]) -> Result<T, String> {
+    one_of(key, value, words, |(word, _)| word.to_owned()).map(|(_, meaning)| meaning)
+}
+
+/// `VIEW`, `VIEW PAGE`: what the window with the lightmap shows.
+fn page(text: &str) -> Result<(LightmapView, u32), String> {
     let (view, page) = split(text);
-    let names = LightmapView::ALL.map(|view| (view.script_name(), view));
-    let view = one("lightmap", view, &names).map_err(|e| format!("{e}, none"))?;
-    let page = match page {
-        "" => 1,
-        page => whole(page, 65_536)?,
+    let view = one_of("lightmap view", view, &LightmapView::ALL, |view| {
+        view.script_name().to_owned()
+    })?;
+    let page = if page.is_empty() {
+        1
+    } else {
+        whole(page, 65_536)?
     };
-    Ok(BakeStep::Show(Some((view, page))))
-}
-
-impl BakeStep {
-    /// The commands of the step.
-    pub(super) fn commands(self, app: &App) -> Result<Vec<Command>, String> {
-        Ok(match self {
-            BakeStep::Bake(options) => {
-                let mut settings = app.lightmap.settings;
-                options.into_iter().for_each(|one| one.set(&mut settings));
-                vec![Command::SetBake(settings), Command::Bake]
-            }
-            BakeStep::Save(path) => {
-                let is_exr = path
-                    .extension()
-                    .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-                let what = if is_exr {
-                    LightmapFile::Irradiance
-                } else {
-                    LightmapFile::Model
-                };
-                vec![Command::SaveLightmap(what, path)]
-            }
-            BakeStep::SaveErrorMap(path) => {
-                vec![Command::SaveLightmap(LightmapFile::StandardError, path)]
-            }
-            BakeStep::Show(_) => return Err("a step of the window".to_owned()),
-        })
-    }
-}
-
-impl BakeOption {
-    fn set(self, settings: &mut BakeSettings) {
-        match self {
-            BakeOption::Size(size) => {
-                (settings.size, settings.texels_per_metre) = (size, None);
-            }
-            BakeOption::Density(density) => settings.texels_per_metre = Some(density),
-            BakeOption::Error(error) => settings.error = error,
-            BakeOption::Light(light) => settings.light = light,
-            BakeOption::Sides(sides) => settings.sides = sides,
-            BakeOption::Convention(convention) => settings.convention = convention,
-        }
-    }
+    Ok((view, page))
 }

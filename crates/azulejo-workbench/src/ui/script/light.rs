@@ -1,81 +1,144 @@
 //! Steps `light ...`: what the one selected light becomes.
 
 use super::fields::{finite, number, numbers, one_of, path, split, vector};
+use super::step::{StepResult, commands};
 use crate::app::App;
 use crate::command::Command;
 use crate::document::{Edit, SceneLight, SkySettings};
 use azulejo::scene::sky::{CieSky, PerezWeather, SkyDistribution, SunPosition, TYPICAL_DEW_POINT};
-use azulejo::scene::{Environment, EnvironmentSource, Light, LightKind, Rgb};
+use azulejo::scene::{Environment, EnvironmentSource, LightKind, Rgb};
 use glam::DVec3;
-use std::path::PathBuf;
-
-/// What a step `light ...` does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightStep {
-    /// `color R G B`: intensity, irradiance or radiance; of skies and pictures a factor.
-    Color(DVec3),
-    /// `position X Y Z`: of points and spots.
-    Position(DVec3),
-    /// `direction X Y Z`: of spots and suns.
-    Direction(DVec3),
-    /// `cone INNER OUTER`: half angles of a spot, degrees.
-    Cone(f64, f64),
-    /// `sun AZIMUTH ELEVATION`: the place of a sun, or of a sky's, degrees.
-    Sun(f64, f64),
-    /// `size DEGREES`: the angle that the disc of a sun subtends.
-    Size(f64),
-    /// `sky uniform`, `sky 1` to `sky 16`: the type of a sky.
-    Sky(SkyDistribution),
-    /// `level E`: irradiance of level ground by a sky.
-    Level(f64),
-    /// `ground REFLECTANCE`: of the ground below a sky.
-    Ground(f64),
-    /// `weather DNI DHI`, `weather DNI DHI DEWPOINT DAY`: makes a sky of weather.
-    Weather(PerezWeather),
-    /// `picture FILE`: gives an environment another picture.
-    Picture(PathBuf),
-    /// `rotation DEGREES`: of a picture.
-    Rotation(f64),
-    /// `extract-sun`: takes the sun out of a picture.
-    ExtractSun,
-}
 
 /// Parses what follows `light`.
-pub(super) fn parse(text: &str) -> Result<LightStep, String> {
+pub(super) fn parse(text: &str) -> StepResult {
+    use LightKind::{Directional, Point, Spot};
     let (word, rest) = split(text);
-    Ok(match word {
-        "color" => LightStep::Color(vector(rest)?),
-        "position" => LightStep::Position(vector(rest)?),
-        "direction" => LightStep::Direction(vector(rest)?),
-        "cone" => {
-            let [inner, outer] = numbers(rest)?;
-            LightStep::Cone(inner, outer)
+    match word {
+        "color" => set(vector(rest), |_, kind, c| {
+            assign(color(kind), Rgb::from(c.to_array()))
+        }),
+        "position" => set(vector(rest), |_, kind, to| match kind {
+            Point { position, .. } | Spot { position, .. } => assign(position, to),
+            _ => false,
+        }),
+        "direction" => set(direction(rest), |_, kind, to| match kind {
+            Spot { direction, .. } | Directional { direction, .. } => assign(direction, to),
+            _ => false,
+        }),
+        "cone" => set(numbers::<2>(rest), |_, kind, degrees| {
+            let [from, to] = degrees.map(f64::to_radians);
+            match kind {
+                Spot { inner, outer, .. } => assign(inner, from) && assign(outer, to),
+                _ => false,
+            }
+        }),
+        "sun" => set(numbers(rest), move_sun),
+        "size" => set(number(rest), |_, kind, degrees| match kind {
+            Directional { half_angle, .. } => assign(half_angle, 0.5 * degrees.to_radians()),
+            _ => false,
+        }),
+        "sky" => set_sky(distribution(rest), |sky, kind| sky.distribution = kind),
+        "level" => set_sky(number(rest), |sky, level| sky.irradiance = level),
+        "ground" => set_sky(number(rest), |sky, share| sky.reflectance = share),
+        "weather" => {
+            let weather = weather(rest)?;
+            edit(move |app, lamp| {
+                let (_, settings) = sky(app, &lamp.light.kind).ok_or(NO_SUCH_PROPERTY)?;
+                let sun_altitude = app.document.compass(settings.toward).altitude;
+                let weather = PerezWeather {
+                    sun_altitude,
+                    ..weather
+                };
+                Ok(Command::Edit(Edit::SetWeather(lamp.id, weather), None))
+            })
         }
-        "sun" => {
-            let [azimuth, elevation] = numbers(rest)?;
-            LightStep::Sun(azimuth, elevation)
+        "picture" => {
+            let path = path("light picture", rest)?;
+            edit(|_, lamp| Ok(Command::LoadEnvironment(path, Some(lamp.id))))
         }
-        "size" => LightStep::Size(number(rest)?),
-        "sky" => LightStep::Sky(distribution(rest)?),
-        "level" => LightStep::Level(number(rest)?),
-        "ground" => LightStep::Ground(number(rest)?),
-        "weather" => LightStep::Weather(weather(rest)?),
-        "picture" => LightStep::Picture(path("light picture", rest)?),
-        "rotation" => LightStep::Rotation(number(rest)?),
-        "extract-sun" => LightStep::ExtractSun,
-        other => {
-            return Err(format!(
-                "light \"{other}\", expected color, position, direction, cone, sun, size, sky, level, \
-                 ground, weather, picture, rotation or extract-sun"
-            ));
+        "rotation" => set(number(rest), |app, kind, degrees| match kind {
+            LightKind::Environment(environment) => {
+                let up = app.document.units.up;
+                let turned = environment.with_north(up, degrees.to_radians());
+                assign(environment, turned)
+            }
+            _ => false,
+        }),
+        "extract-sun" => edit(|_, lamp| Ok(Command::Edit(Edit::ExtractSun(lamp.id), None))),
+        other => Err(format!(
+            "light \"{other}\", expected color, position, direction, cone, sun, size, sky, level, \
+             ground, weather, picture, rotation or extract-sun"
+        )),
+    }
+}
+
+const NO_SUCH_PROPERTY: &str = "a light of this kind has no such property";
+
+/// A step that makes one command for the selected light.
+fn edit(make: impl FnOnce(&App, &SceneLight) -> Result<Command, String> + 'static) -> StepResult {
+    Ok(commands(|app| Ok(vec![make(app, selected_light(app)?)?])))
+}
+
+/// A step that changes the selected light by a value; `change` returns whether lights of this kind have
+/// the property.
+fn set<T: 'static>(
+    value: Result<T, String>,
+    change: impl FnOnce(&App, &mut LightKind, T) -> bool + 'static,
+) -> StepResult {
+    let value = value?;
+    edit(move |app, lamp| {
+        let mut light = lamp.light.clone();
+        if !change(app, &mut light.kind, value) {
+            return Err(NO_SUCH_PROPERTY.into());
         }
+        Ok(Command::Edit(Edit::SetLight(lamp.id, light), None))
     })
 }
 
+/// A step that changes the selected sky by a value.
+fn set_sky<T: 'static>(
+    value: Result<T, String>,
+    change: impl FnOnce(&mut SkySettings, T) + 'static,
+) -> StepResult {
+    set(value, |app, kind, value| {
+        let Some((mut environment, mut settings)) = sky(app, kind) else {
+            return false;
+        };
+        change(&mut settings, value);
+        environment.source = EnvironmentSource::Sky(app.document.sky_of(&environment, &settings));
+        assign(kind, LightKind::Environment(environment))
+    })
+}
+
+fn assign<T>(place: &mut T, value: T) -> bool {
+    *place = value;
+    true
+}
+
+/// Moves a sun, or that of a sky, to azimuth and elevation in degrees.
+fn move_sun(app: &App, kind: &mut LightKind, degrees: [f64; 2]) -> bool {
+    let [azimuth, altitude] = degrees.map(f64::to_radians);
+    let toward = app.document.toward(SunPosition { altitude, azimuth });
+    if let LightKind::Directional { direction, .. } = kind {
+        return assign(direction, -toward);
+    }
+    let Some((mut environment, settings)) = sky(app, kind) else {
+        return false;
+    };
+    let settings = SkySettings { toward, ..settings };
+    environment.source = EnvironmentSource::Sky(app.document.sky_of(&environment, &settings));
+    assign(kind, LightKind::Environment(environment))
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let direction = vector(text)?.try_normalize();
+    direction.ok_or_else(|| "the direction has no length".to_owned())
+}
+
 fn distribution(text: &str) -> Result<SkyDistribution, String> {
-    let mut all = vec![SkyDistribution::Uniform];
-    all.extend(CieSky::all().map(SkyDistribution::Cie));
-    one_of("sky", text, &all, |sky| match sky {
+    let mut skies = vec![SkyDistribution::Uniform];
+    skies.extend(CieSky::all().map(SkyDistribution::Cie));
+    one_of("sky", text, &skies, |sky| match sky {
         SkyDistribution::Cie(sky) => sky.number().to_string(),
         _ => "uniform".to_owned(),
     })
@@ -96,78 +159,6 @@ fn weather(text: &str) -> Result<PerezWeather, String> {
     })
 }
 
-impl LightStep {
-    /// The commands of the step.
-    pub(super) fn commands(self, app: &App) -> Result<Vec<Command>, String> {
-        let lamp = selected_light(app)?;
-        let edit = match self {
-            LightStep::Picture(path) => {
-                return Ok(vec![Command::LoadEnvironment(path, Some(lamp.id))]);
-            }
-            LightStep::ExtractSun => Edit::ExtractSun(lamp.id),
-            LightStep::Weather(weather) => {
-                let (_, settings) = sky(app, &lamp.light.kind)?;
-                let sun_altitude = app.document.compass(settings.toward).altitude;
-                let weather = PerezWeather {
-                    sun_altitude,
-                    ..weather
-                };
-                Edit::SetWeather(lamp.id, weather)
-            }
-            other => {
-                let kind = other.changed(app, lamp.light.kind)?;
-                let name = lamp.light.name.clone();
-                Edit::SetLight(lamp.id, Light { name, kind })
-            }
-        };
-        Ok(vec![Command::Edit(edit, None)])
-    }
-
-    /// The light that a step makes of another.
-    fn changed(self, app: &App, mut kind: LightKind) -> Result<LightKind, String> {
-        use LightKind::{Directional, Environment, Point, Spot};
-        match (self, &mut kind) {
-            (LightStep::Color(c), kind) => *color(kind) = Rgb::from(c.to_array()),
-            (LightStep::Position(to), Point { position, .. } | Spot { position, .. }) => {
-                *position = to;
-            }
-            (LightStep::Direction(to), Spot { direction, .. } | Directional { direction, .. }) => {
-                *direction = to.try_normalize().ok_or("the direction has no length")?;
-            }
-            (LightStep::Cone(from, to), Spot { inner, outer, .. }) => {
-                (*inner, *outer) = (from.to_radians(), to.to_radians());
-            }
-            (LightStep::Sun(azimuth, elevation), Directional { direction, .. }) => {
-                *direction = -toward(app, azimuth, elevation);
-            }
-            (LightStep::Size(degrees), Directional { half_angle, .. }) => {
-                *half_angle = 0.5 * degrees.to_radians();
-            }
-            (LightStep::Rotation(degrees), Environment(environment)) => {
-                let up = app.document.units.up;
-                *environment = environment.with_north(up, degrees.to_radians());
-            }
-            (step, kind) => return step.changed_sky(app, kind),
-        }
-        Ok(kind)
-    }
-
-    fn changed_sky(self, app: &App, kind: &LightKind) -> Result<LightKind, String> {
-        let (mut environment, mut settings) = sky(app, kind)?;
-        match self {
-            LightStep::Sun(azimuth, elevation) => {
-                settings.toward = toward(app, azimuth, elevation);
-            }
-            LightStep::Sky(distribution) => settings.distribution = distribution,
-            LightStep::Level(irradiance) => settings.irradiance = irradiance,
-            LightStep::Ground(reflectance) => settings.reflectance = reflectance,
-            _ => return Err("a light of this kind has no such property".into()),
-        }
-        environment.source = EnvironmentSource::Sky(app.document.sky_of(&environment, &settings));
-        Ok(LightKind::Environment(environment))
-    }
-}
-
 fn selected_light(app: &App) -> Result<&SceneLight, String> {
     let light = match app.selection.ids[..] {
         [id] => app.document.light(id),
@@ -176,20 +167,14 @@ fn selected_light(app: &App) -> Result<&SceneLight, String> {
     light.ok_or_else(|| "no single light is selected".to_owned())
 }
 
-fn sky(app: &App, kind: &LightKind) -> Result<(Environment, SkySettings), String> {
-    if let LightKind::Environment(environment) = kind
-        && let EnvironmentSource::Sky(sky) = environment.source
-    {
-        return Ok((*environment, app.document.sky_settings(environment, &sky)));
-    }
-    Err("a light of this kind has no such property".into())
-}
-
-fn toward(app: &App, azimuth: f64, elevation: f64) -> DVec3 {
-    app.document.toward(SunPosition {
-        altitude: elevation.to_radians(),
-        azimuth: azimuth.to_radians(),
-    })
+fn sky(app: &App, kind: &LightKind) -> Option<(Environment, SkySettings)> {
+    let LightKind::Environment(environment) = kind else {
+        return None;
+    };
+    let EnvironmentSource::Sky(sky) = environment.source else {
+        return None;
+    };
+    Some((*environment, app.document.sky_settings(environment, &sky)))
 }
 
 /// The quantity that says how bright a light is, and in which colour.

@@ -201,9 +201,9 @@ fn picture_size(ui: &mut Ui, cx: &mut PanelContext, render: &RenderedImage) {
         field(&mut width, 8192, cx.tr("Width"), " ×");
         field(&mut height, 8192, cx.tr("Height"), " px");
         field(&mut paths, 65_536, cx.tr("paths per pixel"), "");
-        let wanted = (width, height, paths);
+        let settings = (width, height, paths);
         let button = Button::new(cx.tr("Render this size"));
-        if ui.add_enabled(wanted != own, button).clicked() {
+        if ui.add_enabled(settings != own, button).clicked() {
             cx.send(Command::Render {
                 width,
                 height,

@@ -1,6 +1,6 @@
 //! Two pictures of the model side by side, with a handle between them.
 
-use super::super::actions::of_shading;
+use super::super::actions::shading_action;
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::view::{Comparison, ModelView, Shading};
@@ -76,7 +76,7 @@ pub fn divider(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView)
 
 /// The name of a shading mode, as in the menu.
 fn title(cx: &PanelContext, shading: Shading) -> &'static str {
-    of_shading(cx.app, shading).map_or("", |a| cx.tr(a.label))
+    shading_action(cx.app, shading).map_or("", |a| cx.tr(a.label))
 }
 
 fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {

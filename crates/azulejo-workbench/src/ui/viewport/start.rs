@@ -2,8 +2,9 @@
 
 use super::super::actions::ActionTarget;
 use super::super::panel_context::PanelContext;
-use crate::app::{Example, THUMBNAIL};
+use crate::app::THUMBNAIL;
 use crate::command::Command;
+use crate::document::Example;
 use azulejo::render::srgb_from_linear;
 use egui::{
     Align2, Button, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense,
