@@ -152,7 +152,7 @@ impl App {
             warnings
                 .iter()
                 .for_each(|w| self.report(Severity::Warning, w.to_string()));
-            let why = self.tr("there is nothing in this file that can be shown");
+            let why = self.tr("this file contains nothing that can be shown");
             self.report(Severity::Error, format!("{}: {why}", path.display()));
             return;
         }

@@ -77,7 +77,7 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
     ui.horizontal_wrapped(|ui| {
-        ui.label(cx.tr("Numbers of the file are in"));
+        ui.label(cx.tr("Values in the file are in"));
         ui.selectable_value(&mut units.photometric, false, cx.tr("Watts"));
         ui.selectable_value(&mut units.photometric, true, cx.tr("Lumens"));
     });

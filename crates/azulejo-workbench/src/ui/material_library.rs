@@ -102,8 +102,8 @@ fn cell(
         Rect::from_min_size(corner, vec2(18.0, 18.0)),
         egui::Button::new("+").small(),
     );
-    let button =
-        button.on_hover_text(cx.tr("Adds it as a new material, which the selected objects get."));
+    let button = button
+        .on_hover_text(cx.tr("Adds it as a new material and assigns it to the selected objects."));
     let words = format!("{about}: {name}");
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, words.clone()));
     if button.clicked() {

@@ -253,7 +253,7 @@ fn backplate(ui: &mut Ui, cx: &mut PanelContext, view: &ModelView, old: Backplat
             plate.radiance = white / unit.factor;
         }
         let as_it_is = cx.tr("Match exposure");
-        let why = cx.tr("Shows the image as bright as it is at the exposure of the view.");
+        let why = cx.tr("Shows the image at its own brightness in the exposure of the view.");
         if ui.button(as_it_is).on_hover_text(why).clicked() {
             plate.radiance = 1.0 / cx.app.exposure(view);
         }

@@ -76,9 +76,8 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     } else {
         language.tr("not reciprocal")
     };
-    let about = language.tr(
-        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
-    );
+    let about = language
+        .tr("Over many pairs of directions, swapping light and camera changes f by at most");
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 

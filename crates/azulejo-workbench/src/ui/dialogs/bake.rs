@@ -123,7 +123,7 @@ impl BakeDialog {
             (Some(BakedSides::Both), cx.tr("Both, as separate faces")),
         ];
         let about = cx.tr(
-            "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",
+            "glTF states which side of a surface is the front; for other formats, each chart gets the light of its brighter side.",
         );
         choice(
             ui,

@@ -205,7 +205,7 @@ fn wait_for_native(
 ) -> Option<FileAnswer> {
     let modal = Modal::new(Id::unique("native files")).show(ui.ctx(), |ui| {
         ui.set_width(320.0);
-        ui.label(cx.tr("The file is being chosen in a window of the desktop."));
+        ui.label(cx.tr("Choose the file in the desktop's dialog."));
         ui.horizontal(|ui| {
             if ui.button(cx.tr("Type a path…")).clicked() {
                 answer = Some(FileAnswer::Failed);

@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument) {
 /// Draws what is known of the texel under the pointer.
 pub fn texel(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument, texel: Option<&Texel>) {
     let Some(&Texel { page, place }) = texel else {
-        ui.weak(cx.tr("Point at a texel for its values."));
+        ui.weak(cx.tr("Point at a texel to see its values."));
         return;
     };
     let of = &result.baked.lightmap.pages[page];

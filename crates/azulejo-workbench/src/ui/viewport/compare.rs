@@ -26,7 +26,7 @@ pub fn divider(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView)
     let x = right_part(rect, &comparison).left();
     let band = Rect::from_x_y_ranges(x - 0.5 * HANDLE..=x + 0.5 * HANDLE, rect.y_range());
     let response = ui.interact(band, ui.scope_id().with("divider"), Sense::click_and_drag());
-    let name = cx.tr("Divider between both pictures");
+    let name = cx.tr("Divider between the two images");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name));
     if response.hovered() || response.dragged() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);

@@ -135,7 +135,7 @@ fn steps(ui: &mut Ui, cx: &PanelContext) {
         ),
         (
             cx.tr("Render image"),
-            cx.tr("traces a picture of the current view"),
+            cx.tr("traces an image of the current view"),
         ),
     ];
     ui.spacing_mut().item_spacing.y = 3.0;
