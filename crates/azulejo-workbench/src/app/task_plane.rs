@@ -102,7 +102,7 @@ impl App {
     pub(super) fn measure_task_plane(&mut self) {
         self.task_plane.is_added = true;
         let Some(grid) = TaskGrid::of(&self.document, &self.task_plane.settings) else {
-            return self.fail(self.tr("the margin is wider than the model's footprint"));
+            return self.fail(self.tr("the margin leaves no area of the model's footprint"));
         };
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let title = self.tr("task plane");

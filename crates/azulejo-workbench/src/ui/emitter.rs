@@ -187,7 +187,7 @@ pub(super) fn temperature_row(ui: &mut Ui, cx: &PanelContext, light: Rgb) -> Opt
     if temperature.is_none() {
         field
             .clone()
-            .on_hover_text(cx.tr("Too far from the colour of any black body."));
+            .on_hover_text(cx.tr("Far from the colour of any black body."));
     }
     ui.end_row();
     if !field.changed() {
