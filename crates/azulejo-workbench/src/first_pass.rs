@@ -209,7 +209,7 @@ pub fn measure(
     }
 }
 
-/// Irradiance at points of space on the side of their normals; `None` inside of solids. All is `None`
+/// Irradiance at points of space on the side of their normals; `None` inside solids. All is `None`
 /// if the job was cancelled.
 ///
 /// # Errors

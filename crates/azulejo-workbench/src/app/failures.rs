@@ -7,7 +7,7 @@ use azulejo::models::ReadFailure;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What readers find most often in files that are no models; the rest they say in English.
+/// What readers find most often in files that are not models; other messages stay in English.
 const PHRASES: [&str; 6] = [
     "an empty file",
     "text in no known format",

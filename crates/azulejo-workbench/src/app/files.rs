@@ -148,7 +148,7 @@ impl App {
             return self.ask_again();
         }
         if document.is_empty() && !recovered {
-            // A text that some format allows is no model: it does not take the place of one.
+            // A text that some format accepts is not a model: it does not replace one.
             warnings
                 .iter()
                 .for_each(|w| self.report(Severity::Warning, w.to_string()));

@@ -139,7 +139,7 @@ impl App {
         self.run_render(before);
     }
 
-    /// Shows the image that was closed last and goes on with it, if it is of this view of the model as it
+    /// Shows the image that was closed last and continues it, if it is of this view of the model as it
     /// is now.
     fn show_closed_render(&mut self, size: (u32, u32), most: u32) -> bool {
         let Some((subject, closed)) = self.closed_render.take() else {

@@ -205,7 +205,7 @@ fn is_used_elsewhere(app: &App, id: MaterialId) -> bool {
     !chosen.is_empty() && !others.is_empty()
 }
 
-/// The faces of an object that have a material; none if it is no mesh of its own.
+/// The faces of an object that have a material; none if it has no mesh of its own.
 fn faces_of(object: &SceneObject, id: MaterialId) -> Vec<u32> {
     let Shape::Mesh(mesh) = &*object.shape else {
         return Vec::new();

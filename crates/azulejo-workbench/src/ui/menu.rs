@@ -136,7 +136,7 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     });
 }
 
-/// Width in points from which on the toolbar has all its buttons.
+/// Smallest width at which the toolbar has all its buttons, points.
 const WIDE: f32 = 900.0;
 
 /// Draws the toolbar; returns the chosen actions.

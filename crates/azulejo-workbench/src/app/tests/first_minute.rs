@@ -196,7 +196,7 @@ fn a_failure_stays_until_it_is_seen_or_something_else_is_done() {
     run(&mut app, Command::Open(vec!["/no/such.obj".into()]));
     assert!(app.failure.as_ref().is_some_and(|f| f.contains("such.obj")));
     app.execute(Command::Select(Selection::default()));
-    assert!(app.failure.is_some(), "looking around is no answer");
+    assert!(app.failure.is_some(), "looking around is not an answer");
     app.execute(Command::DismissFailure);
     assert_eq!(app.failure, None);
 }

@@ -23,14 +23,14 @@ fn daylight() -> (App, [ItemId; 2]) {
 fn environment(app: &App, id: ItemId) -> Environment {
     match app.document.light(id).map(|l| l.light.kind) {
         Some(LightKind::Environment(environment)) => environment,
-        other => panic!("{other:?} is no environment"),
+        other => panic!("{other:?} is not an environment"),
     }
 }
 
 fn sky(app: &App, id: ItemId) -> azulejo::scene::sky::Sky {
     match environment(app, id).source {
         EnvironmentSource::Sky(sky) => sky,
-        other => panic!("{other:?} is no sky"),
+        other => panic!("{other:?} is not a sky"),
     }
 }
 

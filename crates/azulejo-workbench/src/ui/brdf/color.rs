@@ -13,7 +13,7 @@ const BLACK: f64 = 1e-6;
 /// term: that of varnish.
 const VARNISH: f64 = 0.04;
 
-/// Largest smoothness that Strauss' model takes over for a surface that is no metal: its white
+/// Largest smoothness that Strauss' model takes over for a surface other than a metal: its white
 /// highlight grows with it until no colour is left.
 const SMOOTHEST: f64 = 0.6;
 

@@ -68,7 +68,7 @@ pub(super) fn draw(
     draw_passes(key, &PASSES, progress, show)
 }
 
-/// Renders the sphere in passes of so many paths per pixel.
+/// Renders the sphere in passes of the given numbers of paths per pixel.
 pub(super) fn draw_passes(
     key: &SphereKey,
     passes: &[u32],

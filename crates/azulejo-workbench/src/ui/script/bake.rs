@@ -27,7 +27,7 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
     })
 }
 
-/// `bake`, `bake size=512 error=5%`: with these settings, and otherwise those of before.
+/// `bake`, `bake size=512 error=5%`: with these settings; others keep their values.
 fn bake(text: &str) -> StepResult {
     // Applied once before the script runs, so that mistakes are reported at its start.
     let mut settings = BakeSettings::default();

@@ -207,7 +207,7 @@ fn every_command_and_every_edit_has_a_step() {
 fn exceptions_are_commands_and_have_a_reason() {
     let known = variants(include_str!("../../command.rs"), "Command");
     for (name, why) in WITHOUT_STEP {
-        assert!(known.contains(name), "{name} is no command");
+        assert!(known.contains(name), "{name} is not a command");
         assert!(why.len() > 10, "{name}: {why}");
     }
 }

@@ -299,7 +299,7 @@ fn without_limit(ui: &mut Ui, cx: &mut PanelContext) {
     }
 }
 
-/// Tells that the solver stopped before the light is as accurate as was asked for, until it is
+/// Tells that the solver stopped before the light reached the target accuracy, until it is
 /// closed.
 pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
     let lighting = &cx.app.lighting;
