@@ -93,6 +93,12 @@ pub struct Jobs<T> {
     next: u64,
 }
 
+impl<T: Send + 'static> Default for Jobs<T> {
+    fn default() -> Jobs<T> {
+        Jobs::new(Arc::new(|| ()))
+    }
+}
+
 impl<T: Send + 'static> Jobs<T> {
     /// Creates an empty list.
     pub fn new(repaint: RepaintRequest) -> Jobs<T> {

@@ -98,14 +98,9 @@ struct RecoverySession {
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
-    /// Writes no copies and finds none.
-    pub fn disabled() -> Recovery {
-        Recovery::default()
-    }
-
     /// Writes copies to `folder`; finds those left by crashed sessions.
     pub fn new(folder: PathBuf) -> Recovery {
-        let mut recovery = Recovery::disabled();
+        let mut recovery = Recovery::default();
         recovery.found = orphaned_copies(&folder);
         recovery.folder = Some(folder);
         recovery

@@ -122,6 +122,7 @@ impl UserDirs {
 }
 
 /// The complete state of the workbench.
+#[derive(Default)]
 pub struct App {
     /// The document being edited.
     pub document: SceneDocument,
@@ -221,47 +222,13 @@ impl App {
     /// Creates an empty document. `repaint` requests a repaint of the window.
     pub fn new(preferences: Preferences, dirs: UserDirs, repaint: RepaintRequest) -> App {
         let mut app = App {
-            document: SceneDocument::default(),
-            selection: Selection::default(),
-            view: ModelView::default(),
-            lighting: Lighting::default(),
-            lightmap: LightmapState::default(),
-            probes: Vec::new(),
-            task_plane: TaskPlaneState::default(),
-            render: None,
-            file: None,
-            messages: Vec::new(),
-            errors: 0,
-            failure: None,
-            closed_render: None,
-            question: None,
-            asking: None,
             preferences,
-            closing: false,
-            finer_mesh: None,
-            save_when_solved: None,
             thumbnails: Thumbnails::new(dirs.thumbnails),
-            thumbnail_wanted: None,
-            revision: 0,
-            light: 0,
-            saved: DocumentState::default(),
-            began: 0,
-            history: History::default(),
             undo_bytes: editing::UNDO_BYTES,
-            latest: 0,
             jobs: Jobs::new(repaint),
-            recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
+            recovery: dirs.recovery.map(Recovery::new).unwrap_or_default(),
             preferences_file: dirs.preferences,
-            loading: None,
-            noted_recipes: HashMap::new(),
-            after_recovery: None,
-            saves: Vec::new(),
-            left: None,
-            pinned: 0,
-            measured_in: None,
-            changed_at: None,
-            #[cfg(test)]
-            executed: Default::default(),
+            ..App::default()
         };
         app.view.false_color.map = app.preferences.color_map;
         app
