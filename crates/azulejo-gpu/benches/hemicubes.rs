@@ -29,7 +29,7 @@ const THESIS_SECONDS: f64 = 251.0;
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let has = |word: &str| words.iter().any(|w| w == word);
-    let all = !has("room") && !has("thesis");
+    let has_no_filter = !has("room") && !has("thesis");
     let card = match Card::open(Backend::Auto) {
         Ok(card) => Some(card),
         Err(e) => {
@@ -45,10 +45,10 @@ fn main() {
     }
     println!("processor: {} threads", rayon::current_num_threads());
     let seconds = if has("quick") { 0.5 } else { 3.0 };
-    if all || has("room") {
+    if has_no_filter || has("room") {
         rooms(card.as_ref(), seconds);
     }
-    if all || has("thesis") {
+    if has_no_filter || has("thesis") {
         thesis(card.as_ref(), seconds);
     }
 }
@@ -113,9 +113,9 @@ impl Case {
 
     /// Every so many-th view, `count` in all, over and over if there are fewer.
     fn spread(&self, count: usize) -> Vec<View> {
-        let all = self.views.len();
+        let view_count = self.views.len();
         (0..count)
-            .map(|k| self.views[k * all / count.min(all) % all])
+            .map(|k| self.views[k * view_count / count.min(view_count) % view_count])
             .collect()
     }
 

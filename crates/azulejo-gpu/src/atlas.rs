@@ -50,13 +50,13 @@ impl Atlas {
                 atlas.tile_bytes()
             )));
         }
-        let wanted = (pixels / u64::from(3 * n * n)).min(most_bytes / atlas.tile_bytes());
-        let wanted = wanted.clamp(1, 1 << 16) as u32;
+        let tile_count = (pixels / u64::from(3 * n * n)).min(most_bytes / atlas.tile_bytes());
+        let tile_count = tile_count.clamp(1, 1 << 16) as u32;
         // Nearly square, because textures are limited in either direction.
-        let square = f64::from(3 * wanted).sqrt().ceil() as u32;
-        atlas.columns = square.min(edge / n).min(wanted);
-        let rows = wanted.div_ceil(atlas.columns).min(edge / (3 * n));
-        atlas.tiles = wanted.min(atlas.columns * rows);
+        let square = f64::from(3 * tile_count).sqrt().ceil() as u32;
+        atlas.columns = square.min(edge / n).min(tile_count);
+        let rows = tile_count.div_ceil(atlas.columns).min(edge / (3 * n));
+        atlas.tiles = tile_count.min(atlas.columns * rows);
         Ok(atlas)
     }
 

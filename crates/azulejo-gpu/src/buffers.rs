@@ -82,7 +82,7 @@ impl Buffers {
         }
         let weights = exact_weights(&cube);
         let (whole, scale) = whole_weights(&weights);
-        let mut wanted = TargetOptions {
+        let mut options = TargetOptions {
             atlas,
             nearness: has_bent || (has_mirrors && settings.mirrors == Beyond::List),
             windows: has_mirrors && is_windowed,
@@ -90,8 +90,8 @@ impl Buffers {
             weights: &whole,
             patches: mesh.patches,
         };
-        let targets = targets(&shared, &mut wanted)?;
-        let atlas = wanted.atlas;
+        let targets = targets(&shared, &mut options)?;
+        let atlas = options.atlas;
         shared.check()?;
         Ok(Buffers {
             shared,
@@ -269,7 +269,7 @@ impl Buffers {
         let stride = (self.atlas.row_bytes() / 4) as usize;
         let mut traversals: Vec<(usize, &mut ViewTraversal)> = traversals.enumerate().collect();
         let tally = || Tally::new(self.mesh.patches);
-        let mut all = |sides: &[u32], nearness: Option<&[u32]>| {
+        let mut read_all = |sides: &[u32], nearness: Option<&[u32]>| {
             let tile = |k: usize| k * words..(k + 1) * words;
             side_by_side(&mut traversals, tally, |tally, (k, traversal)| {
                 let pixels = Pixels {
@@ -283,9 +283,9 @@ impl Buffers {
         let mut mappings = mappings.into_iter();
         let (sides, nearness) = (mappings.next(), mappings.next());
         match (sides, nearness) {
-            (Some(sides), None) => sides.read(&self.shared, |sides| all(sides, None)),
+            (Some(sides), None) => sides.read(&self.shared, |sides| read_all(sides, None)),
             (Some(sides), Some(nearness)) => sides.read(&self.shared, |sides| {
-                nearness.read(&self.shared, |nearness| all(sides, Some(nearness)))
+                nearness.read(&self.shared, |nearness| read_all(sides, Some(nearness)))
             })?,
             _ => Ok(()),
         }
@@ -304,20 +304,20 @@ impl ItemBuffers for Buffers {
         let mut targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
         let [one, other] = &mut *targets;
         let (mut now, mut last) = (one, other);
-        let mut all = Vec::with_capacity(views.len());
+        let mut results = Vec::with_capacity(views.len());
         let mut drawing: Option<PendingViews> = None;
         for part in views.chunks(self.atlas.tiles as usize) {
             let next = self.begin(now, part);
             if let Some(drawn) = drawing.replace(next) {
-                all.extend(self.finish(last, drawn)?);
+                results.extend(self.finish(last, drawn)?);
             }
             std::mem::swap(&mut now, &mut last);
         }
         if let Some(drawn) = drawing {
-            all.extend(self.finish(last, drawn)?);
+            results.extend(self.finish(last, drawn)?);
         }
         self.shared.check()?;
-        Ok(all)
+        Ok(results)
     }
 }
 

@@ -42,8 +42,8 @@ impl Card {
         backend: Backend,
         narrow: impl Fn(wgpu::Limits) -> wgpu::Limits,
     ) -> Result<Card, DrawError> {
-        let wanted = wanted(backend, std::env::var("WGPU_BACKEND").ok())?;
-        let adapter = best_adapter(wanted)?;
+        let backends = wanted(backend, std::env::var("WGPU_BACKEND").ok())?;
+        let adapter = best_adapter(backends)?;
         let limits = narrow(adapter.limits());
         let flags = adapter.get_downlevel_capabilities().flags;
         let can_compute = flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
@@ -189,8 +189,8 @@ fn best_adapter(wanted: wgpu::Backends) -> Result<wgpu::Adapter, DrawError> {
         };
         (kind, info.backend != wgpu::Backend::Vulkan)
     };
-    let found = adapters(wanted).into_iter().filter(can_draw);
-    found
+    let candidates = adapters(wanted).into_iter().filter(can_draw);
+    candidates
         .min_by_key(rank)
         .ok_or_else(|| DrawError::Missing(missing(wanted)))
 }
@@ -213,15 +213,15 @@ fn missing(wanted: wgpu::Backends) -> String {
         w if w == wgpu::Backends::GL => "OpenGL",
         _ => "Vulkan or OpenGL",
     };
-    let all = adapters(wgpu::Backends::VULKAN | wgpu::Backends::GL);
-    let names: Vec<String> = all.iter().map(|a| described(&a.get_info())).collect();
-    let found = if names.is_empty() {
+    let adapters = adapters(wgpu::Backends::VULKAN | wgpu::Backends::GL);
+    let names: Vec<String> = adapters.iter().map(|a| described(&a.get_info())).collect();
+    let list = if names.is_empty() {
         "none".to_owned()
     } else {
         names.join(", ")
     };
     format!(
-        "no graphics card or driver through {looked_for}; adapters found: {found}. Install a \
+        "no graphics card or driver through {looked_for}; adapters found: {list}. Install a \
          driver: the card's own, or Mesa's for machines without one (Debian and Ubuntu: apt \
          install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri); or use the \
          processor"
@@ -262,8 +262,8 @@ mod tests {
     #[test]
     fn the_environment_narrows_what_is_looked_for() {
         let check = |backend, variable: Option<&str>, expected: wgpu::Backends| {
-            let wanted = wanted(backend, variable.map(str::to_owned));
-            assert_eq!(wanted, Ok(expected), "{backend:?} {variable:?}");
+            let backends = wanted(backend, variable.map(str::to_owned));
+            assert_eq!(backends, Ok(expected), "{backend:?} {variable:?}");
         };
         let (vulkan, gl) = (wgpu::Backends::VULKAN, wgpu::Backends::GL);
         check(Backend::Auto, None, vulkan | gl);

@@ -311,11 +311,11 @@ impl Clusters {
 
     /// Ranges of clusters that may lie in a cone, in order, joined where they touch.
     fn in_cone(&self, cone: &Cone) -> Vec<Range<u32>> {
-        let mut found: Vec<Range<u32>> = Vec::new();
+        let mut ranges: Vec<Range<u32>> = Vec::new();
         if self.count > 0 {
-            self.search(cone, 0, 0..self.count, &mut found);
+            self.search(cone, 0, 0..self.count, &mut ranges);
         }
-        found
+        ranges
     }
 
     fn search(&self, cone: &Cone, node: usize, range: Range<u32>, found: &mut Vec<Range<u32>>) {
@@ -375,7 +375,7 @@ impl Cone {
     }
 
     fn containment(&self, bounds: &ClusterBounds) -> Containment {
-        let mut found = Containment::Inside;
+        let mut containment = Containment::Inside;
         for plane in &self.planes {
             let middle = plane.normal.dot(bounds.centre) - plane.offset;
             let reach = plane.normal.abs().dot(bounds.half) + 1e-6 * plane.offset.abs();
@@ -383,9 +383,9 @@ impl Cone {
                 return Containment::Outside;
             }
             if middle < reach {
-                found = Containment::Across;
+                containment = Containment::Across;
             }
         }
-        found
+        containment
     }
 }

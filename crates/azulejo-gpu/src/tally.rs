@@ -117,10 +117,10 @@ mod tests {
             shares.add(7, 2, Rgb::grey(0.125));
             shares.add(3, 1, Rgb::new(0.25, 0.0, 0.0));
         }
-        let found = shares.finished();
-        let found: Vec<_> = found.iter().map(|s| (s.side, s.order, s.weight)).collect();
+        let shares = shares.finished();
+        let shares: Vec<_> = shares.iter().map(|s| (s.side, s.order, s.weight)).collect();
         let expected = [(3, 1, Rgb::new(1250.0, 0.0, 0.0)), (7, 2, Rgb::grey(625.0))];
-        assert_eq!(found, expected);
+        assert_eq!(shares, expected);
     }
 
     #[test]

@@ -345,14 +345,14 @@ impl Faces {
     }
 
     fn write(&self, shared: &Shared, drawings: &[FaceDrawing]) {
-        let words = self.stride as usize / 4;
-        let mut all = vec![0u32; words * drawings.len()];
-        for (place, drawing) in all.chunks_exact_mut(words).zip(drawings) {
+        let stride = self.stride as usize / 4;
+        let mut words = vec![0u32; stride * drawings.len()];
+        for (place, drawing) in words.chunks_exact_mut(stride).zip(drawings) {
             place[..WORDS].copy_from_slice(&drawing.words);
         }
         shared
             .queue
-            .write_buffer(&self.buffer, 0, bytemuck::cast_slice(&all));
+            .write_buffer(&self.buffer, 0, bytemuck::cast_slice(&words));
     }
 }
 

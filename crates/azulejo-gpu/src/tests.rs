@@ -113,11 +113,11 @@ fn draw(card: &Card, world: &World, settings: &Settings, views: &[View]) -> Vec<
 /// Share of one wall at one order.
 fn wall(seen: &Seen, per_wall: u32, wall: u32, order: u8) -> f64 {
     let is_it = |side: u32| side.is_multiple_of(2) && side / 2 / per_wall == wall;
-    let found = seen
+    let shares = seen
         .shares
         .iter()
         .filter(|s| is_it(s.side) && s.order == order);
-    found.map(|s| s.weight.r).sum()
+    shares.map(|s| s.weight.r).sum()
 }
 
 /// The light that is absorbed, with the reflectances of the mirrors, escapes or was cut.
@@ -231,10 +231,10 @@ fn the_processor_sees_the_same() {
     ];
     for card in cards() {
         for (case, world, settings, views) in &cases {
-            let found = draw(&card, world, settings, views);
+            let results = draw(&card, world, settings, views);
             let processor = azulejo_trace::item_buffer::Processor.load(world, settings);
             let expected = processor.and_then(|p| p.draw(views)).expect("never fails");
-            for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
+            for (k, (a, b)) in results.iter().zip(&expected).enumerate() {
                 let name = format!("{} {case} {k}", card.name());
                 let off = difference(a, b);
                 assert!(off < 0.01, "{name}: {off}");
@@ -285,8 +285,8 @@ fn many_threads_may_draw_at_once() {
                 .expect("draws")
                 .remove(0)
         };
-        let found: Vec<Seen> = views.par_iter().map(one).collect();
-        assert_eq!(found, expected, "{}", card.name());
+        let results: Vec<Seen> = views.par_iter().map(one).collect();
+        assert_eq!(results, expected, "{}", card.name());
     }
 }
 

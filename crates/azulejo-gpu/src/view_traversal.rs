@@ -131,15 +131,15 @@ impl ViewTraversal {
         for row in 0..3 * n {
             reader.row(row, 0..n);
         }
-        let found = reader.finished(&mut self.seen, &mut self.shares);
-        self.open(context, vec![(self.view.clone(), found)]);
+        let shares = reader.finished(&mut self.seen, &mut self.shares);
+        self.open(context, vec![(self.view.clone(), shares)]);
     }
 
     /// Reads the pixels of all windows.
     pub fn read_windows(&mut self, context: &ViewContext, pixels: Pixels, tally: &mut Tally) {
         self.depth += 1;
         let n = context.atlas.resolution;
-        let mut found = Vec::new();
+        let mut windows = Vec::new();
         for window in std::mem::take(&mut self.windows) {
             let tally = Some(&mut *tally);
             let mut reader = PixelReader::new(context, &window.view, self.depth, pixels, tally);
@@ -149,9 +149,9 @@ impl ViewTraversal {
                 reader.row(run[0] / n, first..first + run.len() as u32);
             }
             let mirrored = reader.finished(&mut self.seen, &mut self.shares);
-            found.push((window.view, mirrored));
+            windows.push((window.view, mirrored));
         }
-        self.open(context, found);
+        self.open(context, windows);
     }
 
     /// Opens windows for pixels that show mirrors, grouped by view.

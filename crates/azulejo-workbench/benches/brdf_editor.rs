@@ -16,9 +16,9 @@ use std::time::{Duration, Instant};
 const FRAMES: usize = 200;
 
 fn main() {
-    let wanted = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    let filter = std::env::args().skip(1).find(|a| !a.starts_with("--"));
     for model in MODELS {
-        if wanted
+        if filter
             .as_ref()
             .is_none_or(|w| model.name.contains(w.as_str()))
         {

@@ -1,14 +1,14 @@
 //! The third pass as run by the window: a lightmap of the document, and its files.
 
 mod files;
+mod shown;
 mod source;
 
 pub use files::{LightmapFile, numbered, write};
+pub use shown::{LightmappedMesh, ShownLightmap};
 
-use crate::app::JobResult;
 use crate::document::SceneDocument;
 use crate::first_pass::LightSettings;
-use crate::jobs::JobSender;
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::formats::gltf::patch::Convention;
 use azulejo::lightmap::{
@@ -110,7 +110,7 @@ pub struct BakedDocument {
     pub time: Duration,
 }
 
-/// Bakes a lightmap of a document, and sends it.
+/// Bakes a lightmap of a document; `None` if it was cancelled. `note` gets messages as they come up.
 ///
 /// # Errors
 ///
@@ -120,37 +120,28 @@ pub fn bake_document(
     settings: &BakeSettings,
     light: &LightSettings,
     progress: &Progress,
-    outbox: &JobSender<JobResult>,
-) -> Result<(), String> {
+    note: &dyn Fn(String),
+) -> Result<Option<BakedDocument>, String> {
     let begin = Instant::now();
     progress.begin("reading", 0);
     let mut source = source::of(document, settings.sides == Some(BakedSides::Both))?;
-    for note in &source.notes {
-        outbox.send(JobResult::Note(note.clone()));
-    }
+    source.notes.iter().cloned().for_each(note);
     let tracer = Tracer::new(&source.scene);
     let options = settings.options(light, &source);
-    let mut baked = match bake(
-        &source.scene,
-        &tracer,
-        &source.receivers,
-        &options,
-        progress,
-    ) {
-        Err(BakeError::Solve(SolveError::Cancelled)) => return Ok(()),
-        Err(other) => return Err(other.to_string()),
-        Ok(baked) => baked,
+    let (scene, receivers) = (&source.scene, &source.receivers);
+    let mut baked = match bake(scene, &tracer, receivers, &options, progress) {
+        Err(BakeError::Solve(SolveError::Cancelled)) => return Ok(None),
+        baked => baked.map_err(|error| error.to_string())?,
     };
     (source.turn_to_light(&mut baked)).map_err(|error| error.to_string())?;
-    outbox.send(JobResult::Baked(Box::new(BakedDocument {
+    Ok(Some(BakedDocument {
         document: document.clone(),
         densities: densities(&source, &baked),
         source,
         baked,
         settings: *settings,
         time: begin.elapsed(),
-    })));
-    Ok(())
+    }))
 }
 
 /// Texels per metre of each chart.

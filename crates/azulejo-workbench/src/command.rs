@@ -1,8 +1,9 @@
 //! Commands: everything the user can do.
 
-use crate::app::{Example, TaskPlaneSettings};
 use crate::bake::{BakeSettings, LightmapFile};
-use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
+use crate::document::{
+    Edit, Example, ItemId, NewLightKind, NewShapeKind, SurfacePick, TaskPlaneSettings,
+};
 use crate::first_pass::LightSettings;
 use crate::preferences::Preferences;
 use crate::view::ModelView;
@@ -176,17 +177,6 @@ pub enum PrismBase {
     Regular(u32),
     /// The filled contours of an SVG or DXF drawing.
     Drawing(PathBuf),
-}
-
-/// A picked surface point with its side.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfacePick {
-    /// The object it belongs to.
-    pub item: ItemId,
-    /// Position in world space.
-    pub position: glam::DVec3,
-    /// Unit normal of the picked side.
-    pub normal: glam::DVec3,
 }
 
 /// What commands apply to.

@@ -1,6 +1,6 @@
 //! Ending the program from outside: SIGTERM, SIGINT, SIGHUP, and what other systems have instead.
 //!
-//! Such a request is no crash, and nobody is there to be asked: the window writes unsaved changes
+//! Such a request is not a crash, and no user is there to be asked: the window writes unsaved changes
 //! as a recovery copy, which the next start offers, and closes.
 
 use crate::jobs::RepaintRequest;

@@ -1,9 +1,6 @@
 //! The first pass as run by the window.
 
-use crate::app::JobResult;
-use crate::command::SurfacePick;
-use crate::document::{ItemId, SceneDocument, Solution};
-use crate::jobs::JobSender;
+use crate::document::{ItemId, SceneDocument, Solution, SurfacePick};
 use azulejo::factors::form_factors::{Factor, Plan};
 use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNormal};
 use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
@@ -112,8 +109,8 @@ impl Default for LightSettings {
     }
 }
 
-/// Solves the light of a document; sends intermediate solutions and the final one. If `is_dark`, as
-/// nothing better is shown, the first of them is a coarse one within a second.
+/// Solves the light of a document; passes intermediate solutions and the final one to `show`. If `is_dark`,
+/// the first of them is a coarse one within a second, because nothing better is shown.
 ///
 /// # Errors
 ///
@@ -123,14 +120,18 @@ pub fn solve_document(
     settings: &LightSettings,
     is_dark: bool,
     progress: &Progress,
-    outbox: &JobSender<JobResult>,
+    show: &dyn Fn(Solution),
 ) -> Result<(), String> {
     settings.limit_time(progress);
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
     let send = |irradiance, report| {
-        let solution = Solution::new(document.clone(), scene.clone(), irradiance, report);
-        outbox.send(JobResult::Light(Box::new(solution)));
+        show(Solution::new(
+            document.clone(),
+            scene.clone(),
+            irradiance,
+            report,
+        ));
     };
     let pass = settings.first_pass();
     if is_dark
@@ -208,7 +209,7 @@ pub fn measure(
     }
 }
 
-/// Irradiance at points of space on the side of their normals; `None` inside of solids. All is `None`
+/// Irradiance at points of space on the side of their normals; `None` inside solids. All is `None`
 /// if the job was cancelled.
 ///
 /// # Errors
@@ -234,9 +235,9 @@ pub fn measure_in_space(
         Err(SolveError::Cancelled) => Ok(None),
         Err(other) => Err(other.to_string()),
         Ok(probed) => {
-            let mut found = probed.estimates.into_iter();
-            let of = |free: bool| if free { found.next() } else { None };
-            Ok(Some(is_free.into_iter().map(of).collect()))
+            let mut estimates = probed.estimates.into_iter();
+            let estimate = |free: bool| if free { estimates.next() } else { None };
+            Ok(Some(is_free.into_iter().map(estimate).collect()))
         }
     }
 }
@@ -419,9 +420,9 @@ mod tests {
                 position: DVec3::splat(0.5) + 0.245 * normal,
                 normal,
             };
-            let found = on_surface(&document, &tracer, &pick).expect("the ball");
+            let point = on_surface(&document, &tracer, &pick).expect("the ball");
             let expected = DVec3::splat(0.5) + 0.25 * normal;
-            assert!((found.position - expected).length() < 1e-9 && found.is_front);
+            assert!((point.position - expected).length() < 1e-9 && point.is_front);
         }
     }
 

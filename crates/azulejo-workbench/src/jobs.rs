@@ -42,7 +42,7 @@ pub enum JobKind {
 }
 
 /// A running job.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Job {
     /// Its number, by which it is cancelled.
     pub id: u64,
@@ -73,8 +73,8 @@ pub struct JobSender<T> {
 
 impl<T> JobSender<T> {
     /// Sends a result.
-    pub fn send(&self, found: T) {
-        self.post(JobMessage::Output(found));
+    pub fn send(&self, result: T) {
+        self.post(JobMessage::Output(result));
     }
 
     fn post(&self, news: JobMessage<T>) {
@@ -91,6 +91,12 @@ pub struct Jobs<T> {
     receiver: Receiver<(u64, JobMessage<T>)>,
     repaint: RepaintRequest,
     next: u64,
+}
+
+impl<T: Send + 'static> Default for Jobs<T> {
+    fn default() -> Jobs<T> {
+        Jobs::new(Arc::new(|| ()))
+    }
 }
 
 impl<T: Send + 'static> Jobs<T> {
@@ -160,7 +166,7 @@ impl<T: Send + 'static> Jobs<T> {
                 continue;
             };
             let job = match news {
-                JobMessage::Output(_) => self.running[at].copy(),
+                JobMessage::Output(_) => self.running[at].clone(),
                 JobMessage::Ended(_) => self.running.remove(at),
             };
             return Some((job, news));
@@ -204,18 +210,6 @@ impl<T> Drop for Jobs<T> {
     }
 }
 
-impl Job {
-    fn copy(&self) -> Job {
-        Job {
-            id: self.id,
-            kind: self.kind,
-            title: self.title.clone(),
-            progress: Arc::clone(&self.progress),
-            started: self.started,
-        }
-    }
-}
-
 /// The message of a panic.
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
@@ -230,10 +224,10 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
 /// one too, and paused workers must not block the global pool. The threads have a lower priority
 /// than drawing, which may need all processors for a moment without a GPU.
 pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
-    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
-        0 => all.saturating_sub(1).max(1),
-        most => most.min(all),
+        0 => processors.saturating_sub(1).max(1),
+        most => most.min(processors),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     match pool.start_handler(|_| lower_priority()).build() {
@@ -261,8 +255,8 @@ mod tests {
     fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, JobMessage<T>) {
         let begin = Instant::now();
         loop {
-            if let Some(found) = jobs.next_message() {
-                return found;
+            if let Some(message) = jobs.next_message() {
+                return message;
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "no news");
             std::thread::sleep(Duration::from_millis(1));

@@ -14,8 +14,10 @@ mod history;
 pub mod jobs;
 mod library;
 pub mod preferences;
+mod projection;
 pub mod recovery;
-pub mod script;
 pub mod ui;
 pub mod view;
 pub mod words;
+
+pub use ui::script;

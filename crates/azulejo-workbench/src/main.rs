@@ -121,7 +121,7 @@ fn app(arguments: &Arguments) -> App {
         None => (Preferences::default(), None),
     };
     if window_error.is_some() {
-        // A typo in a preferences file is no reason to overwrite it: the user may want to correct
+        // A typo in a preferences file is not a reason to overwrite it: the user may want to correct
         // it.
         dirs.preferences = None;
     }

@@ -98,14 +98,9 @@ struct RecoverySession {
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
-    /// Writes no copies and finds none.
-    pub fn disabled() -> Recovery {
-        Recovery::default()
-    }
-
     /// Writes copies to `folder`; finds those left by crashed sessions.
     pub fn new(folder: PathBuf) -> Recovery {
-        let mut recovery = Recovery::disabled();
+        let mut recovery = Recovery::default();
         recovery.found = orphaned_copies(&folder);
         recovery.folder = Some(folder);
         recovery
@@ -270,9 +265,9 @@ fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
     };
     let paths = entries.flatten().map(|e| e.path());
     let notes = paths.filter(|p| p.extension().is_some_and(|e| e == "toml"));
-    let mut found: Vec<Recoverable> = notes.filter_map(|note| orphan(&note)).collect();
-    found.sort_by(|a, b| b.written.cmp(&a.written).then(a.copy.cmp(&b.copy)));
-    found
+    let mut recoverable: Vec<Recoverable> = notes.filter_map(|note| orphan(&note)).collect();
+    recoverable.sort_by(|a, b| b.written.cmp(&a.written).then(a.copy.cmp(&b.copy)));
+    recoverable
 }
 
 fn orphan(note: &Path) -> Option<Recoverable> {
@@ -315,9 +310,12 @@ mod tests {
         // A crash releases the lock and leaves the files.
         alive.session = None;
         let mut next = Recovery::new(folder.clone());
-        let found = next.recoverable().to_vec();
-        assert_eq!(found.len(), 1);
-        assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/room.3ds")));
+        let copies = next.recoverable().to_vec();
+        assert_eq!(copies.len(), 1);
+        assert_eq!(
+            copies[0].original.as_deref(),
+            Some(Path::new("/a/room.3ds"))
+        );
         next.delete(&copy);
         assert!(next.recoverable().is_empty() && !copy.exists());
         std::fs::remove_dir_all(folder).unwrap();

@@ -1,6 +1,6 @@
 //! Camera and display settings. Nothing here changes the model.
 
-use crate::gpu::Projection;
+use crate::projection::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Rgb, Up};
 use glam::{DQuat, DVec3};
@@ -331,11 +331,11 @@ impl ModelView {
         let back = camera.eye - camera.target;
         let back = DQuat::from_axis_angle(axis, -right) * back;
         let height = back.angle_between(axis);
-        let wanted = (height - up).clamp(POLE, std::f64::consts::PI - POLE);
+        let polar_angle = (height - up).clamp(POLE, std::f64::consts::PI - POLE);
         let side = axis.cross(back).try_normalize();
         // Straight above or below there is no horizontal direction; use the image's right.
         let side = side.unwrap_or_else(|| camera.axes().0);
-        let back = DQuat::from_axis_angle(side, wanted - height) * back;
+        let back = DQuat::from_axis_angle(side, polar_angle - height) * back;
         camera.eye = camera.target + back;
         camera.up = axis;
     }
@@ -369,9 +369,9 @@ impl ModelView {
         camera.eye += shift;
         let turned = DQuat::from_axis_angle(axis, -yaw) * forward;
         let height = turned.angle_between(axis);
-        let wanted = (height - pitch).clamp(POLE, std::f64::consts::PI - POLE);
+        let polar_angle = (height - pitch).clamp(POLE, std::f64::consts::PI - POLE);
         let side = turned.cross(axis).try_normalize().unwrap_or(right);
-        let forward = DQuat::from_axis_angle(side, height - wanted) * turned;
+        let forward = DQuat::from_axis_angle(side, height - polar_angle) * turned;
         camera.target = camera.eye + reach * forward;
         camera.up = axis;
     }

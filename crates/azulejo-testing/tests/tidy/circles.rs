@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// For each crate the uses that are known to close a circle and not yet undone. None may be added.
-const KNOWN: [(&str, &[(&str, &str)]); 6] = [
+const KNOWN: [(&str, &[(&str, &str)]); 5] = [
     (
         "azulejo-bake",
         &[("nodes", "correction"), ("nodes", "direct")],
@@ -46,19 +46,6 @@ const KNOWN: [(&str, &[(&str, &str)]); 6] = [
             ("lightmap", "shape"),
             ("solid", "shape"),
             ("surface_maps", "material"),
-        ],
-    ),
-    (
-        "azulejo-workbench",
-        &[
-            ("view", "gpu"),
-            ("document", "bake"),
-            ("bake", "app"),
-            ("first_pass", "app"),
-            ("first_pass", "command"),
-            ("command", "app"),
-            ("app", "ui"),
-            ("ui", "script"),
         ],
     ),
 ];

@@ -17,6 +17,10 @@ impl App {
             NewShapeKind::AreaLight => self.lamp_place(),
             _ => (self.ground(), self.default_size()),
         };
+        self.add_new_shape(kind, at, size);
+    }
+
+    fn add_new_shape(&mut self, kind: NewShapeKind, at: DVec3, size: f64) {
         let new = NewShape {
             kind,
             at,
@@ -43,30 +47,14 @@ impl App {
             TextLayout::set(text, depth, named).map_err(|e| e.to_string())
         });
         match lettering {
-            Ok(lettering) => {
-                let new = NewShape {
-                    kind: NewShapeKind::Text(lettering),
-                    at: self.ground(),
-                    size,
-                    material: None,
-                };
-                self.edit(&Edit::AddShape(new), None);
-            }
+            Ok(lettering) => self.add_new_shape(NewShapeKind::Text(lettering), self.ground(), size),
             Err(why) => self.report(Severity::Error, why),
         }
     }
 
     pub(super) fn add_prism(&mut self, base: &PrismBase, size: f64, height: f64) {
         match self.outline(base, height / size) {
-            Ok(outline) => {
-                let new = NewShape {
-                    kind: NewShapeKind::Prism(outline),
-                    at: self.ground(),
-                    size,
-                    material: None,
-                };
-                self.edit(&Edit::AddShape(new), None);
-            }
+            Ok(outline) => self.add_new_shape(NewShapeKind::Prism(outline), self.ground(), size),
             Err(why) => self.report(Severity::Error, why),
         }
     }

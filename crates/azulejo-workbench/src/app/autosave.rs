@@ -29,8 +29,8 @@ impl App {
 
     /// Marks a recovered document as changed, since it differs from the file on disk.
     pub(super) fn adopt_recovered(&mut self, copy: &Path) {
-        let found = self.recovery.recoverable().iter().find(|f| f.copy == copy);
-        let original = found.and_then(|f| f.original.clone());
+        let recoverable = self.recovery.recoverable().iter().find(|f| f.copy == copy);
+        let original = recoverable.and_then(|f| f.original.clone());
         self.recovery.adopt(copy);
         self.file = original.map(OnDisk::never_read);
         match (&self.file, self.document.source_files.first_mut()) {
@@ -49,8 +49,8 @@ impl App {
     pub(super) fn autosave(&mut self) {
         let patience = Duration::from_secs(u64::from(self.preferences.autosave));
         let rests = self.changed_at.is_some_and(|t| t.elapsed() >= patience);
-        let wanted = !patience.is_zero() && rests && self.is_changed();
-        if !wanted || self.is_busy(JobKind::Autosave) {
+        let is_due = !patience.is_zero() && rests && self.is_changed();
+        if !is_due || self.is_busy(JobKind::Autosave) {
             return;
         }
         let original = self.file.as_ref().map(|f| f.path.as_path());

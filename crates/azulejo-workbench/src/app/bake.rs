@@ -1,11 +1,11 @@
 //! The lightmap of the document: baking, what was baked, and saving it.
 
-use super::files::absolute;
+use super::files::with_default_extension;
 use super::lighting::{IrradianceRange, range_of};
-use super::{App, JobResult, Severity};
-use crate::bake::{BakeSettings, BakedDocument, LightmapFile, bake_document, write};
-use crate::document::{ShownLightmap, same_light};
-use crate::jobs::{JobKind, in_thread_pool};
+use super::{App, JobResult};
+use crate::bake::{BakeSettings, BakedDocument, LightmapFile, ShownLightmap, bake_document, write};
+use crate::document::same_light;
+use crate::jobs::JobKind;
 use crate::view::Shading;
 use azulejo::scene::Rgb;
 use std::path::PathBuf;
@@ -48,27 +48,23 @@ impl LightmapState {
 impl App {
     /// Starts baking the document in its current state.
     pub(super) fn bake(&mut self) {
-        let has_light = self.document.has_light();
-        let problem = match has_light && !self.document.objects.is_empty() {
-            true => None,
-            false if has_light => Some(self.tr("there are no surfaces")),
-            false => Some(self.tr("there is no light source: add a light or an emissive material")),
-        };
-        if let Some(text) = problem.map(str::to_owned) {
-            self.report(Severity::Error, text);
-            return;
+        if !self.document.has_light() {
+            return self
+                .fail(self.tr("there is no light source: add a light or an emissive material"));
         }
-        self.jobs.cancel_kind(JobKind::Bake);
+        if self.document.objects.is_empty() {
+            return self.fail(self.tr("there are no surfaces"));
+        }
         let (document, settings) = (self.document.clone(), self.lightmap.settings);
         let light = self.lighting.settings;
-        let threads = self.preferences.threads;
         let title = self.tr("lightmap");
-        self.jobs
-            .start(JobKind::Bake, title, move |progress, outbox| {
-                in_thread_pool(threads, || {
-                    bake_document(&document, &settings, &light, progress, outbox)
-                })
-            });
+        self.start_job(JobKind::Bake, title, move |progress, outbox| {
+            let note = |text| outbox.send(JobResult::Note(text));
+            if let Some(baked) = bake_document(&document, &settings, &light, progress, &note)? {
+                outbox.send(JobResult::Baked(Box::new(baked)));
+            }
+            Ok(())
+        });
     }
 
     pub(super) fn take_baked(&mut self, baked: BakedDocument) {
@@ -126,14 +122,9 @@ impl App {
     pub(super) fn save_lightmap(&mut self, what: LightmapFile, path: PathBuf) {
         self.asking = None;
         let Some(baked) = self.lightmap.result.clone() else {
-            let text = self.tr("there is no lightmap yet: bake one first");
-            self.report(Severity::Error, text);
-            return;
+            return self.fail(self.tr("there is no lightmap yet: bake one first"));
         };
-        let path = match path.extension() {
-            Some(_) => absolute(path),
-            None => absolute(path).with_extension(what.extension()),
-        };
+        let path = with_default_extension(path, what.extension());
         let saved = self.tr("saved");
         self.start_saving(path.clone(), move |progress, outbox| {
             for note in write(&baked, what, &path, progress)? {

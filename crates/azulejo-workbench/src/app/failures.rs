@@ -7,7 +7,7 @@ use azulejo::models::ReadFailure;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What readers find most often in files that are no models; the rest they say in English.
+/// What readers find most often in files that are not models; other messages stay in English.
 const PHRASES: [&str; 6] = [
     "an empty file",
     "text in no known format",
@@ -95,7 +95,7 @@ mod tests {
         let text = "v 1 2\nf 1 2 x";
         let broken = ReadError::at_line("b.obj", text, 2, 7, "\"x\"", "the end of the file");
         let broken = ReadFailure::Content(broken);
-        let found = describe(Language::Portuguese, path, &broken);
+        let text = describe(Language::Portuguese, path, &broken);
         for part in [
             "b.obj",
             "linha 2",
@@ -103,7 +103,7 @@ mod tests {
             "o fim do ficheiro",
             "f 1 2 x",
         ] {
-            assert!(found.contains(part), "{part} in {found}");
+            assert!(text.contains(part), "{part} in {text}");
         }
         let english = describe(Language::English, path, &broken);
         assert!(

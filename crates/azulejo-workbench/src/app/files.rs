@@ -63,12 +63,12 @@ impl App {
         let job = self.jobs.of(JobKind::Load).map(|job| job.title.clone());
         let waiting = self.loading.take().map(|l| l.then).unwrap_or_default();
         let waiting = waiting.iter().map(|p| p.display().to_string());
-        let all: Vec<String> = job.into_iter().chain(waiting).collect();
-        if !all.is_empty() {
+        let files: Vec<String> = job.into_iter().chain(waiting).collect();
+        if !files.is_empty() {
             let abandoned = self.tr("cancelled: another file was opened");
             self.report(
                 Severity::Warning,
-                format!("{}: {abandoned}", all.join(", ")),
+                format!("{}: {abandoned}", files.join(", ")),
             );
         }
         self.jobs.cancel_kind(JobKind::Load);
@@ -148,11 +148,11 @@ impl App {
             return self.ask_again();
         }
         if document.is_empty() && !recovered {
-            // A text that some format allows is no model: it does not take the place of one.
+            // A text that some format accepts is not a model: it does not replace one.
             warnings
                 .iter()
                 .for_each(|w| self.report(Severity::Warning, w.to_string()));
-            let why = self.tr("there is nothing in this file that can be shown");
+            let why = self.tr("this file contains nothing that can be shown");
             self.report(Severity::Error, format!("{}: {why}", path.display()));
             return;
         }
@@ -323,6 +323,14 @@ impl App {
     }
 }
 
+/// The absolute path, with this extension if it has none.
+pub(super) fn with_default_extension(path: PathBuf, extension: &str) -> PathBuf {
+    match path.extension() {
+        Some(_) => absolute(path),
+        None => absolute(path).with_extension(extension),
+    }
+}
+
 /// The absolute path, since the next session may start in another folder. `-` is not a file.
 pub(super) fn absolute(path: PathBuf) -> PathBuf {
     if path == Path::new("-") {
@@ -379,9 +387,9 @@ impl ModelReader {
         let mut scene = model.scene;
         // Before anything is renamed or converted: as if the model were opened alone.
         let imported = ImportedRecipes::apply(path, &mut scene);
-        let wanted = *self.units.get_or_insert(scene.units);
-        let changes = models::changes(scene.units, wanted);
-        scene = scene.adapted(wanted);
+        let target_units = *self.units.get_or_insert(scene.units);
+        let changes = models::changes(scene.units, target_units);
+        scene = scene.adapted(target_units);
         let name = models::branch_name(path, |n| self.taken.iter().any(|t| t == n));
         if !self.taken.is_empty() {
             models::name_branch(&mut scene, &name);

@@ -4,11 +4,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::{App, JobResult, Severity};
-use crate::command::SurfacePick;
-use crate::document::{SceneDocument, Solution};
+use super::{App, JobResult};
+use crate::document::{SceneDocument, Solution, SurfacePick};
 use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, solve_document};
-use crate::jobs::{Job, JobKind, in_thread_pool};
+use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::{Measure, Measured};
@@ -236,9 +235,8 @@ impl App {
     /// Starts solving the document in its current state.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
-            let text = self.tr("there is no light source: add a light or an emissive material");
-            self.report(Severity::Error, text);
-            return;
+            return self
+                .fail(self.tr("there is no light source: add a light or an emissive material"));
         }
         if !self.view.shading.shows_light() {
             // Show the light that is about to be solved.
@@ -246,7 +244,6 @@ impl App {
         }
         // What is solved is to be seen, not a lightmap.
         self.show_lightmap(false);
-        self.jobs.cancel_kind(JobKind::Solve);
         self.forget_measurements();
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
@@ -255,14 +252,11 @@ impl App {
         self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let is_dark = !self.lighting.is_current;
-        let threads = self.preferences.threads;
         let title = self.tr("light");
-        self.jobs
-            .start(JobKind::Solve, title, move |progress, outbox| {
-                in_thread_pool(threads, || {
-                    solve_document(&document, &settings, is_dark, progress, outbox)
-                })
-            });
+        self.start_job(JobKind::Solve, title, move |progress, outbox| {
+            let show = |solution| outbox.send(JobResult::Light(Box::new(solution)));
+            solve_document(&document, &settings, is_dark, progress, &show)
+        });
     }
 
     pub(super) fn pause(&mut self, rest: bool) {
@@ -356,19 +350,13 @@ impl App {
     /// Computes the form factors of the patch at a picked point, with the patches that the solver
     /// would use.
     pub(super) fn form_factors_from(&mut self, pick: SurfacePick) {
-        self.jobs.cancel_kind(JobKind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
-        let threads = self.preferences.threads;
         let title = self.tr("form factors");
-        self.jobs
-            .start(JobKind::FormFactors, title, move |progress, outbox| {
-                let seen = in_thread_pool(threads, || {
-                    patch_form_factors(&document, &settings, &pick, progress)
-                })?;
-                if let Some(seen) = seen {
-                    outbox.send(JobResult::FormFactors(Box::new(seen)));
-                }
-                Ok(())
-            });
+        self.start_job(JobKind::FormFactors, title, move |progress, outbox| {
+            if let Some(factors) = patch_form_factors(&document, &settings, &pick, progress)? {
+                outbox.send(JobResult::FormFactors(Box::new(factors)));
+            }
+            Ok(())
+        });
     }
 }

@@ -22,10 +22,10 @@ impl App {
         if materials.get(at as usize).is_some_and(is_it) {
             return true;
         }
-        let found = materials.iter().position(is_it);
-        if let Some(found) = found {
-            self.selection.material = Some(found as MaterialId);
+        let position = materials.iter().position(is_it);
+        if let Some(position) = position {
+            self.selection.material = Some(position as MaterialId);
         }
-        found.is_some()
+        position.is_some()
     }
 }

@@ -7,7 +7,6 @@ mod adding;
 mod autosave;
 mod bake;
 mod editing;
-mod examples;
 mod exposure;
 mod failures;
 mod files;
@@ -25,26 +24,23 @@ mod tests;
 mod thumbnails;
 
 pub use bake::{LightmapState, ViewportLightmap};
-pub use examples::Example;
 pub use lighting::{IrradianceRange, Lighting, Stopwatch};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
 pub use render::{RenderedImage, shown};
 pub use saving::{FinerMesh, OnDisk, PendingQuestion};
-pub use task_plane::{
-    MAX_POINTS, Measured, TaskGrid, TaskPlane, TaskPlaneFigures, TaskPlaneSettings, TaskPlaneState,
-};
+pub use task_plane::{Measured, TaskPlane, TaskPlaneFigures, TaskPlaneState};
 pub use thumbnails::{THUMBNAIL, Thumbnails};
 
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{ItemId, SceneDocument};
 use crate::history::History;
-use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
+use crate::jobs::{Job, JobKind, JobMessage, JobSender, Jobs, RepaintRequest, in_thread_pool};
 use crate::preferences::{Preferences, WindowPlace};
 use crate::recovery::Recovery;
 use crate::view::{ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
 use azulejo::scene::{Camera, Image, LightKind, Texture};
-use azulejo::trace::Tracer;
+use azulejo::trace::{Progress, Tracer};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -126,6 +122,7 @@ impl UserDirs {
 }
 
 /// The complete state of the workbench.
+#[derive(Default)]
 pub struct App {
     /// The document being edited.
     pub document: SceneDocument,
@@ -225,47 +222,13 @@ impl App {
     /// Creates an empty document. `repaint` requests a repaint of the window.
     pub fn new(preferences: Preferences, dirs: UserDirs, repaint: RepaintRequest) -> App {
         let mut app = App {
-            document: SceneDocument::default(),
-            selection: Selection::default(),
-            view: ModelView::default(),
-            lighting: Lighting::default(),
-            lightmap: LightmapState::default(),
-            probes: Vec::new(),
-            task_plane: TaskPlaneState::default(),
-            render: None,
-            file: None,
-            messages: Vec::new(),
-            errors: 0,
-            failure: None,
-            closed_render: None,
-            question: None,
-            asking: None,
             preferences,
-            closing: false,
-            finer_mesh: None,
-            save_when_solved: None,
             thumbnails: Thumbnails::new(dirs.thumbnails),
-            thumbnail_wanted: None,
-            revision: 0,
-            light: 0,
-            saved: DocumentState::default(),
-            began: 0,
-            history: History::default(),
             undo_bytes: editing::UNDO_BYTES,
-            latest: 0,
             jobs: Jobs::new(repaint),
-            recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
+            recovery: dirs.recovery.map(Recovery::new).unwrap_or_default(),
             preferences_file: dirs.preferences,
-            loading: None,
-            noted_recipes: HashMap::new(),
-            after_recovery: None,
-            saves: Vec::new(),
-            left: None,
-            pinned: 0,
-            measured_in: None,
-            changed_at: None,
-            #[cfg(test)]
-            executed: Default::default(),
+            ..App::default()
         };
         app.view.false_color.map = app.preferences.color_map;
         app
@@ -313,7 +276,13 @@ impl App {
         match command {
             Command::New => self.clear(),
             Command::Open(paths) => self.load(paths, true),
-            Command::OpenExample(example) => self.open_example(example),
+            Command::OpenExample(example) => {
+                self.clear();
+                match example.document() {
+                    Ok(document) => self.replace(document, None),
+                    Err(refused) => self.report(Severity::Error, refused.0),
+                }
+            }
             Command::Add(paths) => self.load(paths, false),
             Command::Save => self.save(false),
             Command::SaveAnyway => self.save(true),
@@ -396,10 +365,10 @@ impl App {
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         self.take_measures();
-        while let Some((job, news)) = self.jobs.next_message() {
+        while let Some((job, message)) = self.jobs.next_message() {
             any = true;
-            match news {
-                JobMessage::Output(found) => self.take(&job, found),
+            match message {
+                JobMessage::Output(result) => self.take(&job, result),
                 JobMessage::Ended(failure) => self.end(&job, failure),
             }
         }
@@ -407,8 +376,8 @@ impl App {
         any
     }
 
-    fn take(&mut self, job: &Job, found: JobResult) {
-        match found {
+    fn take(&mut self, job: &Job, result: JobResult) {
+        match result {
             JobResult::Model(model) => self.take_model(job, *model),
             JobResult::NoModel(why) => self.report(Severity::Error, why),
             JobResult::Saved(saved) => self.take_saved(saved),
@@ -418,9 +387,9 @@ impl App {
             JobResult::Baked(baked) => self.take_baked(*baked),
             JobResult::Backplate(texture) => self.take_backplate(texture),
             JobResult::Environment(loaded) => self.take_environment(loaded),
-            JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
+            JobResult::FormFactors(factors) => self.lighting.form_factors = Some(*factors),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
-            JobResult::TaskPlane(found) => self.take_task_plane(*found),
+            JobResult::TaskPlane(plane) => self.take_task_plane(*plane),
             JobResult::Note(text) => self.report(Severity::Note, text),
         }
     }
@@ -460,6 +429,25 @@ impl App {
     /// Translates `english` to the language of the window.
     pub(crate) fn tr<'s>(&self, english: &'s str) -> &'s str {
         self.preferences.language.tr(english)
+    }
+
+    /// Reports that a command cannot be executed, and why.
+    fn fail(&mut self, why: &str) {
+        self.report(Severity::Error, why);
+    }
+
+    /// Starts a job of which there is only one at a time, in a thread pool of its own.
+    fn start_job(
+        &mut self,
+        kind: JobKind,
+        title: &str,
+        work: impl FnOnce(&Progress, &JobSender<JobResult>) -> Result<(), String> + Send + 'static,
+    ) {
+        self.jobs.cancel_kind(kind);
+        let threads = self.preferences.threads;
+        self.jobs.start(kind, title, move |progress, outbox| {
+            in_thread_pool(threads, || work(progress, outbox))
+        });
     }
 
     /// Adds an entry to the message list.
@@ -652,8 +640,8 @@ impl App {
         if bounds.is_empty() || sees_all(&self.view.camera, self.view.aspect, bounds) {
             return;
         }
-        let all = self.document.model_bounds().union(bounds);
-        self.view.frame(all);
+        let bounds = self.document.model_bounds().union(bounds);
+        self.view.frame(bounds);
     }
 
     fn cancel(&mut self, id: u64) {

@@ -3,11 +3,12 @@
 use super::table::{CsvTable, cell};
 use super::{App, JobResult, Severity};
 use crate::app::light_unit::ShownUnit;
-use crate::command::SurfacePick;
-use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
+use crate::document::{
+    SceneDocument, SceneObject, ShadingPoint, Solution, SurfacePick, same_light,
+};
 use crate::first_pass::measure;
 use crate::gpu::display_mesh;
-use crate::jobs::{JobKind, in_thread_pool};
+use crate::jobs::JobKind;
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;
@@ -44,7 +45,7 @@ pub struct ProbeSurface {
 
 /// Irradiance measured at probes, by their numbers, and the document it was measured in.
 pub struct ProbeMeasurement {
-    of: SceneDocument,
+    document: SceneDocument,
     estimates: Vec<(u64, Estimate)>,
 }
 
@@ -93,20 +94,20 @@ fn site(
     let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);
     let position = local.transform_point3(pick.position);
     let last = face.and_then(|f| nearest(&mesh, f as usize..(f as usize + 1), position));
-    let last = last.filter(|found| found.distance <= ON * size * scale);
-    let found = last.or_else(|| nearest(&mesh, 0..mesh.faces.len(), position))?;
-    if found.distance > MAX_DISTANCE * size * scale {
+    let last = last.filter(|last| last.distance <= ON * size * scale);
+    let nearest = last.or_else(|| nearest(&mesh, 0..mesh.faces.len(), position))?;
+    if nearest.distance > MAX_DISTANCE * size * scale {
         return None;
     }
-    let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
+    let [a, b, c] = nearest.corners.map(|v| mesh.positions[v as usize]);
     // World normals are object normals times the inverse transpose of the placement.
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
     let is_front = normal.dot(pick.normal) > 0.0;
-    let face = found.face as usize;
+    let face = nearest.face as usize;
     Some(ProbeSurface {
-        face: found.face,
-        paint: ShadingPoint::at(&mesh, face, found.corners, found.weights, is_front)?,
-        light: is_lit.then(|| found.light(&mesh)).flatten(),
+        face: nearest.face,
+        paint: ShadingPoint::at(&mesh, face, nearest.corners, nearest.weights, is_front)?,
+        light: is_lit.then(|| nearest.light(&mesh)).flatten(),
         shape: Arc::clone(shape),
     })
 }
@@ -217,9 +218,8 @@ impl App {
     pub(super) fn add_probe(&mut self, pick: SurfacePick) {
         const MAX_PROBES: usize = 100;
         if self.probes.len() >= MAX_PROBES {
-            let text = self.tr("the maximum number of probes is reached: remove some first");
-            self.report(Severity::Error, text);
-            return;
+            return self
+                .fail(self.tr("the maximum number of probes is reached: remove some first"));
         }
         self.pinned += 1;
         self.probes.push(Probe {
@@ -249,7 +249,7 @@ impl App {
         for probe in &mut self.probes {
             probe.refresh(document, solution);
         }
-        if (self.measured_in.as_ref()).is_some_and(|of| !same_light(of, document)) {
+        if (self.measured_in.as_ref()).is_some_and(|then| !same_light(then, document)) {
             self.forget_measurements();
         }
     }
@@ -265,31 +265,27 @@ impl App {
         if self.probes.is_empty() {
             return;
         }
-        self.jobs.cancel_kind(JobKind::Probe);
-        let (of, settings) = (self.document.clone(), self.lighting.settings);
-        let threads = self.preferences.threads;
+        let (document, settings) = (self.document.clone(), self.lighting.settings);
         let (numbers, places): (Vec<u64>, Vec<SurfacePick>) =
             self.probes.iter().map(|p| (p.number, p.pick)).unzip();
-        let work = move |progress: &_, outbox: &crate::jobs::JobSender<JobResult>| {
-            let found = in_thread_pool(threads, || measure(&of, &settings, &places, progress))?;
-            let estimates = numbers.into_iter().zip(found).collect();
-            outbox.send(JobResult::Measured(Box::new(ProbeMeasurement {
-                of,
-                estimates,
-            })));
-            Ok(())
-        };
         let title = self.tr("probes");
-        self.jobs.start(JobKind::Probe, title, work);
+        self.start_job(JobKind::Probe, title, move |progress, outbox| {
+            let estimates = measure(&document, &settings, &places, progress)?;
+            let estimates = numbers.into_iter().zip(estimates).collect();
+            let measurement = ProbeMeasurement {
+                document,
+                estimates,
+            };
+            outbox.send(JobResult::Measured(Box::new(measurement)));
+            Ok(())
+        });
     }
 
     /// Writes the table of probes in the unit that is shown.
     pub(super) fn save_probes(&mut self, path: PathBuf) {
         self.asking = None;
         if self.probes.is_empty() {
-            let text = self.tr("there are no probes yet: pin one first");
-            self.report(Severity::Error, text);
-            return;
+            return self.fail(self.tr("there are no probes yet: pin one first"));
         }
         let table = self.probe_table();
         self.save_table(path, table);
@@ -328,19 +324,19 @@ impl App {
         table
     }
 
-    pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {
-        if !same_light(&found.of, &self.document) {
+    pub(super) fn take_measurement(&mut self, measurement: ProbeMeasurement) {
+        if !same_light(&measurement.document, &self.document) {
             let text = self.tr("the model changed while the probes were measured: measure again");
             self.report(Severity::Warning, text);
             return;
         }
         for probe in &mut self.probes {
-            let of = |(number, _): &&(u64, Estimate)| *number == probe.number;
-            if let Some((_, estimate)) = found.estimates.iter().find(of) {
+            let mut estimates = measurement.estimates.iter();
+            if let Some((_, estimate)) = estimates.find(|(number, _)| *number == probe.number) {
                 probe.measured = Some(*estimate);
             }
         }
-        self.measured_in = Some(found.of);
+        self.measured_in = Some(measurement.document);
     }
 }
 
@@ -361,9 +357,9 @@ mod tests {
             ([-2.0, 0.5, 0.0], [0.5, 0.0, 0.5]),
             ([1.0, 1.0, 0.0], [0.0, 0.5, 0.5]),
         ] {
-            let found = nearest_weights(DVec3::from(point), TRIANGLE);
-            let far = (0..3).map(|k| (found[k] - expected[k]).abs());
-            assert!(far.fold(0.0, f64::max) < 1e-12, "{point:?}: {found:?}");
+            let weights = nearest_weights(DVec3::from(point), TRIANGLE);
+            let far = (0..3).map(|k| (weights[k] - expected[k]).abs());
+            assert!(far.fold(0.0, f64::max) < 1e-12, "{point:?}: {weights:?}");
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Progressive rendering of the current view by path tracing.
 
-use super::files::absolute;
+use super::files::with_default_extension;
 use super::saving::PendingQuestion;
 use super::{App, JobResult, Severity, Stopwatch};
 use crate::command::FileRequest;
 use crate::document::{SceneDocument, Solution};
-use crate::jobs::{JobKind, JobSender, in_thread_pool};
+use crate::jobs::{JobKind, JobSender};
 use azulejo::formats::picture::{exr, png};
 use azulejo::render::{FinalGather, SecondPass, Tone, auto_exposure, render, tone_map};
 use azulejo::scene::{Camera, Image, Scene};
@@ -104,18 +104,16 @@ impl App {
             before,
             gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
         };
-        let threads = self.preferences.threads;
         let title = self.tr("rendering");
-        self.jobs
-            .start(JobKind::Render, title, move |progress, outbox| {
-                // While the camera moves, every frame requests another render: only the one that is
-                // still wanted a little later copies the scene and builds its BVH.
-                std::thread::sleep(QUIET);
-                if progress.advance(0).is_ok() {
-                    in_thread_pool(threads, || work.run(progress, outbox));
-                }
-                Ok(())
-            });
+        self.start_job(JobKind::Render, title, move |progress, outbox| {
+            // While the camera moves, every frame requests another render: only the one that is
+            // still current a little later copies the scene and builds its BVH.
+            std::thread::sleep(QUIET);
+            if progress.advance(0).is_ok() {
+                work.run(progress, outbox);
+            }
+            Ok(())
+        });
     }
 
     /// Stops rendering and keeps the image, if there is one yet.
@@ -141,13 +139,13 @@ impl App {
         self.run_render(before);
     }
 
-    /// Shows the image that was closed last and goes on with it, if it is of this view of the model as it
+    /// Shows the image that was closed last and continues it, if it is of this view of the model as it
     /// is now.
     fn show_closed_render(&mut self, size: (u32, u32), most: u32) -> bool {
-        let Some((of, closed)) = self.closed_render.take() else {
+        let Some((subject, closed)) = self.closed_render.take() else {
             return false;
         };
-        if of != self.render_subject() || closed.size != size || closed.samples == 0 {
+        if subject != self.render_subject() || closed.size != size || closed.samples == 0 {
             return false;
         }
         let most = most.max(closed.samples);
@@ -212,14 +210,9 @@ impl App {
         self.asking = None;
         let render = self.render.as_ref().filter(|p| p.samples > 0);
         let Some(image) = render.and_then(|p| p.image.clone()) else {
-            let text = self.tr("there is no image yet: render one first");
-            self.report(Severity::Error, text);
-            return;
+            return self.fail(self.tr("there is no image yet: render one first"));
         };
-        let path = match path.extension() {
-            Some(_) => absolute(path),
-            None => absolute(path).with_extension("png"),
-        };
+        let path = with_default_extension(path, "png");
         let exposure = self.picture_exposure(&image);
         let Some(output) = self.output(&path) else {
             return;

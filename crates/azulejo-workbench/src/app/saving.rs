@@ -1,6 +1,6 @@
 //! Saving, and detecting changes of the file by other programs.
 
-use super::files::absolute;
+use super::files::{absolute, with_default_extension};
 use super::{App, DocumentState, JobResult, Severity};
 use crate::command::{Command, FileRequest};
 use crate::document::SceneDocument;
@@ -142,10 +142,7 @@ impl App {
             self.question = None;
         }
         self.asking = None;
-        let path = match path.extension() {
-            Some(_) => absolute(path),
-            None => absolute(path).with_extension("grf"),
-        };
+        let path = with_default_extension(path, "grf");
         // Other formats store neither light sources nor solved light, so the document is not saved
         // by writing them.
         let keeps_all = models::by_extension(&path).is_some_and(|f| f.extension == "grf");

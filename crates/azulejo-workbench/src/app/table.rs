@@ -1,6 +1,6 @@
 //! Tables as CSV files (RFC 4180).
 
-use super::files::absolute;
+use super::files::with_default_extension;
 use super::{App, JobResult};
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -41,10 +41,7 @@ fn quoted(cell: Cow<'_, str>) -> Cow<'_, str> {
 impl App {
     /// Writes a table in the background: the whole file, or nothing of it.
     pub(super) fn save_table(&mut self, path: PathBuf, table: CsvTable) {
-        let path = match path.extension() {
-            Some(_) => absolute(path),
-            None => absolute(path).with_extension("csv"),
-        };
+        let path = with_default_extension(path, "csv");
         let Some(output) = self.output(&path) else {
             return;
         };

@@ -4,72 +4,14 @@
 use super::table::{CsvTable, cell};
 use super::{App, JobResult, Severity};
 use crate::app::light_unit::ShownUnit;
-use crate::document::{SceneDocument, same_light};
+use crate::document::{SceneDocument, TaskGrid, TaskPlaneSettings, same_light};
 use crate::first_pass::measure_in_space;
-use crate::jobs::{JobKind, JobSender, in_thread_pool};
+use crate::jobs::JobKind;
 use azulejo::factors::PointNormal;
 use azulejo::radiosity::Estimate;
-use azulejo::scene::Up;
-use azulejo::trace::Progress;
-use glam::DVec3;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Limit on the number of points along a side.
-pub const MAX_POINTS: u32 = 256;
-
-/// Where the task plane lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TaskPlaneSettings {
-    /// Height above the lowest point of the model, metres.
-    pub height: f64,
-    /// Distance from the edges of the model's footprint, metres.
-    pub margin: f64,
-    /// Numbers of points along x, and along the other horizontal axis.
-    pub counts: [u32; 2],
-}
-
-impl Default for TaskPlaneSettings {
-    /// The height of a desk.
-    fn default() -> TaskPlaneSettings {
-        TaskPlaneSettings {
-            height: 0.8,
-            margin: 0.5,
-            counts: [16, 12],
-        }
-    }
-}
-
-impl TaskPlaneSettings {
-    /// The height of a desk and the usual margin or, in models smaller than a room, shares of their
-    /// size.
-    pub fn suited_to(document: &SceneDocument) -> TaskPlaneSettings {
-        /// A smaller footprint is none of a room, metres.
-        const ROOM: f64 = 2.0;
-        let usual = TaskPlaneSettings::default();
-        let bounds = document.model_bounds();
-        if bounds.is_empty() {
-            return usual;
-        }
-        let size = bounds.size() * document.units.metres_per_unit.unwrap_or(1.0);
-        let [high, a, b] = match document.units.up {
-            Up::Y => [size.y, size.x, size.z],
-            Up::Z => [size.z, size.x, size.y],
-        };
-        let least = a.min(b);
-        if least >= ROOM {
-            return usual;
-        }
-        // Two digits, as the window shows them.
-        let rounded = |x: f64| format!("{x:.1e}").parse().unwrap_or(x);
-        TaskPlaneSettings {
-            height: rounded((0.25 * high).min(usual.height)),
-            margin: rounded((0.1 * least).min(usual.margin)),
-            ..usual
-        }
-    }
-}
 
 /// The task plane of the document.
 #[derive(Clone, Debug, Default)]
@@ -93,20 +35,7 @@ pub struct TaskPlane {
     /// solids.
     pub cells: Vec<Option<Estimate>>,
     /// The document in which it was measured.
-    of: SceneDocument,
-}
-
-/// The cells of a horizontal rectangle, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TaskGrid {
-    /// The corner of the first cell.
-    pub corner: DVec3,
-    /// Both sides of a cell.
-    pub sides: [DVec3; 2],
-    /// Numbers of cells along both sides.
-    pub counts: [u32; 2],
-    /// Unit normal: the side of the plane that is measured.
-    pub up: DVec3,
+    document: SceneDocument,
 }
 
 /// A number with its standard error.
@@ -125,58 +54,6 @@ pub struct TaskPlaneFigures {
     pub uniformity: Measured,
     /// The smallest irradiance relative to the largest.
     pub diversity: Measured,
-}
-
-impl TaskGrid {
-    /// The grid above the floor of a document; `None` if the margin leaves nothing of its footprint.
-    pub fn of(document: &SceneDocument, settings: &TaskPlaneSettings) -> Option<TaskGrid> {
-        let bounds = document.model_bounds();
-        if bounds.is_empty() {
-            return None;
-        }
-        let units = document.units;
-        let metre = 1.0 / units.metres_per_unit.unwrap_or(1.0);
-        let up = units.up.axis();
-        let across = match units.up {
-            Up::Y => [DVec3::X, DVec3::Z],
-            Up::Z => [DVec3::X, DVec3::Y],
-        };
-        let counts = settings.counts.map(|n| n.clamp(1, MAX_POINTS));
-        let margin = settings.margin * metre;
-        let lengths = across.map(|axis| bounds.size().dot(axis) - 2.0 * margin);
-        let is_usable = |x: f64| x.is_finite() && x > 0.0;
-        if !lengths.into_iter().all(is_usable) || !settings.height.is_finite() {
-            return None;
-        }
-        let height = bounds.min.dot(up) + settings.height * metre;
-        let start = across.map(|axis| (bounds.min.dot(axis) + margin) * axis);
-        Some(TaskGrid {
-            corner: start[0] + start[1] + height * up,
-            sides: [0, 1].map(|k| across[k] * (lengths[k] / f64::from(counts[k]))),
-            counts,
-            up,
-        })
-    }
-
-    /// The column and the row of each cell with its corner, row by row.
-    pub fn corners(&self) -> impl Iterator<Item = ([u32; 2], DVec3)> {
-        let grid = *self;
-        let [columns, rows] = grid.counts;
-        (0..rows).flat_map(move |row| {
-            (0..columns).map(move |column| {
-                let [a, b] = grid.sides;
-                let corner = grid.corner + f64::from(column) * a + f64::from(row) * b;
-                ([column, row], corner)
-            })
-        })
-    }
-
-    /// The column and the row of each cell with its centre.
-    pub fn centres(&self) -> impl Iterator<Item = ([u32; 2], DVec3)> {
-        let to_centre = 0.5 * (self.sides[0] + self.sides[1]);
-        self.corners()
-            .map(move |(at, corner)| (at, corner + to_centre))
-    }
 }
 
 impl TaskPlane {
@@ -223,40 +100,34 @@ impl App {
 
     /// Measures the task plane in the background.
     pub(super) fn measure_task_plane(&mut self) {
-        self.jobs.cancel_kind(JobKind::TaskPlane);
         self.task_plane.is_added = true;
         let Some(grid) = TaskGrid::of(&self.document, &self.task_plane.settings) else {
-            let text = self.tr("the margin leaves nothing of the model's footprint");
-            self.report(Severity::Error, text);
-            return;
+            return self.fail(self.tr("the margin leaves no area of the model's footprint"));
         };
-        let (of, settings) = (self.document.clone(), self.lighting.settings);
-        let threads = self.preferences.threads;
-        let work = move |progress: &Progress, outbox: &JobSender<JobResult>| {
+        let (document, settings) = (self.document.clone(), self.lighting.settings);
+        let title = self.tr("task plane");
+        self.start_job(JobKind::TaskPlane, title, move |progress, outbox| {
             let place = |(_, position)| PointNormal {
                 position,
                 normal: grid.up,
             };
             let points: Vec<PointNormal> = grid.centres().map(place).collect();
-            let measured = || measure_in_space(&of, &settings, &points, progress);
-            if let Some(cells) = in_thread_pool(threads, measured)? {
+            if let Some(cells) = measure_in_space(&document, &settings, &points, progress)? {
                 static NUMBER: AtomicU64 = AtomicU64::new(1);
                 outbox.send(JobResult::TaskPlane(Box::new(TaskPlane {
                     number: NUMBER.fetch_add(1, Ordering::Relaxed),
                     grid,
                     cells,
-                    of,
+                    document,
                 })));
             }
             Ok(())
-        };
-        let title = self.tr("task plane");
-        self.jobs.start(JobKind::TaskPlane, title, work);
+        });
     }
 
-    pub(super) fn take_task_plane(&mut self, found: TaskPlane) {
-        if same_light(&found.of, &self.document) {
-            self.task_plane.result = Some(found);
+    pub(super) fn take_task_plane(&mut self, plane: TaskPlane) {
+        if same_light(&plane.document, &self.document) {
+            self.task_plane.result = Some(plane);
         } else {
             let text =
                 self.tr("the model changed while the task plane was measured: measure again");
@@ -267,7 +138,7 @@ impl App {
     /// Forgets what was measured in another state of the document.
     pub(super) fn refresh_task_plane(&mut self) {
         let result = self.task_plane.result.as_ref();
-        if result.is_some_and(|plane| !same_light(&plane.of, &self.document)) {
+        if result.is_some_and(|plane| !same_light(&plane.document, &self.document)) {
             self.task_plane.result = None;
         }
     }
@@ -282,9 +153,7 @@ impl App {
     pub(super) fn save_task_plane(&mut self, path: PathBuf) {
         self.asking = None;
         let Some(plane) = &self.task_plane.result else {
-            let text = self.tr("the task plane has not been measured yet");
-            self.report(Severity::Error, text);
-            return;
+            return self.fail(self.tr("the task plane has not been measured yet"));
         };
         let unit = ShownUnit::of(self);
         let headings = [

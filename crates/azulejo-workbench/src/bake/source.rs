@@ -90,8 +90,8 @@ fn unbake(scene: &mut Scene, mut baked: Scene, plain: Scene) -> bool {
 /// Gives lamps that were dimmed for a lightmap back what they were, unless they have been edited.
 fn relight(scene: &mut Scene, dimmed: &[Light], lights: Vec<Light>) {
     for (light, shining) in dimmed.iter().zip(lights) {
-        let mut all = scene.lights.iter_mut();
-        if let Some(own) = all.find(|own| own.name == light.name && own.kind == light.kind) {
+        let mut lights = scene.lights.iter_mut();
+        if let Some(own) = lights.find(|own| own.name == light.name && own.kind == light.kind) {
             own.kind = shining.kind;
         }
     }

@@ -265,7 +265,7 @@ impl NewShape {
 impl NewLight {
     /// Creates the light, bright enough for the distance to its target.
     pub(super) fn make(&self, document: &SceneDocument) -> Light {
-        let wanted = if document.units.photometric {
+        let unit = if document.units.photometric {
             ILLUMINANCE
         } else {
             IRRADIANCE
@@ -273,7 +273,7 @@ impl NewLight {
         let toward = self.toward - self.at;
         let down = -document.units.up.axis();
         let direction = toward.try_normalize().unwrap_or(down);
-        let intensity = Rgb::grey(wanted * toward.length_squared().max(f64::MIN_POSITIVE));
+        let intensity = Rgb::grey(unit * toward.length_squared().max(f64::MIN_POSITIVE));
         let position = self.at;
         let (name, kind) = match self.kind {
             NewLightKind::Point => (
@@ -299,7 +299,7 @@ impl NewLight {
             NewLightKind::Ambient => (
                 "ambient light",
                 LightKind::Ambient {
-                    radiance: Rgb::grey(wanted / std::f64::consts::PI),
+                    radiance: Rgb::grey(unit / std::f64::consts::PI),
                 },
             ),
         };

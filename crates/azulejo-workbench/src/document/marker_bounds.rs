@@ -28,9 +28,9 @@ impl SceneDocument {
     /// Bounding box of objects and of light and camera markers, which extend `radius` world units
     /// to each side.
     pub fn bounds_with_markers(&self, ids: &[ItemId], radius: f64) -> Aabb {
-        let all = self.bounds(None);
+        let bounds = self.bounds(None);
         let lights = ids.iter().filter_map(|&id| self.light(id));
-        let lights = lights.map(|lamp| light_position(&lamp.light.kind, all));
+        let lights = lights.map(|lamp| light_position(&lamp.light.kind, bounds));
         let cameras = ids.iter().filter_map(|&id| self.camera(id));
         let places = lights.chain(cameras.map(|view| view.camera.eye));
         let reach = DVec3::splat(radius);
@@ -42,8 +42,12 @@ impl SceneDocument {
     /// The box that the view should show to frame these items. Lights and cameras have no size of
     /// their own, so they count as a twentieth of the model.
     pub fn frame_of(&self, ids: &[ItemId]) -> Aabb {
-        let all = self.bounds(None);
-        let size = if all.is_empty() { 0.0 } else { all.diagonal() };
+        let bounds = self.bounds(None);
+        let size = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.diagonal()
+        };
         let radius = if size > 0.0 { 0.05 * size } else { 0.5 };
         self.bounds_with_markers(ids, radius)
     }

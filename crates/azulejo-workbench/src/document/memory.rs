@@ -55,8 +55,8 @@ impl SceneDocument {
         let cameras = self.cameras.iter();
         let cameras = cameras.map(|c| size_of::<SceneCamera>() + c.camera.name.capacity());
         let pointers = self.objects.len() + self.materials.len() + self.textures.len();
-        let all = pointers * size_of::<usize>() + lights.sum::<usize>() + cameras.sum::<usize>();
-        all as u64
+        let bytes = pointers * size_of::<usize>() + lights.sum::<usize>() + cameras.sum::<usize>();
+        bytes as u64
     }
 
     fn note_items(&self, other: &SceneDocument, alone: &mut SharedAllocations) {
@@ -299,7 +299,7 @@ mod tests {
             material: None,
         };
         let ids = Edit::AddShape(text).apply(&mut document).unwrap();
-        let all = alone(&document, &Edit::Delete(ids.clone()));
+        let deletion = alone(&document, &Edit::Delete(ids.clone()));
         let without_outlines = alone(&document, &Edit::Assign(ids, 0));
         // Three letters share one outline.
         let Shape::Exact(exact) = &*document.objects[0].shape else {
@@ -308,7 +308,7 @@ mod tests {
         let Solid::Prism(letter) = &exact.solids[0] else {
             panic!("a letter is a prism")
         };
-        assert_eq!(all - without_outlines, figure_bytes(&letter.figure));
+        assert_eq!(deletion - without_outlines, figure_bytes(&letter.figure));
 
         let before = document.bytes();
         document.textures.push(Arc::new(Texture {

@@ -8,12 +8,13 @@
 mod create;
 mod daylight;
 mod edit;
-mod lightmapped;
+mod example;
 mod marker_bounds;
 mod memory;
 mod outline;
 mod shading_point;
 mod solution;
+mod task_grid;
 #[cfg(test)]
 pub(crate) mod tests;
 mod units;
@@ -21,11 +22,13 @@ mod units;
 pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
 pub use daylight::SkySettings;
 pub use edit::{Edit, EditError};
-pub use lightmapped::{LightmappedMesh, ShownLightmap};
+pub use example::Example;
 pub use marker_bounds::light_position;
 pub use outline::{PrismOutline, SIDES};
 pub use shading_point::ShadingPoint;
+pub(crate) use solution::same_geometry;
 pub use solution::{Solution, same_light};
+pub use task_grid::{MAX_POINTS, TaskGrid, TaskPlaneSettings};
 
 use azulejo::formats::Format;
 use azulejo::scene::math::Aabb;
@@ -42,6 +45,17 @@ use std::sync::Arc;
 /// included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ItemId(pub u64);
+
+/// A picked surface point with its side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePick {
+    /// The object it belongs to.
+    pub item: ItemId,
+    /// Position in world space.
+    pub position: DVec3,
+    /// Unit normal of the picked side.
+    pub normal: DVec3,
+}
 
 /// A scene being edited.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -41,12 +41,12 @@ impl Solution {
     /// The light stored in a file, if every surface has some.
     pub fn of_file(document: &SceneDocument) -> Option<Solution> {
         let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;
-        let all = !document.objects.is_empty()
+        let is_complete = !document.objects.is_empty()
             && document
                 .objects
                 .iter()
                 .all(|item| is_lit(item) && stands(item));
-        all.then(|| Solution {
+        is_complete.then(|| Solution {
             shapes: (document.objects.iter())
                 .map(|i| (i.id, Arc::clone(&i.shape)))
                 .collect(),
@@ -115,7 +115,7 @@ fn same_materials(then: &SceneDocument, now: &SceneDocument) -> bool {
         && pairs.into_iter().all(|(a, b)| same_material(a, b))
 }
 
-pub(super) fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
+pub(crate) fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
     Arc::ptr_eq(&a.shape, &b.shape) && a.placement == b.placement
 }
 

@@ -243,9 +243,9 @@ fn things_move_as_a_scene_does() {
         let mut scene = sample_scene();
         scene.fog = None;
         let mut document = SceneDocument::of_scene(scene.clone(), None);
-        let all: Vec<ItemId> = (1..=6).map(ItemId).collect();
+        let ids: Vec<ItemId> = (1..=6).map(ItemId).collect();
         let bounds = scene.clone().transformed(&map).bounds();
-        Edit::Transform(all, map).apply(&mut document).unwrap();
+        Edit::Transform(ids, map).apply(&mut document).unwrap();
         assert_eq!(document.scene(), scene.transformed(&map), "{map:?}");
         let around = document.bounds(None);
         let grown = around.union(bounds);
@@ -467,9 +467,9 @@ fn letters_that_cannot_be_set_are_refused() {
 #[test]
 fn copies_of_many_have_names_of_their_own() {
     let mut document = SceneDocument::of_scene(sample_scene(), None);
-    let all: Vec<ItemId> = document.objects.iter().map(|i| i.id).collect();
+    let ids: Vec<ItemId> = document.objects.iter().map(|i| i.id).collect();
     for _ in 0..3 {
-        Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
+        Edit::Duplicate(ids.clone()).apply(&mut document).unwrap();
     }
     // A copy gets a free name, and of two objects with the same name each gets its own.
     let ball = document

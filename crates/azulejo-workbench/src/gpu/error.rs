@@ -54,8 +54,11 @@ impl fmt::Display for GpuError {
                 )
             }
             GpuError::Missing { found } => {
-                let found = found.join(", ");
-                write!(f, "no suitable graphics adapter, only {found}. {INSTALL}")
+                let adapters = found.join(", ");
+                write!(
+                    f,
+                    "no suitable graphics adapter, only {adapters}. {INSTALL}"
+                )
             }
             GpuError::Refused { name, reason } => {
                 write!(

@@ -172,7 +172,7 @@ impl GpuMesh {
             self.facet_key = facet_key;
             self.facet_scale = source.brightest() / BRIGHTEST;
         }
-        let wanted = VertexStreams {
+        let streams = VertexStreams {
             normals: wanted.normals && mesh.normals.is_some(),
             light: wanted.light && is_solved(mesh),
             lightmap: wanted.light && places_of(drawn).is_some(),
@@ -180,12 +180,12 @@ impl GpuMesh {
             uvs: wanted.uvs && mesh.uvs.is_some(),
             ..wanted
         };
-        let is_there = self.pieces.iter().all(|p| p.has(wanted));
+        let is_there = self.pieces.iter().all(|p| p.has(streams));
         if is_there && (mesh.faces.is_empty() || !self.pieces.is_empty()) {
             return Ok(());
         }
         let mut number = 0;
-        for_each_piece(mesh, wanted.edges, |piece| {
+        for_each_piece(mesh, streams.edges, |piece| {
             if number == self.pieces.len() {
                 let buffers = PieceBuffers::new(mesh, self.origin, piece, loader);
                 self.pieces.push(buffers);
@@ -193,11 +193,11 @@ impl GpuMesh {
             let scales = [self.light_scale, self.facet_scale];
             let origin = self.origin;
             let buffers = &mut self.pieces[number];
-            buffers.complete(mesh, piece, wanted, loader, scales[0]);
-            if let Some(places) = places_of(drawn).filter(|_| wanted.lightmap) {
+            buffers.complete(mesh, piece, streams, loader, scales[0]);
+            if let Some(places) = places_of(drawn).filter(|_| streams.lightmap) {
                 buffers.complete_lightmap(places, piece, loader);
             }
-            if wanted.facets != FacetAttribute::None {
+            if streams.facets != FacetAttribute::None {
                 buffers.complete_facets(mesh, piece, origin, &source, scales[1], loader);
             }
             number += 1;
@@ -256,8 +256,8 @@ impl SelectionBuffers {
             triangles.clear();
             mesh.triangulate_into(face, &mut triangles);
             let vertices = mesh.faces.get(face);
-            let all = triangles.iter().flatten();
-            corners.extend(all.map(|&k| relative(mesh, vertices[k as usize], origin)));
+            let indices = triangles.iter().flatten();
+            corners.extend(indices.map(|&k| relative(mesh, vertices[k as usize], origin)));
             if corners.len() > 3 * MAX_SELECTED {
                 break;
             }
@@ -420,8 +420,8 @@ impl<'a> FacetSource<'a> {
             FacetSource::None => unknown,
             FacetSource::Light(mesh) => {
                 let corners = mesh.faces.get(face as usize);
-                let all = corners.iter().map(|&v| mesh.irradiance[v as usize]);
-                halves(all.sum::<Rgb>() / corners.len() as f64, scale)
+                let values = corners.iter().map(|&v| mesh.irradiance[v as usize]);
+                halves(values.sum::<Rgb>() / corners.len() as f64, scale)
             }
             FacetSource::Values(values) => match values.values.get(face as usize) {
                 Some(v) if v.is_finite() => halves(Rgb::grey(f64::from(*v)), scale),

@@ -103,7 +103,7 @@ fn layer(page: &Image, size: [u32; 2], step: u32, scale: f32) -> Vec<[u16; 4]> {
     (0..size[0] * size[1]).into_par_iter().map(texel).collect()
 }
 
-/// Layers of a texture for so many pages: OpenGL takes one layer for a plain texture, and multiples of six for the
+/// Layers of a texture for this many pages: OpenGL takes one layer for a plain texture, and multiples of six for the
 /// sides of cubes.
 fn layer_count(pages: u32) -> u32 {
     match pages.max(2) {

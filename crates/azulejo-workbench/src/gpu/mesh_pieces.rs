@@ -140,12 +140,12 @@ impl<'a> PieceBuilder<'a> {
     fn vertex(&mut self, corner: usize) -> u32 {
         let vertex = self.mesh.faces.corners[corner];
         let newest = self.newest[vertex as usize];
-        let mut found = newest;
-        while found != NONE && !self.is_same(found, corner) {
-            found = self.before[found as usize];
+        let mut index = newest;
+        while index != NONE && !self.is_same(index, corner) {
+            index = self.before[index as usize];
         }
-        if found != NONE {
-            return found;
+        if index != NONE {
+            return index;
         }
         let made = self.piece.vertices.len() as u32;
         self.piece.vertices.push([vertex, corner as u32]);
@@ -227,13 +227,13 @@ mod tests {
     type PieceSummary = (usize, usize, usize, Vec<(MaterialId, Range<u32>)>);
 
     fn pieces(mesh: &Mesh) -> Vec<PieceSummary> {
-        let mut all = Vec::new();
+        let mut summaries = Vec::new();
         let Ok(()) = for_each_piece(mesh, true, |p| {
             let counts = (p.vertices.len(), p.faces.len(), p.edges.len() / 2);
-            all.push((counts.0, counts.1, counts.2, p.ranges.clone()));
+            summaries.push((counts.0, counts.1, counts.2, p.ranges.clone()));
             Ok::<(), std::convert::Infallible>(())
         });
-        all
+        summaries
     }
 
     #[test]
@@ -262,8 +262,8 @@ mod tests {
     #[test]
     fn large_meshes_come_in_pieces() {
         let mesh = strip(&vec![0; MAX_VERTICES]);
-        let all = pieces(&mesh);
-        assert!(all.len() > 1 && all.iter().all(|p| p.0 <= MAX_VERTICES));
-        assert_eq!(all.iter().map(|p| p.1).sum::<usize>(), 2 * MAX_VERTICES);
+        let counts = pieces(&mesh);
+        assert!(counts.len() > 1 && counts.iter().all(|p| p.0 <= MAX_VERTICES));
+        assert_eq!(counts.iter().map(|p| p.1).sum::<usize>(), 2 * MAX_VERTICES);
     }
 }

@@ -7,7 +7,6 @@
 //! | module | purpose |
 //! |---|---|
 //! | `frame`, `overlay` | the input of the renderer, as plain data |
-//! | `projection` | from world space to pixels, in `f64` |
 //! | `mesh_pieces`, `geometry` | polygons to vertices and triangles, and their upload |
 //! | `textures`, `lightmap`, `uniforms` | upload of textures, lightmaps and uniform data |
 //! | `pipelines`, `draw.wgsl` | pipelines and shaders |
@@ -28,7 +27,6 @@ mod overlay;
 mod pass;
 mod pick;
 mod pipelines;
-mod projection;
 mod renderer;
 mod target;
 mod tessellate;
@@ -38,6 +36,7 @@ mod textures;
 mod ticks;
 mod uniforms;
 
+pub use crate::projection::Projection;
 pub use device::HeadlessDevice;
 pub use error::GpuError;
 pub use frame::{
@@ -46,7 +45,6 @@ pub use frame::{
 pub use lightmap::LightmapPages;
 pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
 pub use pick::{Cutaway, PickHit, pick, pick_rectangle};
-pub use projection::Projection;
 pub use renderer::{DrawnFrame, RenderStatistics, Renderer};
 pub use target::PixelBuffer;
 pub use tessellate::{chord_error, display_mesh};

@@ -1,7 +1,7 @@
 //! Lines and triangles drawn in addition to the model: gizmos, markers of lights and cameras,
 //! highlights.
 
-use super::projection::Projection;
+use crate::projection::Projection;
 use azulejo::scene::math::Aabb;
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;

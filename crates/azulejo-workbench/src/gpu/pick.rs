@@ -3,7 +3,7 @@
 //! All triangles are tested: no acceleration structure has to be updated after every edit.
 
 use super::frame::DrawnMesh;
-use super::projection::Projection;
+use crate::projection::Projection;
 use azulejo::scene::Mesh;
 use azulejo::scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec2, DVec3};
@@ -214,8 +214,11 @@ pub fn pick_rectangle(
         let corners = mesh.faces.corners.par_iter();
         corners.any(|&v| is_inside(&drawn.world_from_object, mesh.positions[v as usize]))
     };
-    let all = objects.iter().enumerate();
-    all.filter(|(_, d)| is_touched(d)).map(|(k, _)| k).collect()
+    let objects = objects.iter().enumerate();
+    objects
+        .filter(|(_, d)| is_touched(d))
+        .map(|(k, _)| k)
+        .collect()
 }
 
 #[cfg(test)]

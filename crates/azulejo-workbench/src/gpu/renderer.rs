@@ -9,10 +9,10 @@ use super::outline::SelectionOutline;
 use super::overlay;
 use super::pass::{DrawPlan, PassEncoder, VisibleObject};
 use super::pipelines::RenderPipelines;
-use super::projection::Projection;
 use super::target::{COLOR, PixelBuffer, RenderTarget, SAMPLES};
 use super::textures::TextureCache;
 use super::uniforms::{self, UniformBlocks};
+use crate::projection::Projection;
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
@@ -367,8 +367,8 @@ impl Renderer {
             let used: Vec<TextureSource> = known.copied().collect();
             cache.upload(&self.device, &self.queue, &used, self.number)
         };
-        let all = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
-        all.map(|m| m.and_then(|m| key(&m.textures))).collect()
+        let textures = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
+        textures.map(|m| m.and_then(|m| key(&m.textures))).collect()
     }
 
     fn load_backdrop(&mut self, frame: &ViewportFrame) -> Option<Vec<u64>> {

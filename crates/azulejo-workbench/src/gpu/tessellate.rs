@@ -1,6 +1,6 @@
 //! Polygons for displaying shapes: exact shapes are tessellated as finely as the view requires.
 
-use super::projection::Projection;
+use crate::projection::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Mesh, Primitive, Rgb, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
@@ -25,8 +25,8 @@ pub fn chord_error(bounds: Aabb, view: &Projection) -> f64 {
     let eye = view.ray(glam::DVec2::ZERO).origin;
     let toward = (eye - centre).normalize_or_zero();
     let nearest = centre + toward * (0.5 * size).min((eye - centre).length());
-    let asked = (PIXELS * view.pixel_at(nearest)).clamp(FINEST * size, COARSEST * size);
-    2f64.powi(asked.log2().floor() as i32)
+    let chord_error = (PIXELS * view.pixel_at(nearest)).clamp(FINEST * size, COARSEST * size);
+    2f64.powi(chord_error.log2().floor() as i32)
 }
 
 /// The polygons that display a shape, in object space: a mesh as it is, an exact shape with a chord
@@ -38,7 +38,9 @@ pub fn display_mesh(shape: &Shape, chord_error: f64, lit: bool) -> Cow<'_, Mesh>
     match shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
         Shape::Instance(instance) => Cow::Owned(instance.to_mesh()),
-        Shape::Primitive(primitive) => Cow::Owned(of_primitive(primitive, chord_error, lit)),
+        Shape::Primitive(primitive) => {
+            Cow::Owned(tessellate_primitive(primitive, chord_error, lit))
+        }
         Shape::Exact(exact) => match &exact.proxy {
             Some(skin) if lit => Cow::Borrowed(&**skin),
             _ => Cow::Owned(exact.tessellate(chord_error)),
@@ -46,7 +48,7 @@ pub fn display_mesh(shape: &Shape, chord_error: f64, lit: bool) -> Cow<'_, Mesh>
     }
 }
 
-fn of_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
+fn tessellate_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
     if !(chord_error > 0.0 && chord_error.is_finite()) {
         return Mesh::default();
     }
@@ -75,16 +77,16 @@ fn of_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> Mesh {
 
 /// The irradiance at the vertices of grids, in their order.
 fn irradiance(light: &SurfaceLight, grids: &[SurfaceGrid]) -> Vec<Rgb> {
-    let mut all = Vec::new();
+    let mut values = Vec::new();
     for (part, grid) in grids.iter().enumerate() {
         for j in 0..=grid.nv {
             for i in 0..=grid.nu {
                 let share = |k: u32, n: u32| f64::from(k) / f64::from(n);
-                all.push(light.at(part, share(i, grid.nu), share(j, grid.nv)));
+                values.push(light.at(part, share(i, grid.nu), share(j, grid.nv)));
             }
         }
     }
-    all
+    values
 }
 
 #[cfg(test)]

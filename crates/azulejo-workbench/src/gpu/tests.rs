@@ -25,12 +25,12 @@ fn on_each_driver(test: impl Fn(&mut Renderer)) {
         let mut renderer = Renderer::new(card.device, card.queue).expect("shaders are taken");
         test(&mut renderer);
     }
-    let found = if tried > 0 {
+    let outcome = if tried > 0 {
         Ok(())
     } else {
         Err("no graphics driver")
     };
-    let _ = azulejo_testing::require(Need::Gpu, found);
+    let _ = azulejo_testing::require(Need::Gpu, outcome);
 }
 
 /// A camera on the z axis looking along it; the image spans 2 × 2 world units at z = 0.
@@ -244,8 +244,8 @@ fn isolines_lie_where_bands_meet() {
         let t = |x: u32| (f64::from(x) + 0.5) / 64.0;
         let differs = |x: u32| {
             let plain = scale.map.color(t(x));
-            let found = pixels.color(x, 20);
-            found.iter().zip(plain).any(|(a, b)| a.abs_diff(b) > 30)
+            let color = pixels.color(x, 20);
+            color.iter().zip(plain).any(|(a, b)| a.abs_diff(b) > 30)
         };
         for x in [8, 24, 40, 56] {
             assert!(!differs(x), "{x} {:?}", pixels.color(x, 20));
@@ -444,9 +444,9 @@ fn a_section_cuts_what_is_drawn_and_what_is_picked() {
             let frame = ViewportFrame::new(SIZE, &camera, objects, &materials);
             draw(renderer, &ViewportFrame { section, ..frame })
         };
-        let all = drawn(&objects, section);
+        let image = drawn(&objects, section);
         let alone = drawn(&objects[1..], None);
-        let differ = all
+        let differ = image
             .rgba
             .iter()
             .zip(&alone.rgba)
@@ -655,14 +655,14 @@ fn what_is_selected_has_a_line_around_it_and_keeps_its_colour() {
                 &ViewportFrame::new(SIZE, &camera, &drawn, &[&white]),
             )
         };
-        let all: Vec<u32> = (0..mesh.faces.len() as u32).collect();
+        let faces: Vec<u32> = (0..mesh.faces.len() as u32).collect();
         let plain = drawn(false, &[]);
         let orange = |pixels: &PixelBuffer| {
             let pixels = pixels.rgba.chunks_exact(4);
             pixels.filter(|p| p[0] > 240 && p[2] < 40).count()
         };
         assert_eq!(orange(&plain), 0);
-        for marked in [drawn(true, &[]), drawn(false, &all)] {
+        for marked in [drawn(true, &[]), drawn(false, &faces)] {
             assert_eq!(marked.color(33, 33), plain.color(33, 33));
             let count = orange(&marked);
             // Two pixels wide around a ball.
@@ -710,12 +710,12 @@ fn only_what_changed_is_brought_again() {
         // At the poles the grid has a vertex that no face uses.
         let vertices = mesh.positions.len() as u64 - 2;
         let triangles = mesh.faces.triangle_count() as u64;
-        let all = bytes(Shading::Gouraud, 1, 1);
-        assert_eq!(all, 16 * vertices + 12 * triangles);
+        let total_bytes = bytes(Shading::Gouraud, 1, 1);
+        assert_eq!(total_bytes, 16 * vertices + 12 * triangles);
         assert_eq!(bytes(Shading::Gouraud, 1, 1), 0);
         assert_eq!(bytes(Shading::Irradiance, 1, 1), 8 * vertices);
         assert_eq!(bytes(Shading::Irradiance, 1, 2), 8 * vertices);
-        assert_eq!(bytes(Shading::Irradiance, 2, 2), all + 8 * vertices);
+        assert_eq!(bytes(Shading::Irradiance, 2, 2), total_bytes + 8 * vertices);
     });
 }
 

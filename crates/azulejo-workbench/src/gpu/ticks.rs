@@ -31,13 +31,13 @@ impl ColorScale {
         let slack = 1e-6 * (high - low);
         let inside = |v: &f64| (low - slack..=high + slack).contains(v);
         if self.is_logarithmic {
-            let all = (low.log10().floor() as i32)..=(high.log10().ceil() as i32);
+            let decades = (low.log10().floor() as i32)..=(high.log10().ceil() as i32);
             let steps: &[f64] = if scale.interval() < 1.0 {
                 &[1.0, 2.0, 5.0]
             } else {
                 &[1.0]
             };
-            let values = all.flat_map(|power| steps.iter().map(move |s| s * 10f64.powi(power)));
+            let values = decades.flat_map(|power| steps.iter().map(move |s| s * 10f64.powi(power)));
             return values.filter(inside).collect();
         }
         let step = scale.interval() * self.display;
@@ -80,8 +80,8 @@ fn round_step(step: f64) -> f64 {
     }
     let power = 10f64.powf(step.log10().floor());
     let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
-    let found = steps.iter().find(|s| *s * power >= step * (1.0 - 1e-9));
-    found.map_or(step, |s| s * power)
+    let factor = steps.iter().find(|s| *s * power >= step * (1.0 - 1e-9));
+    factor.map_or(step, |s| s * power)
 }
 
 #[cfg(test)]
@@ -99,9 +99,9 @@ mod tests {
 
     #[test]
     fn ticks_are_round_in_the_unit_that_is_shown() {
-        let found = scale(0.0, 2.07).rounded();
-        assert_eq!((found.low, found.high), (0.0, 2.5));
-        assert_eq!(found.ticks(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+        let rounded = scale(0.0, 2.07).rounded();
+        assert_eq!((rounded.low, rounded.high), (0.0, 2.5));
+        assert_eq!(rounded.ticks(), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
         let lux = ColorScale {
             display: 179.0,
             ..scale(0.0, 2.07)

@@ -2,7 +2,7 @@
 
 use super::frame::{Background, ColorScalar, ViewportFrame};
 use super::geometry::GpuMesh;
-use super::projection::Projection;
+use crate::projection::Projection;
 use crate::view::Shading;
 use azulejo::render::{REINHARD_WHITE, Tone};
 use azulejo::scene::{BackplateFit, Material, Rgb};
@@ -249,15 +249,15 @@ pub fn object(
 
 fn cofactors(m: DMat3) -> DMat3 {
     let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-    let all = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     // Without the sign, normals of mirrored objects would point inward.
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-    let most = all
+    let most = cofactors
         .x_axis
         .length()
-        .max(all.y_axis.length())
-        .max(all.z_axis.length());
-    all * (sign / most.max(f64::MIN_POSITIVE))
+        .max(cofactors.y_axis.length())
+        .max(cofactors.z_axis.length());
+    cofactors * (sign / most.max(f64::MIN_POSITIVE))
 }
 
 /// The uniforms of a material; grey if it does not exist.

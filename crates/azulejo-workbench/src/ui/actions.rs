@@ -224,7 +224,7 @@ pub fn label(app: &App, action: &Action) -> String {
 }
 
 /// The menu entry of a shading mode.
-pub fn of_shading(app: &App, shading: Shading) -> Option<&'static Action> {
+pub fn shading_action(app: &App, shading: Shading) -> Option<&'static Action> {
     (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
         let target = (action.target)(app);
         matches!(target, Some(ActionTarget::Command(Command::SetView(view))) if view.shading == shading)

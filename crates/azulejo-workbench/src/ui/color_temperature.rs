@@ -17,22 +17,22 @@ pub fn of(light: Rgb) -> Option<f64> {
     if !(luminance > 0.0 && light.r > 0.0) {
         return None;
     }
-    let wanted = light.b / light.r;
+    let ratio = light.b / light.r;
     // The hotter, the bluer.
     let (mut cold, mut hot) = (LEAST, MOST);
     for _ in 0..60 {
         let middle = (cold * hot).sqrt();
         let color = black_body_color(middle)?;
-        if color.b / color.r.max(f64::MIN_POSITIVE) < wanted {
+        if color.b / color.r.max(f64::MIN_POSITIVE) < ratio {
             cold = middle;
         } else {
             hot = middle;
         }
     }
-    let found = black_body_color(cold)?;
-    let found = found / found.luminance().max(f64::MIN_POSITIVE);
+    let color = black_body_color(cold)?;
+    let color = color / color.luminance().max(f64::MIN_POSITIVE);
     let light = light / luminance;
-    let difference = (0..3).map(|k| (found[k] - light[k]).abs());
+    let difference = (0..3).map(|k| (color[k] - light[k]).abs());
     (difference.fold(0.0, f64::max) < TOLERANCE).then_some(cold)
 }
 
@@ -52,8 +52,11 @@ mod tests {
         for kelvin in [2_200.0, 2_700.0, 4_000.0, 6_500.0, 12_000.0] {
             let light = light_of(kelvin, 42.0).unwrap();
             assert!((light.luminance() - 42.0).abs() < 1e-9);
-            let found = of(light).unwrap();
-            assert!((found / kelvin - 1.0).abs() < 1e-3, "{found} for {kelvin}");
+            let kelvins = of(light).unwrap();
+            assert!(
+                (kelvins / kelvin - 1.0).abs() < 1e-3,
+                "{kelvins} for {kelvin}"
+            );
         }
         let white = of(Rgb::WHITE).unwrap();
         // The white of equal energy, as in MGF and in recipes.

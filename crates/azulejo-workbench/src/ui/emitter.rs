@@ -171,23 +171,23 @@ fn radiance_row(ui: &mut Ui, cx: &PanelContext, material: &Material) {
 /// The colour temperature of a light; returns the light in another colour of the same luminance if
 /// one was chosen.
 pub(super) fn temperature_row(ui: &mut Ui, cx: &PanelContext, light: Rgb) -> Option<Rgb> {
-    let found = color_temperature::of(light);
+    let temperature = color_temperature::of(light);
     ui.label(cx.tr("Colour temperature"));
-    let mut kelvin = found.unwrap_or(6_500.0);
+    let mut kelvin = temperature.unwrap_or(6_500.0);
     let range = color_temperature::LEAST..=color_temperature::MOST;
     let mut drag = inputs::number(&mut kelvin, range)
         .speed(10.0)
         .max_decimals(0)
         .suffix(" K");
-    if found.is_none() {
+    if temperature.is_none() {
         // The field is for choosing one; that of this colour there is not.
         drag = drag.custom_formatter(|_, _| "–".into());
     }
     let field = ui.add(drag).accessible_name(cx.tr("Colour temperature"));
-    if found.is_none() {
+    if temperature.is_none() {
         field
             .clone()
-            .on_hover_text(cx.tr("Far from the colour of any glowing body."));
+            .on_hover_text(cx.tr("Far from the colour of any black body."));
     }
     ui.end_row();
     if !field.changed() {

@@ -46,25 +46,25 @@ impl GroupTransform {
 /// the centre of rotation would move.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     let id = Id::unique("together");
-    let mut wanted: GroupTransform = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+    let mut changes: GroupTransform = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     Grid::new("together").num_columns(2).show(ui, |ui| {
         let speed = speed(&cx.app.document);
-        vector(ui, cx.tr("Move by"), &mut wanted.shift, speed);
-        vector(ui, cx.tr("Rotate by °"), &mut wanted.turn, 0.5);
+        vector(ui, cx.tr("Move by"), &mut changes.shift, speed);
+        vector(ui, cx.tr("Rotate by °"), &mut changes.turn, 0.5);
         let label = ui.label(cx.tr("Scale by"));
-        let drag = inputs::number(&mut wanted.factor, 1e-6..=1e6).speed(0.01);
+        let drag = inputs::number(&mut changes.factor, 1e-6..=1e6).speed(0.01);
         ui.add(drag).labelled_by(label.id);
         ui.end_row();
     });
     let button = Button::new(cx.tr("Apply to all"));
-    let is_some = wanted != GroupTransform::default();
+    let is_some = changes != GroupTransform::default();
     if ui.add_enabled(is_some, button).clicked() {
         let centre = middle(cx.app).unwrap_or_default();
         let ids = cx.app.selection.ids.clone();
-        cx.edit(Edit::Transform(ids, wanted.map(centre)));
-        wanted = GroupTransform::default();
+        cx.edit(Edit::Transform(ids, changes.map(centre)));
+        changes = GroupTransform::default();
     }
-    ui.data_mut(|d| d.insert_temp(id, wanted));
+    ui.data_mut(|d| d.insert_temp(id, changes));
 }
 
 #[cfg(test)]
@@ -74,14 +74,14 @@ mod tests {
     #[test]
     fn the_middle_is_moved_and_what_is_beside_it_turns_and_grows() {
         let centre = DVec3::new(1.0, 2.0, 3.0);
-        let wanted = GroupTransform {
+        let changes = GroupTransform {
             shift: DVec3::new(0.0, 0.5, 0.0),
             turn: DVec3::new(90.0, 0.0, 90.0),
             factor: 2.0,
         };
-        let map = wanted.map(centre);
+        let map = changes.map(centre);
         let close = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a}, expected {b}");
-        close(map.transform_point3(centre), centre + wanted.shift);
+        close(map.transform_point3(centre), centre + changes.shift);
         // About x first: y becomes z, which the rotation about z preserves.
         close(map.transform_vector3(DVec3::Y), 2.0 * DVec3::Z);
         close(map.transform_vector3(DVec3::X), 2.0 * DVec3::Y);

@@ -77,7 +77,7 @@ fn units(ui: &mut Ui, cx: &mut PanelContext) {
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
     ui.horizontal_wrapped(|ui| {
-        ui.label(cx.tr("Numbers of the file are in"));
+        ui.label(cx.tr("Values in the file are in"));
         ui.selectable_value(&mut units.photometric, false, cx.tr("Watts"));
         ui.selectable_value(&mut units.photometric, true, cx.tr("Lumens"));
     });
@@ -431,12 +431,12 @@ mod tests {
     fn an_object_is_scaled_and_turned_about_its_own_centre() {
         let item = item();
         let before = PlacementNumbers::of(&item);
-        let mut wanted = before;
-        wanted.scale.y *= 3.0;
-        wanted.keep_proportions(&before);
-        assert_eq!(wanted.scale, before.scale * 3.0);
-        wanted.degrees.y += 90.0;
-        let placement = wanted.placement(&before, &item);
+        let mut transform = before;
+        transform.scale.y *= 3.0;
+        transform.keep_proportions(&before);
+        assert_eq!(transform.scale, before.scale * 3.0);
+        transform.degrees.y += 90.0;
+        let placement = transform.placement(&before, &item);
         let centre = placement.transform_point3(before.pivot);
         assert!((centre - before.centre).length() < 1e-12, "{centre}");
         let mut moved = before;

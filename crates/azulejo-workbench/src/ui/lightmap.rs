@@ -146,7 +146,8 @@ impl LightmapWindow {
             }
         });
         if !cx.app.lightmap.is_current {
-            let text = RichText::new(cx.tr("This lightmap is of an earlier state of the model."));
+            let text =
+                RichText::new(cx.tr("This lightmap belongs to an earlier state of the model."));
             ui.label(text.color(ui.visuals().warn_fg_color));
         }
     }

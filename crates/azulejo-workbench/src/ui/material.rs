@@ -28,8 +28,8 @@ impl MaterialPanel {
     pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         let app = cx.app;
         let id = app.selection.material;
-        let found = id.and_then(|id| Some((id, app.document.materials.get(id as usize)?)));
-        let Some((id, material)) = found else {
+        let selected = id.and_then(|id| Some((id, app.document.materials.get(id as usize)?)));
+        let Some((id, material)) = selected else {
             ui.weak(cx.tr("Select an object, or a material in the tree."));
             self.library(ui, cx, None);
             return;

@@ -102,8 +102,8 @@ fn cell(
         Rect::from_min_size(corner, vec2(18.0, 18.0)),
         egui::Button::new("+").small(),
     );
-    let button =
-        button.on_hover_text(cx.tr("Adds it as a new material, which the selected objects get."));
+    let button = button
+        .on_hover_text(cx.tr("Adds it as a new material and assigns it to the selected objects."));
     let words = format!("{about}: {name}");
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, words.clone()));
     if button.clicked() {
@@ -205,7 +205,7 @@ fn is_used_elsewhere(app: &App, id: MaterialId) -> bool {
     !chosen.is_empty() && !others.is_empty()
 }
 
-/// The faces of an object that have a material; none if it is no mesh of its own.
+/// The faces of an object that have a material; none if it has no mesh of its own.
 fn faces_of(object: &SceneObject, id: MaterialId) -> Vec<u32> {
     let Shape::Mesh(mesh) = &*object.shape else {
         return Vec::new();

@@ -1,6 +1,6 @@
 //! The menu bar and the toolbar.
 
-use super::actions::{ACTIONS, Action, ActionTarget, Menu, key_text, label, of_shading};
+use super::actions::{ACTIONS, Action, ActionTarget, Menu, key_text, label, shading_action};
 use super::panel_context::PanelContext;
 use super::viewport::action_button as tool;
 use crate::app::App;
@@ -12,7 +12,7 @@ use egui::{Button, ComboBox, Event, Key, Role, Ui, WidgetInfo};
 /// Draws the menus; returns the chosen actions.
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
-    let wanted = menu_by_key(ui, cx);
+    let requested = menu_by_key(ui, cx);
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             if menu == Menu::Shading {
@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
                     });
                 }
             });
-            if wanted == Some(menu) {
+            if requested == Some(menu) {
                 title.response.request_focus();
             }
             if title.response.has_focus() {
@@ -74,11 +74,11 @@ fn menu_by_key(ui: &Ui, cx: &PanelContext) -> Option<Menu> {
         let letter = Key::from_name(&initial.to_uppercase().to_string())?;
         pressed_with_alt(ui, letter).then_some(menu)
     });
-    let found: Vec<Menu> = letters.collect();
+    let menus: Vec<Menu> = letters.collect();
     let last: Option<Menu> = ui.data(|d| d.get_temp(focused_menu()));
-    let after = last.and_then(|last| found.iter().position(|&m| m == last));
-    let next = after.map_or(0, |k| (k + 1) % found.len());
-    found.get(next).copied()
+    let after = last.and_then(|last| menus.iter().position(|&m| m == last));
+    let next = after.map_or(0, |k| (k + 1) % menus.len());
+    menus.get(next).copied()
 }
 
 fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionTarget>) {
@@ -136,7 +136,7 @@ fn recent(ui: &mut Ui, cx: &mut PanelContext) {
     });
 }
 
-/// Width in points from which on the toolbar has all its buttons.
+/// Smallest width at which the toolbar has all its buttons, points.
 const WIDE: f32 = 900.0;
 
 /// Draws the toolbar; returns the chosen actions.
@@ -210,5 +210,5 @@ fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
 
 /// The action of the current shading mode.
 fn current(app: &App) -> Option<&'static Action> {
-    of_shading(app, app.view.shading)
+    shading_action(app, app.view.shading)
 }

@@ -23,6 +23,7 @@ mod material_library;
 mod menu;
 mod messages;
 mod panel_context;
+pub mod script;
 mod surroundings;
 mod tree;
 mod view_tab;

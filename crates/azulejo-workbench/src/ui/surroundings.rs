@@ -121,8 +121,8 @@ fn cie_type(ui: &mut Ui, cx: &PanelContext, distribution: &mut SkyDistribution) 
         .selected_text(sky_name(cx, &old))
         .show_ui(ui, |ui| {
             focus::close_list(ui);
-            let all = CieSky::all().map(SkyDistribution::Cie);
-            for choice in [SkyDistribution::Uniform].into_iter().chain(all) {
+            let cie_skies = CieSky::all().map(SkyDistribution::Cie);
+            for choice in [SkyDistribution::Uniform].into_iter().chain(cie_skies) {
                 ui.selectable_value(distribution, choice, sky_name(cx, &choice));
             }
         })

@@ -1,6 +1,6 @@
 //! The View tab: shading, false colours, background, fog.
 
-use super::actions::of_shading;
+use super::actions::shading_action;
 use super::dialogs::map_name;
 use super::inputs;
 use super::panel_context::PanelContext;
@@ -96,10 +96,10 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
                 ui.selectable_value(&mut colors.map, map, map_name(map, cx));
             }
         });
-    let found = cx.app.shown_range();
+    let range = cx.app.shown_range();
     let mut auto = colors.range.is_none();
     if ui.checkbox(&mut auto, cx.tr("Auto range")).changed() {
-        let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));
+        let now = range.map_or((0.0, 1.0), |r| (r.low, r.usual));
         colors.range = (!auto).then_some(now);
     }
     let unit = ShownUnit::of(cx.app);
@@ -159,7 +159,7 @@ fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     let with = view.comparison.map(|c| c.with);
     let name = |with: Option<Shading>| match with {
         None => cx.tr("None"),
-        Some(shading) => of_shading(cx.app, shading).map_or("", |a| cx.tr(a.label)),
+        Some(shading) => shading_action(cx.app, shading).map_or("", |a| cx.tr(a.label)),
     };
     let mut chosen = with;
     ComboBox::new("compare", cx.tr("Compare with"))
@@ -253,7 +253,7 @@ fn backplate(ui: &mut Ui, cx: &mut PanelContext, view: &ModelView, old: Backplat
             plate.radiance = white / unit.factor;
         }
         let as_it_is = cx.tr("Match exposure");
-        let why = cx.tr("Shows the image as bright as it is at the exposure of the view.");
+        let why = cx.tr("Shows the image at its own brightness in the exposure of the view.");
         if ui.button(as_it_is).on_hover_text(why).clicked() {
             plate.radiance = 1.0 / cx.app.exposure(view);
         }

@@ -11,15 +11,15 @@ use super::focus::{self, FocusTrail};
 use super::lightmap::{LightmapView, LightmapWindow};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
+use super::script::ScriptPlayer;
 use super::tree::SceneTree;
 use super::viewport::{DeviceLost, Viewport};
 use super::{inspector, light, menu, messages, view_tab};
 use crate::app::{App, Severity};
-use crate::command::{Command, SurfacePick};
-use crate::document::Edit;
+use crate::command::Command;
+use crate::document::{Edit, SurfacePick};
 use crate::ending::EndRequest;
 use crate::preferences::{Theme, WindowPlace};
-use crate::script::ScriptPlayer;
 use azulejo::output::Output;
 use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
@@ -457,23 +457,23 @@ impl Workbench {
     }
 
     fn dress(&mut self, context: &egui::Context) {
-        let wanted = (self.app.preferences.theme, self.app.preferences.scale);
-        if self.dressed == Some(wanted) {
+        let style = (self.app.preferences.theme, self.app.preferences.scale);
+        if self.dressed == Some(style) {
             return;
         }
-        context.set_theme(match wanted.0 {
+        context.set_theme(match style.0 {
             Theme::System => egui::ThemePreference::System,
             Theme::Light => egui::ThemePreference::Light,
             Theme::Dark => egui::ThemePreference::Dark,
         });
-        context.set_zoom_factor(wanted.1);
+        context.set_zoom_factor(style.1);
         // The text size is set in the preferences; Ctrl with digits selects a shading mode.
         context.options_mut(|options| {
             options.zoom_with_keyboard = false;
             // Commit typed text before the click that leaves the field takes effect.
             options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses;
         });
-        self.dressed = Some(wanted);
+        self.dressed = Some(style);
     }
 
     /// Passes the app to the next window, and closes this one.

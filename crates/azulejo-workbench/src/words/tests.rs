@@ -14,16 +14,16 @@ const UNTRANSLATED: usize = 20;
 
 /// The sources of the window.
 fn sources() -> Vec<(PathBuf, String)> {
-    let mut found = Vec::new();
+    let mut paths = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    walk(&root, &mut found);
+    walk(&root, &mut paths);
     assert!(
-        found.len() > 40,
+        paths.len() > 40,
         "{} sources in {}",
-        found.len(),
+        paths.len(),
         root.display()
     );
-    found
+    paths
 }
 
 fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
@@ -40,7 +40,7 @@ fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
 
 /// The string literals of a source, each with the code between it and the previous literal.
 fn literals(source: &str) -> Vec<(&str, String)> {
-    let mut found = Vec::new();
+    let mut tokens = Vec::new();
     let (mut at, mut code) = (0, 0);
     while let Some(step) = source[at..].find(['"', '/', '\'']) {
         at += step;
@@ -49,14 +49,14 @@ fn literals(source: &str) -> Vec<(&str, String)> {
             at += rest.find('\n').unwrap_or(rest.len());
         } else if rest.starts_with('"') {
             let (text, length) = literal(rest);
-            found.push((source[code..at].trim_end(), text));
+            tokens.push((source[code..at].trim_end(), text));
             at += length;
             code = at;
         } else {
             at += character(rest).unwrap_or(1);
         }
     }
-    found
+    tokens
 }
 
 /// The text of the literal at the start of `source`, and its length with the quotes.
@@ -166,10 +166,10 @@ fn sources_are_understood() {
         let c = '"'; let d: &'static str = cx.tr(
             "two \
              lines"); '\''; "end""#;
-    let found = literals(source);
-    let texts: Vec<&str> = found.iter().map(|(_, t)| t.as_str()).collect();
+    let tokens = literals(source);
+    let texts: Vec<&str> = tokens.iter().map(|(_, t)| t.as_str()).collect();
     assert_eq!(texts, ["a\"b", "two lines", "end"]);
-    assert!(is_translated(found[1].0) && !is_translated("f.write_str("));
+    assert!(is_translated(tokens[1].0) && !is_translated("f.write_str("));
 }
 
 /// Whoever adds a text need not speak Spanish and Portuguese: it is displayed in English, and listed in the
@@ -207,13 +207,13 @@ fn both_languages_have_the_same_texts_and_each_once() {
 #[test]
 fn no_translation_is_without_use() {
     let mut used = BTreeSet::new();
-    let mut all = sources();
+    let mut paths = sources();
     // Reflection models contain their own names and those of their parameters, and so do skies.
     for models in ["brdf", "sky"] {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../azulejo-scene/src");
-        walk(&folder.join(models), &mut all);
+        walk(&folder.join(models), &mut paths);
     }
-    for (_, source) in all {
+    for (_, source) in paths {
         used.extend(literals(&source).into_iter().map(|(_, text)| text));
     }
     let translated = translations(SPANISH).into_keys();

@@ -29,7 +29,7 @@ fn each_card_offers_what_the_model_lacks() {
     app.lighting.settings.patches = 50;
     app.lighting.settings.error = 0.5;
     let mut window = window(app);
-    assert!(says(&window, "Nothing shines yet."));
+    assert!(says(&window, "There is no light source yet."));
     click_last(&mut window, "Studio");
     assert!(window.state().app.document.has_light());
     assert!(says(&window, "The light is not solved yet."));
@@ -108,7 +108,7 @@ fn two_modes_are_compared_and_the_divider_moves_by_keys() {
     find(
         &window,
         egui::accesskit::Role::Slider,
-        "Divider between both pictures",
+        "Divider between the two images",
     )
     .focus();
     window.run();
@@ -129,7 +129,7 @@ fn light_that_is_less_accurate_than_asked_for_says_so() {
     wait(&mut window);
     // With an error, or as a preview that was left, depending on how far it came.
     let warns = |window: &TestWindow| {
-        says(window, "less accurate than asked for") || says(window, "Stopped early")
+        says(window, "less accurate than the target") || says(window, "Stopped early")
     };
     assert!(warns(&window));
     let button = "Solve without a time limit";

@@ -2,9 +2,16 @@
 
 use crate::window::TestFolder;
 use azulejo_testing::Need;
+use azulejo_workbench::app::{App, UserDirs};
+use azulejo_workbench::command;
+use azulejo_workbench::document::NewShapeKind;
+use azulejo_workbench::ending::EndRequest;
 use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::preferences::Preferences;
 use azulejo_workbench::recovery::Recovery;
+use azulejo_workbench::ui::Workbench;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A window that is killed has saved its work, and says so.
@@ -51,4 +58,50 @@ fn a_signal_ends_the_window_and_keeps_its_work() {
         let kept = Recovery::new(folder.path("data/azulejo/recovery"));
         assert_eq!(kept.recoverable().len(), 1, "SIG{signal}");
     }
+}
+
+fn app_in(folder: &TestFolder) -> App {
+    let preferences = Preferences {
+        autosave: 0,
+        ..Preferences::default()
+    };
+    let dirs = UserDirs {
+        recovery: Some(folder.path("recovery")),
+        ..UserDirs::default()
+    };
+    App::new(preferences, dirs, Arc::new(|| ()))
+}
+
+#[test]
+fn a_request_to_end_leaves_unsaved_changes_for_the_next_start() {
+    let folder = TestFolder::new("ended");
+    let mut app = app_in(&folder);
+    app.execute(command::Command::AddShape(NewShapeKind::Cuboid));
+    let request = EndRequest::default();
+    let mut window = egui_kittest::Harness::builder().build_ui_state(
+        |ui, window: &mut Workbench| window.show(ui),
+        Workbench::new(app),
+    );
+    window.state_mut().end_on(request.clone());
+    window.run_steps(2);
+    assert_eq!(request.kept(), None);
+    assert!(app_in(&folder).recoverable().is_empty());
+    request.ask();
+    window.run_steps(3);
+    let copy = request.kept().unwrap().unwrap().unwrap();
+    drop(window);
+    let mut next = app_in(&folder);
+    assert_eq!(next.recoverable().len(), 1);
+    next.execute(command::Command::Recover(copy));
+    let begin = Instant::now();
+    while !next.jobs().is_empty() {
+        assert!(
+            begin.elapsed() < Duration::from_secs(60),
+            "it does not open"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+        next.poll();
+    }
+    assert_eq!(next.document.objects.len(), 1);
+    assert!(next.is_changed());
 }

@@ -166,11 +166,11 @@ fn shine(window: &mut TestWindow, color: Rgb) {
 
 fn check_shines(window: &TestWindow, expected: Rgb) {
     let mut kind = window.state().app.document.lights[0].light.kind;
-    let found = *shine_of(&mut kind);
-    let differs = (found - expected)
+    let shine = *shine_of(&mut kind);
+    let differs = (shine - expected)
         .max_channel()
-        .max((expected - found).max_channel());
-    assert!(differs < 1e-5, "{found:?}, expected {expected:?}");
+        .max((expected - shine).max_channel());
+    assert!(differs < 1e-5, "{shine:?}, expected {expected:?}");
 }
 
 /// Opens a colour picker; returns the corner of its square of shades.

@@ -67,8 +67,8 @@ fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
     };
     assert!(!shown(&window));
     click(&mut window, "Save the error…");
-    let asked = FileRequest::SaveLightmap(LightmapFile::StandardError);
-    assert_eq!(window.state().app.asking, Some(asked));
+    let request = FileRequest::SaveLightmap(LightmapFile::StandardError);
+    assert_eq!(window.state().app.asking, Some(request));
 }
 
 #[test]

@@ -42,8 +42,8 @@ fn check_menus(app: impl Fn() -> App) {
         open_menu(&mut window, action.menu);
         let makes_sense = (action.target)(&window.state().app).is_some();
         let text = label(&window, action);
-        let all = window.query_all_by_role_and_label(Role::Button, &text);
-        let entry = all
+        let entries = window.query_all_by_role_and_label(Role::Button, &text);
+        let entry = entries
             .last()
             .unwrap_or_else(|| panic!("no \"{text}\" in its menu"));
         assert_eq!(entry.accesskit_node().is_disabled(), !makes_sense, "{text}");

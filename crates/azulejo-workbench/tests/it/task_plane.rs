@@ -10,7 +10,7 @@ use egui::accesskit::Role;
 fn a_task_plane_is_added_judged_moved_and_removed() {
     let mut app = App::quiet();
     app.execute(Command::OpenExample(
-        azulejo_workbench::app::Example::CornellBox,
+        azulejo_workbench::document::Example::CornellBox,
     ));
     let mut window = window(app);
     click(&mut window, "Add");

@@ -146,7 +146,7 @@ fn only_what_is_looked_for_is_shown() {
     // Typing in the field triggers no shortcuts: "h" hides nothing.
     assert!(!window.state().app.is_changed());
     write(&mut window, "WALL", "no such thing");
-    assert!(says(&window, "Nothing has this in its name"));
+    assert!(says(&window, "No name contains this text"));
 }
 
 fn materials(window: &TestWindow) -> Vec<String> {

@@ -65,22 +65,23 @@ pub fn wait(window: &mut TestWindow) {
 
 /// The only widget with a role and a label, or the first of several.
 pub fn find<'a>(window: &'a TestWindow, role: Role, label: &'a str) -> Node<'a> {
-    let mut all = window.query_all_by_role_and_label(role, label);
-    let found = all.next();
-    found.unwrap_or_else(|| panic!("no {role:?} \"{label}\" in {:#?}", labels(window)))
+    let mut nodes = window.query_all_by_role_and_label(role, label);
+    let node = nodes.next();
+    node.unwrap_or_else(|| panic!("no {role:?} \"{label}\" in {:#?}", labels(window)))
 }
 
 /// Everything that has a label.
 pub fn labels(window: &TestWindow) -> Vec<String> {
-    let all = window.query_all(by().predicate(|n| n.label().is_some()));
-    all.map(|n| {
-        format!(
-            "{:?} {}",
-            n.accesskit_node().role(),
-            n.accesskit_node().label().unwrap_or_default()
-        )
-    })
-    .collect()
+    let nodes = window.query_all(by().predicate(|n| n.label().is_some()));
+    nodes
+        .map(|n| {
+            format!(
+                "{:?} {}",
+                n.accesskit_node().role(),
+                n.accesskit_node().label().unwrap_or_default()
+            )
+        })
+        .collect()
 }
 
 /// Whether the text is displayed anywhere, as a label or as a value.

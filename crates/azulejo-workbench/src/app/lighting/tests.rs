@@ -1,6 +1,7 @@
 use super::*;
-use crate::command::{Command, SurfacePick};
-use crate::document::Edit;
+use crate::app::Severity;
+use crate::command::Command;
+use crate::document::{Edit, SurfacePick};
 use crate::view::LightUnit;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Material, Rgb};
@@ -205,9 +206,12 @@ fn check_table_of(app: &mut App, light: Rgb, measured: Rgb) {
     assert_eq!((rows[0].len(), rows[1].len()), (14, 14));
     assert_eq!((rows[1][0], rows[1][1], rows[1][13]), ("1", "floor", "lx"));
     for (column, expected) in [(9, light), (11, measured)] {
-        let found: f64 = rows[1][column].parse().expect("a number");
+        let irradiance: f64 = rows[1][column].parse().expect("a number");
         let expected = 179.0 * expected.luminance();
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        assert!(
+            (irradiance / expected - 1.0).abs() < 1e-9,
+            "{irradiance} {expected}"
+        );
     }
     app.view.light_unit = LightUnit::Document;
 }

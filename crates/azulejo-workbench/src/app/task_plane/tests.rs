@@ -3,7 +3,7 @@ use crate::command::Command;
 use crate::document::Edit;
 use crate::first_pass::LightSettings;
 use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Primitive, Rgb, Scene, Shape};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::time::{Duration, Instant};
 
@@ -107,8 +107,8 @@ fn a_small_lamp_lights_it_by_the_fourth_power_of_the_cosine() {
     for ((_, centre), cell) in plane.grid.centres().zip(&plane.cells) {
         let to = lamp - centre;
         let expected = radiance * side * side * to.y * to.y / to.length_squared().powi(2);
-        let found = cell.expect("nothing is in the way");
-        let (value, error) = (found.value.luminance(), found.error.luminance());
+        let estimate = cell.expect("nothing is in the way");
+        let (value, error) = (estimate.value.luminance(), estimate.error.luminance());
         let off = (value - expected).abs();
         assert!(
             off < 2e-3 * expected + 4.0 * error,

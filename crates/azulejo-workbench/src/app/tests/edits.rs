@@ -400,8 +400,8 @@ fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
 fn a_step_holds_the_objects_that_it_changes() {
     let mut app = filled();
     for _ in 0..9 {
-        let all = app.document.objects.iter().map(|i| i.id).collect();
-        edit(&mut app, Edit::Duplicate(all));
+        let ids = app.document.objects.iter().map(|i| i.id).collect();
+        edit(&mut app, Edit::Duplicate(ids));
     }
     let count = app.document.objects.len() as u64;
     assert_eq!(count, 2_048);

@@ -118,8 +118,8 @@ fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
     app.execute(Command::Add(vec![b.clone()]));
     edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     settle(&mut app);
-    let asked = PendingQuestion::Unsaved(Box::new(Command::Open(vec![a, b])));
-    assert_eq!(app.question, Some(asked));
+    let question = PendingQuestion::Unsaved(Box::new(Command::Open(vec![a, b])));
+    assert_eq!(app.question, Some(question));
     run(&mut app, Command::Discard);
     assert_eq!(app.document.source_files.len(), 2);
 }

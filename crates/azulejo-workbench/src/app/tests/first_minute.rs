@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::command::FileRequest;
-use crate::document::{NewLightKind, NewShapeKind};
+use crate::document::{Example, NewLightKind, NewShapeKind};
 use crate::view::{Shading, sees_all};
 use azulejo::scene::synthetic::cube_room;
 
@@ -196,7 +196,19 @@ fn a_failure_stays_until_it_is_seen_or_something_else_is_done() {
     run(&mut app, Command::Open(vec!["/no/such.obj".into()]));
     assert!(app.failure.as_ref().is_some_and(|f| f.contains("such.obj")));
     app.execute(Command::Select(Selection::default()));
-    assert!(app.failure.is_some(), "looking around is no answer");
+    assert!(app.failure.is_some(), "looking around is not an answer");
     app.execute(Command::DismissFailure);
     assert_eq!(app.failure, None);
+}
+
+#[test]
+fn every_example_is_a_valid_scene_with_light_and_a_view() {
+    for example in Example::ALL {
+        let mut app = App::quiet();
+        app.execute(Command::OpenExample(example));
+        assert_eq!(app.errors, 0, "{:?}", app.messages);
+        app.document.scene().validate().unwrap();
+        assert!(app.document.has_light() && !app.document.cameras.is_empty());
+        assert!(!app.is_changed(), "an example is nothing to save");
+    }
 }

@@ -146,7 +146,7 @@ fn a_solver_rests_goes_on_and_ends() {
 #[test]
 fn form_factors_are_found_and_forgotten_with_an_edit() {
     let mut app = lit();
-    let pick = crate::command::SurfacePick {
+    let pick = crate::document::SurfacePick {
         item: ItemId(1),
         position: glam::DVec3::new(1.5, 0.0, -1.5),
         normal: glam::DVec3::Y,
@@ -158,7 +158,7 @@ fn form_factors_are_found_and_forgotten_with_an_edit() {
     assert_eq!(seen.patches.faces.len(), seen.factors.len());
     edit(&mut app, Edit::Rename(ItemId(1), "ground".into()));
     assert!(app.lighting.form_factors.is_none());
-    let nowhere = crate::command::SurfacePick {
+    let nowhere = crate::document::SurfacePick {
         position: glam::DVec3::splat(1e3),
         ..pick
     };

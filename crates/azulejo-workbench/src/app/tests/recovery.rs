@@ -370,34 +370,6 @@ fn preferences_are_kept() {
 }
 
 #[test]
-fn a_request_to_end_leaves_unsaved_changes_for_the_next_start() {
-    use crate::ending::EndRequest;
-    use crate::ui::Workbench;
-    let folder = TestFolder::new("ended");
-    let mut app = app_in(&folder, 0);
-    app.execute(Command::AddShape(crate::document::NewShapeKind::Cuboid));
-    let request = EndRequest::default();
-    let mut window = egui_kittest::Harness::builder().build_ui_state(
-        |ui, window: &mut Workbench| window.show(ui),
-        Workbench::new(app),
-    );
-    window.state_mut().end_on(request.clone());
-    window.run_steps(2);
-    assert_eq!((request.kept(), copies(&folder).len()), (None, 0));
-    request.ask();
-    window.run_steps(3);
-    let copy = request.kept().unwrap().unwrap().unwrap();
-    assert_eq!(copies(&folder), std::slice::from_ref(&copy));
-    drop(window);
-    let mut next = app_in(&folder, 0);
-    assert_eq!(next.recoverable().len(), 1);
-    run(&mut next, Command::Recover(copy));
-    settle(&mut next);
-    assert_eq!(next.document.objects.len(), 1);
-    assert!(next.is_changed());
-}
-
-#[test]
 fn a_request_to_end_without_changes_leaves_nothing() {
     let folder = TestFolder::new("ended-unchanged");
     let mut app = app_in(&folder, 0);

@@ -23,14 +23,14 @@ fn daylight() -> (App, [ItemId; 2]) {
 fn environment(app: &App, id: ItemId) -> Environment {
     match app.document.light(id).map(|l| l.light.kind) {
         Some(LightKind::Environment(environment)) => environment,
-        other => panic!("{other:?} is no environment"),
+        other => panic!("{other:?} is not an environment"),
     }
 }
 
 fn sky(app: &App, id: ItemId) -> azulejo::scene::sky::Sky {
     match environment(app, id).source {
         EnvironmentSource::Sky(sky) => sky,
-        other => panic!("{other:?} is no sky"),
+        other => panic!("{other:?} is not a sky"),
     }
 }
 
@@ -107,8 +107,8 @@ fn a_sky_that_stands_elsewhere_stays_where_it_is() {
 fn the_ground_keeps_its_reflectance_whatever_becomes_of_the_sun() {
     let (mut app, [sun, sky_id]) = daylight();
     let check = |app: &App| {
-        let found = reflectance(app, sky_id);
-        assert!((found - GROUND_REFLECTANCE).abs() < 1e-9, "{found}");
+        let ground = reflectance(app, sky_id);
+        assert!((ground - GROUND_REFLECTANCE).abs() < 1e-9, "{ground}");
     };
     check(&app);
     set_sun(&mut app, sun, [120.0, 60.0], 900.0);
@@ -233,8 +233,8 @@ fn the_sun_of_a_picture_becomes_a_light_in_one_step() {
     check_no_error(&app);
     let (toward, irradiance) = app.document.first_sun().unwrap();
     let expected = Projection::Equirectangular.direction(301.0 / 512.0, 61.0 / 256.0);
-    let found = environment(&app, id).to_local(toward);
-    assert!(found.angle_between(expected) < 0.01, "{found}");
+    let direction = environment(&app, id).to_local(toward);
+    assert!(direction.angle_between(expected) < 0.01, "{direction}");
     assert!(irradiance > 1.0);
     // Once more there is none.
     edit(&mut app, Edit::ExtractSun(id));

@@ -9,7 +9,7 @@ fn write_in(folder: &TestFolder, name: &str, up: Up, metres: f64) -> PathBuf {
     scene.units.up = up;
     scene.units.metres_per_unit = Some(metres);
     let path = folder.path(name);
-    azulejo::models::write(&scene, &path, &azulejo::trace::Progress::new()).unwrap();
+    azulejo::models::write(&scene, &path, &Progress::new()).unwrap();
     path
 }
 

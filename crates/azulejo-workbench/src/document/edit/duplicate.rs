@@ -125,17 +125,17 @@ impl UniqueNames {
 
     /// Returns `name`, with the first free number appended if it is taken, and marks it as taken.
     pub(super) fn fresh(&mut self, name: &str) -> String {
-        let mut found = name.to_owned();
+        let mut free_name = name.to_owned();
         if self.taken.contains(name) {
             let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
             let stem = stem.trim_end();
             let number = self.numbers.entry(stem.to_owned()).or_insert(1);
-            while self.taken.contains(&found) {
+            while self.taken.contains(&free_name) {
                 *number += 1;
-                found = format!("{stem} {number}");
+                free_name = format!("{stem} {number}");
             }
         }
-        self.taken.insert(found.clone());
-        found
+        self.taken.insert(free_name.clone());
+        free_name
     }
 }

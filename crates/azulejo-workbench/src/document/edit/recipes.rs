@@ -102,12 +102,12 @@ impl SceneDocument {
     fn adopt_assignments(&mut self, objects: &[Object]) {
         let mut made = ReassignedShapes::new();
         for (item, object) in self.objects.iter_mut().zip(objects) {
-            let wanted = materials_in_order(&object.shape);
-            if wanted == materials_in_order(&item.shape) {
+            let materials = materials_in_order(&object.shape);
+            if materials == materials_in_order(&item.shape) {
                 continue;
             }
             let old = Arc::clone(&item.shape);
-            let entry = made.entry((Arc::as_ptr(&old), wanted));
+            let entry = made.entry((Arc::as_ptr(&old), materials));
             let materials = entry.key().1.clone();
             let (_, new) = entry.or_insert_with(|| {
                 let mut shape = Shape::clone(&old);

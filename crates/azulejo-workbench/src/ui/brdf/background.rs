@@ -125,8 +125,8 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
 
     /// The result for `key`, if it is available.
     pub fn of(&self, key: &K) -> Option<&T> {
-        let found = self.found.as_ref();
-        found.and_then(|(k, result)| (k == key).then_some(result))
+        let result = self.found.as_ref();
+        result.and_then(|(k, result)| (k == key).then_some(result))
     }
 
     /// Whether a task is running.

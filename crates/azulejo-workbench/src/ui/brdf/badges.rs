@@ -29,8 +29,8 @@ pub(super) struct ModelChecks {
 impl ModelChecks {
     /// The largest albedo, and its angle in degrees.
     fn most(&self) -> (f64, f64) {
-        let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
-        all.fold(
+        let albedos = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
+        albedos.fold(
             (0.0, 0.0),
             |most, found| if found.0 > most.0 { found } else { most },
         )
@@ -76,9 +76,8 @@ fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     } else {
         language.tr("not reciprocal")
     };
-    let about = language.tr(
-        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
-    );
+    let about = language
+        .tr("Over many pairs of directions, swapping light and camera changes f by at most");
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
@@ -136,14 +135,14 @@ mod tests {
             brdf: Some(brdf),
             ..Material::default()
         };
-        let mut found = None;
+        let mut measured = None;
         measure(
             &MaterialReflection::of(&material),
             &Progress::new(),
-            &mut |m| found = Some(m),
+            &mut |m| measured = Some(m),
         )
         .unwrap();
-        found.unwrap()
+        measured.unwrap()
     }
 
     #[test]
@@ -152,12 +151,16 @@ mod tests {
             let name = entry.script_name();
             let material = entry.material("").unwrap();
             let optics = MaterialReflection::of(&material);
-            let mut found = None;
-            measure(&optics, &Progress::new(), &mut |m| found = Some(m)).unwrap();
-            let found = found.unwrap();
-            assert!(found.most().0 <= BRIGHT, "{name}: {:?}", found.albedos);
+            let mut measured = None;
+            measure(&optics, &Progress::new(), &mut |m| measured = Some(m)).unwrap();
+            let measured = measured.unwrap();
+            assert!(
+                measured.most().0 <= BRIGHT,
+                "{name}: {:?}",
+                measured.albedos
+            );
             let is_black = name == "black-rubber";
-            assert!(is_black || found.most().0 > 0.05, "{name} is visible");
+            assert!(is_black || measured.most().0 > 0.05, "{name} is visible");
         }
     }
 

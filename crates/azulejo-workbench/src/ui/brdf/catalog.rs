@@ -83,14 +83,14 @@ pub(super) fn converted(old: &Model, info: &'static ModelInfo, last: Option<Rgb>
     let example = example(info, 0).unwrap_or_default();
     let mut copied = example.clone();
     copy_same(old, info, &mut copied);
-    let look = color::of_model(old).or(last);
+    let look = color::model_color(old).or(last);
     let mut dressed = copied.clone();
     color::dress(&mut dressed, info, look, old);
     // Where all together is not valid, the colour is worth more than the rest.
     let colored = look.map(|c| color::recolored(&example, c));
     let tried = [Some(dressed), Some(copied), colored];
-    let found = tried.into_iter().flatten().find_map(color::valid);
-    found.unwrap_or(example)
+    let color = tried.into_iter().flatten().find_map(color::valid);
+    color.unwrap_or(example)
 }
 
 /// Copies the parameters that mean the same in both models.
@@ -206,8 +206,8 @@ pub(super) fn fresnel(name: &str) -> Option<&'static ParameterInfo> {
 /// The value of a Fresnel parameter in a model.
 fn given<'a>(model: &'a Model, name: &str) -> Option<&'a Value> {
     let info = fresnel(name)?;
-    let found = model.parameters.iter().find(|p| info.is_called(&p.name));
-    found.map(|p| &p.value)
+    let parameter = model.parameters.iter().find(|p| info.is_called(&p.name));
+    parameter.map(|p| &p.value)
 }
 
 /// A value as a colour.
@@ -226,14 +226,14 @@ mod tests {
 
     #[test]
     fn each_model_is_in_one_group() {
-        let mut all: Vec<&str> = GROUPS
+        let mut models: Vec<&str> = GROUPS
             .iter()
             .flat_map(|g| g.models().map(|m| m.name))
             .collect();
-        assert_eq!(all.len(), MODELS.len());
-        all.sort_unstable();
-        all.dedup();
-        assert_eq!(all.len(), MODELS.len());
+        assert_eq!(models.len(), MODELS.len());
+        models.sort_unstable();
+        models.dedup();
+        assert_eq!(models.len(), MODELS.len());
     }
 
     #[test]

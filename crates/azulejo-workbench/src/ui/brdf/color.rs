@@ -13,7 +13,7 @@ const BLACK: f64 = 1e-6;
 /// term: that of varnish.
 const VARNISH: f64 = 0.04;
 
-/// Largest smoothness that Strauss' model takes over for a surface that is no metal: its white
+/// Largest smoothness that Strauss' model takes over for a surface other than a metal: its white
 /// highlight grows with it until no colour is left.
 const SMOOTHEST: f64 = 0.6;
 
@@ -25,19 +25,19 @@ const METALNESS: [&str; 2] = ["metallic", "metalness"];
 
 /// The colour of a material: of its base or, without one, of what it mirrors. `None` if it is black
 /// or reflects all colours as glass and varnish do.
-pub(super) fn of_material(material: &Material) -> Option<Rgb> {
+pub(super) fn material_color(material: &Material) -> Option<Rgb> {
     match (&material.dielectric, &material.brdf) {
         (Some(_), _) => None,
         (None, Some(brdf)) => match brdf.description() {
-            Description::Model(model) => of_model(model),
+            Description::Model(model) => model_color(model),
             _ => visible(brdf.albedo(DVec3::Z)),
         },
         _ => visible(material.diffuse).or_else(|| visible(material.mirror)),
     }
 }
 
-/// The colour of a model, as [`of_material`].
-pub(super) fn of_model(model: &Model) -> Option<Rgb> {
+/// The colour of a model, as [`material_color`].
+pub(super) fn model_color(model: &Model) -> Option<Rgb> {
     let info = find(&model.name).ok()?;
     let base = base(info).and_then(|base| visible(color(model, base)));
     base.or_else(|| highlight(model, info))
@@ -226,8 +226,8 @@ mod tests {
         let brdf = Brdf::new(Description::Model(model.clone())).unwrap();
         let seen = brdf.albedo(DVec3::Z);
         assert!(seen.r > 2.0 * seen.g && seen.r > 0.05, "{model}: {seen:?}");
-        let found = of_model(model).unwrap();
-        assert!(is_near(found, RED), "{model}: {found:?}");
+        let color = model_color(model).unwrap();
+        assert!(is_near(color, RED), "{model}: {color:?}");
     }
 
     #[test]
@@ -259,7 +259,7 @@ mod tests {
         let check = |name: &str, expected: &str| {
             let model = converted(&gold, find(name).unwrap(), None);
             assert_eq!(model.to_string(), expected);
-            let [a, b] = [&gold, &model].map(|m| of_model(m).unwrap());
+            let [a, b] = [&gold, &model].map(|m| model_color(m).unwrap());
             assert!((a - b).max_channel().abs() < 0.02, "{model}: {a:?} {b:?}");
         };
         check("fresnel_conductor", "fresnel_conductor metal = gold");

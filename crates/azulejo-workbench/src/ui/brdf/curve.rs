@@ -12,10 +12,10 @@ const MERGE_TOLERANCE: f64 = 0.005;
 
 /// Draws the curves of one model, or of two: the second is dashed.
 pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
-    let all = curves
+    let values = curves
         .iter()
         .flat_map(|c| c.iter().map(|p| p.1.max_channel()));
-    let most = 1.08 * all.fold(1.0, f64::max).min(8.0);
+    let most = 1.08 * values.fold(1.0, f64::max).min(8.0);
     let (colors, ink, line) = (channels(ui), ui.visuals().strong_text_color(), grid(ui));
     let angles = |_: egui_plot::GridInput| {
         let mark = |k: i32| GridMark {

@@ -227,21 +227,21 @@ mod tests {
             lights: vec![light(point), light(sky)],
             ..Scene::default()
         };
-        let found = PreviewLight::of_scene(&scene, DVec3::ZERO);
+        let light = PreviewLight::of_scene(&scene, DVec3::ZERO);
         let lamp = PreviewLamp {
             toward: DVec3::Y,
             irradiance: Rgb::grey(2.0),
             half_angle: 0.0,
         };
         assert_eq!(
-            found,
+            light,
             PreviewLight {
                 lamps: vec![lamp],
                 ambient: Rgb::grey(0.5)
             }
         );
         assert!(
-            !found.is_dark() && PreviewLight::of_scene(&Scene::default(), DVec3::ZERO).is_dark()
+            !light.is_dark() && PreviewLight::of_scene(&Scene::default(), DVec3::ZERO).is_dark()
         );
     }
 
@@ -273,9 +273,9 @@ mod tests {
         };
         mesh.push_face(&[0, 1, 2, 3], 0);
         for shape in [Shape::Primitive(square), Shape::Mesh(mesh)] {
-            let found = under(shape.clone(), Up::Y);
-            let [lamp] = found.lamps[..] else {
-                panic!("{found:?}")
+            let light = under(shape.clone(), Up::Y);
+            let [lamp] = light.lamps[..] else {
+                panic!("{light:?}")
             };
             assert!((lamp.irradiance.r - 0.5).abs() < 1e-3, "{lamp:?}");
             assert!((lamp.toward - DVec3::Y).length() < 1e-9);
@@ -295,7 +295,7 @@ mod tests {
             })
         };
         let lights = (1..=8).map(|k| sun(f64::from(k))).collect();
-        let found = PreviewLight::of_scene(
+        let light = PreviewLight::of_scene(
             &Scene {
                 lights,
                 ..Scene::default()
@@ -303,9 +303,9 @@ mod tests {
             DVec3::ZERO,
         );
         assert_eq!(
-            (found.lamps.len(), found.lamps[0].irradiance.r),
+            (light.lamps.len(), light.lamps[0].irradiance.r),
             (MAX_LAMPS, 8.0)
         );
-        assert!((found.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
+        assert!((light.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
     }
 }

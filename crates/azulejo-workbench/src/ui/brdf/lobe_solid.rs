@@ -66,8 +66,8 @@ pub(super) fn draw(
 
 /// The largest value of a lobe.
 pub(super) fn largest_value(view: &LobeView, body: &LobeSurface) -> f64 {
-    let all = body.rings.iter().flatten();
-    let values = all.map(|(w, f)| view.value(brightness(*f), w.z));
+    let points = body.rings.iter().flatten();
+    let values = points.map(|(w, f)| view.value(brightness(*f), w.z));
     values.filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 

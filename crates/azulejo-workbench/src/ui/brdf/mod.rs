@@ -166,7 +166,7 @@ impl BrdfEditor {
         self.follow(shown);
         let mut material = Material::clone(shown.material);
         self.head(ui, language, &mut material);
-        let asked = self.files(ui, language, shown);
+        let command = self.files(ui, language, shown);
         match self.kind {
             SurfaceKind::Model => self.model(ui, language, &mut material),
             kind => surface::fields(ui, language, kind, &mut material),
@@ -181,7 +181,7 @@ impl BrdfEditor {
         ui.separator();
         self.pictures(ui, language, shown);
         let changed = self.changed(ui, shown, material);
-        asked.into_iter().chain(changed).collect()
+        command.into_iter().chain(changed).collect()
     }
 
     /// Whether something displayed is still being computed.
@@ -260,7 +260,7 @@ impl BrdfEditor {
     }
 
     fn become_kind(&mut self, kind: SurfaceKind, material: &mut Material) {
-        self.color = color::of_material(material).or(self.color);
+        self.color = color::material_color(material).or(self.color);
         if let Some(draft) = self.draft.take() {
             self.left = Some(draft.description);
         }

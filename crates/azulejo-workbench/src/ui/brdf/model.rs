@@ -135,7 +135,7 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model, last: &mut Option
             let entry = entry.accessible_name(info.title);
             let about = format!("{}\n{}", info.name, info.paper);
             if entry.on_hover_text(about.trim_end()).clicked() && !info.is_called(&old.name) {
-                *last = color::of_model(&old).or(*last);
+                *last = color::model_color(&old).or(*last);
                 *model = converted(&old, info, *last);
             }
         }

@@ -68,7 +68,7 @@ pub(super) fn draw(
     draw_passes(key, &PASSES, progress, show)
 }
 
-/// Renders the sphere in passes of so many paths per pixel.
+/// Renders the sphere in passes of the given numbers of paths per pixel.
 pub(super) fn draw_passes(
     key: &SphereKey,
     passes: &[u32],
@@ -87,9 +87,9 @@ pub(super) fn draw_passes(
             seed,
             max_depth: 24,
         };
-        let found = reference(&scene, &tracer, &camera(), &pass, progress)?;
-        for (sum, found) in sum.pixels.iter_mut().zip(&found.image.pixels) {
-            (0..3).for_each(|c| sum[c] += found[c] * count as f32);
+        let pass = reference(&scene, &tracer, &camera(), &pass, progress)?;
+        for (sum, value) in sum.pixels.iter_mut().zip(&pass.image.pixels) {
+            (0..3).for_each(|c| sum[c] += value[c] * count as f32);
         }
         samples += count;
         // A white surface that faces all lamps is nearly white.

@@ -111,7 +111,7 @@ impl SurfaceKind {
 /// The model in a colour, if it can have one: a sum or a file only if it is of that colour already.
 pub(super) fn recolored(description: Description, shade: Rgb) -> Option<Description> {
     match description {
-        Description::Model(model) => Some(Description::Model(match color::of_model(&model) {
+        Description::Model(model) => Some(Description::Model(match color::model_color(&model) {
             Some(old) if color::is_near(old, shade) => model,
             _ => color::recolored(&model, shade),
         })),
@@ -269,7 +269,7 @@ mod tests {
                 SurfaceKind::Glass,
             ] {
                 let mut material = material.clone();
-                let color = color::of_material(&material);
+                let color = color::material_color(&material);
                 kind.convert(&mut material, color);
                 assert_eq!(SurfaceKind::of(&material), kind);
                 assert!(kind.is_compatible(&material));
@@ -289,7 +289,7 @@ mod tests {
         ] {
             let mut material = Material::diffuse("", red);
             kind.convert(&mut material, Some(red));
-            let seen = color::of_material(&material);
+            let seen = color::material_color(&material);
             assert!(seen.is_none_or(|c| c == red), "{kind:?}: {seen:?}");
             SurfaceKind::Matt.convert(&mut material, seen.or(Some(red)));
             assert_eq!(material.diffuse, red, "{kind:?}");

@@ -66,7 +66,7 @@ impl EditorFixture {
     }
 }
 
-fn of_model(text: &str) -> Material {
+fn parse_material(text: &str) -> Material {
     let brdf = Brdf::new(text.parse().unwrap()).unwrap();
     Material::with_brdf("subject", Arc::new(brdf))
 }
@@ -115,7 +115,7 @@ fn enter(harness: &mut Harness<'static, EditorFixture>, field: &str, number: &st
 
 #[test]
 fn another_model_keeps_what_both_have() {
-    let mut harness = harness(EditorFixture::new(of_model(
+    let mut harness = harness(EditorFixture::new(parse_material(
         "blinn kd = 0.1 ks = 0.5 n = 30",
     )));
     harness.run_steps(3);
@@ -187,7 +187,7 @@ fn varnish_gives_the_colour_back() {
 
 #[test]
 fn a_slider_moves_by_keyboard() {
-    let mut harness = harness(EditorFixture::new(of_model(
+    let mut harness = harness(EditorFixture::new(parse_material(
         "gltf_mr base = 0.5 roughness = 0.5",
     )));
     harness.run_steps(3);
@@ -206,7 +206,7 @@ fn a_slider_moves_by_keyboard() {
 
 #[test]
 fn numbers_are_typed() {
-    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(parse_material("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "Exponent (n)", "123.5");
     until(&mut harness, "the number", |h| {
@@ -223,7 +223,7 @@ fn numbers_are_typed() {
 
 #[test]
 fn what_is_impossible_is_said_and_the_last_good_model_stays() {
-    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(parse_material("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "Specular reflectance (ks)", "1.5");
     let error = "ks is 1.5; it must be between 0 and 1.";
@@ -241,7 +241,7 @@ fn what_is_impossible_is_said_and_the_last_good_model_stays() {
 
 #[test]
 fn a_drag_is_one_step() {
-    let mut harness = harness(EditorFixture::new(of_model(
+    let mut harness = harness(EditorFixture::new(parse_material(
         "gltf_mr base = 0.5 roughness = 0.5",
     )));
     harness.run_steps(3);
@@ -269,10 +269,10 @@ fn a_drag_is_one_step() {
 
 #[test]
 fn the_document_wins_over_the_editor() {
-    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(parse_material("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "Exponent (n)", "-3");
-    harness.state_mut().material = Arc::new(of_model("blinn ks = 0.5 n = 8"));
+    harness.state_mut().material = Arc::new(parse_material("blinn ks = 0.5 n = 8"));
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("must be between").is_none());
     assert_eq!(harness.state().text(), "blinn ks = 0.5 n = 8");
@@ -280,7 +280,7 @@ fn the_document_wins_over_the_editor() {
 
 #[test]
 fn models_are_added_and_removed() {
-    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(parse_material("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     harness.get_by_label("Add a model").click();
     harness.run_steps(3);
@@ -304,7 +304,7 @@ fn models_are_added_and_removed() {
 
 #[test]
 fn files_are_asked_for() {
-    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(parse_material("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     harness.get_by_label("Load…").click();
     harness.run_steps(2);
@@ -319,7 +319,9 @@ fn files_are_asked_for() {
 
 #[test]
 fn metals_are_chosen_by_name() {
-    let mut harness = harness(EditorFixture::new(of_model("ggx_smith ax = 0.2 eta = 1.5")));
+    let mut harness = harness(EditorFixture::new(parse_material(
+        "ggx_smith ax = 0.2 eta = 1.5",
+    )));
     harness.run_steps(3);
     choose(&mut harness, "Fresnel", "Metal");
     until(&mut harness, "gold", |h| {
@@ -333,7 +335,7 @@ fn metals_are_chosen_by_name() {
 
 #[test]
 fn two_models_are_compared() {
-    let mut bench = EditorFixture::new(of_model("lewis ks = 0.5 n = 20"));
+    let mut bench = EditorFixture::new(parse_material("lewis ks = 0.5 n = 20"));
     bench.others = vec![
         bench.material.clone(),
         Arc::new(Material::diffuse("plaster", Rgb::grey(0.8))),
@@ -355,7 +357,7 @@ fn two_models_are_compared() {
 #[test]
 fn badges_say_what_models_keep() {
     let check = |model: &str, expected: [&str; 2]| {
-        let mut harness = harness(EditorFixture::new(of_model(model)));
+        let mut harness = harness(EditorFixture::new(parse_material(model)));
         for words in expected {
             until(&mut harness, words, |h| {
                 h.query_by_label_contains(words).is_some()
@@ -396,7 +398,7 @@ fn light_is_given_and_coloured() {
 fn every_model_is_shown_and_stays_as_it_is() {
     for model in MODELS {
         for example in model.examples {
-            let mut harness = harness(EditorFixture::new(of_model(example)));
+            let mut harness = harness(EditorFixture::new(parse_material(example)));
             harness.run_steps(3);
             assert!(
                 harness.state().answers.is_empty(),
@@ -441,7 +443,7 @@ fn the_editor_looks_as_it_did() {
     if !has_driver() {
         return;
     }
-    let mut bench = EditorFixture::new(of_model(
+    let mut bench = EditorFixture::new(parse_material(
         "cook_torrance kd = 0.1 ks = 0.6 m = 0.3 metal = copper",
     ));
     bench.others = vec![Arc::new(Material::diffuse("plaster", Rgb::grey(0.8)))];

@@ -189,8 +189,8 @@ mod tests {
                 scale,
                 ..LobeView::default()
             };
-            let found = view.share(value, 10.0);
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            let share = view.share(value, 10.0);
+            assert!((share - expected).abs() < 1e-12, "{share} {expected}");
         };
         check(RadialScale::Linear, 5.0, 0.5);
         check(RadialScale::Logarithmic, 0.1, 0.5);

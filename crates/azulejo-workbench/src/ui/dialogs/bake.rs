@@ -100,7 +100,7 @@ impl BakeDialog {
     }
 
     fn light(&mut self, ui: &mut Ui, cx: &PanelContext) {
-        let all = [
+        let choices = [
             (BakedLight::Total, cx.tr("Direct and indirect")),
             (BakedLight::Indirect, cx.tr("Indirect only")),
             (BakedLight::Direct, cx.tr("Direct only")),
@@ -110,33 +110,39 @@ impl BakeDialog {
             ui,
             cx.tr("Baked light"),
             about,
-            &all,
+            &choices,
             &mut self.settings.light,
         );
     }
 
     fn sides(&mut self, ui: &mut Ui, cx: &PanelContext) {
-        let all = [
+        let choices = [
             (None, cx.tr("Default of the file format")),
             (Some(BakedSides::Front), cx.tr("Front")),
             (Some(BakedSides::Brighter), cx.tr("Brighter side")),
             (Some(BakedSides::Both), cx.tr("Both, as separate faces")),
         ];
         let about = cx.tr(
-            "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",
+            "glTF states which side of a surface is the front; for other formats, each chart gets the light of its brighter side.",
         );
-        choice(ui, cx.tr("Lit side"), about, &all, &mut self.settings.sides);
+        choice(
+            ui,
+            cx.tr("Lit side"),
+            about,
+            &choices,
+            &mut self.settings.sides,
+        );
     }
 
     fn convention(&mut self, ui: &mut Ui, cx: &PanelContext) {
-        let all = [
+        let choices = [
             (Convention::Moz, cx.tr("MOZ_lightmap of materials")),
             (Convention::Mx, cx.tr("MX_lightmap of nodes")),
             (Convention::Plain, cx.tr("Texture coordinates only")),
         ];
         let about = cx.tr("How the file refers to the lightmap.");
         let convention = &mut self.settings.convention;
-        choice(ui, cx.tr("Convention"), about, &all, convention);
+        choice(ui, cx.tr("Convention"), about, &choices, convention);
     }
 }
 

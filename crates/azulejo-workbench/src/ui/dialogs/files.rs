@@ -205,7 +205,7 @@ fn wait_for_native(
 ) -> Option<FileAnswer> {
     let modal = Modal::new(Id::unique("native files")).show(ui.ctx(), |ui| {
         ui.set_width(320.0);
-        ui.label(cx.tr("The file is being chosen in a window of the desktop."));
+        ui.label(cx.tr("Choose the file in the desktop's dialog."));
         ui.horizontal(|ui| {
             if ui.button(cx.tr("Type a path…")).clicked() {
                 answer = Some(FileAnswer::Failed);
@@ -235,8 +235,8 @@ fn file_types(what: FileRequest, cx: &PanelContext) -> Vec<(String, Vec<String>)
             request::title(what, cx).to_owned()
         };
         let upper = extensions.iter().map(|e| e.to_uppercase());
-        let all = extensions.iter().map(|e| (*e).to_owned());
-        types.push((name, all.chain(upper).collect()));
+        let lower = extensions.iter().map(|e| (*e).to_owned());
+        types.push((name, lower.chain(upper).collect()));
     }
     types.push((cx.tr("All files").to_owned(), vec!["*".into()]));
     types

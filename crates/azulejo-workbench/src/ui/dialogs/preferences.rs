@@ -80,7 +80,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     let label = ui.label(tr("Threads"));
     let drag = DragValue::new(&mut new.threads).range(0..=256);
     ui.add(drag)
-        .on_hover_text(tr("0: all but one, which is left to the window"))
+        .on_hover_text(tr("0: all but one, which is reserved for the window"))
         .labelled_by(label.id);
     ui.end_row();
     let label = ui.label(tr("Paths per pixel of a render"));
@@ -89,7 +89,7 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     ui.end_row();
     let label = ui.label(tr("Final gather rays"));
     let drag = DragValue::new(&mut new.picture_gather).range(0..=MAX_GATHER);
-    let about = tr("More rays have less noise and take longer; 0 for the usual 8.");
+    let about = tr("More rays give less noise and take longer; 0 for the usual 8.");
     ui.add(drag).labelled_by(label.id).on_hover_text(about);
     ui.end_row();
 }

@@ -7,15 +7,15 @@ use std::path::Path;
 
 /// Offers the recovery copies, until the user has answered.
 pub(super) fn show(ui: &Ui, cx: &mut PanelContext, is_answered: &mut bool) {
-    let found = cx.app.recoverable();
-    if *is_answered || found.is_empty() {
+    let copies = cx.app.recoverable();
+    if *is_answered || copies.is_empty() {
         return;
     }
     let modal = Modal::new(Id::unique("recovery")).show(ui.ctx(), |ui| {
         ui.set_width(460.0);
         ui.heading(cx.tr("Recover unsaved work?"));
         ui.label(cx.tr("Unsaved work from the last session:"));
-        for one in found {
+        for one in copies {
             ui.horizontal(|ui| {
                 let name = one.original.as_deref().and_then(Path::file_name);
                 let name = name.map(|n| n.to_string_lossy().into_owned());

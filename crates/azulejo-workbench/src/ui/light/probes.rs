@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     let app = cx.app;
     let mut pins = false;
     ui.horizontal(|ui| {
-        let about = cx.tr("Click here and then a surface, or press P over a surface.");
+        let about = cx.tr("Click here, then a surface; or press P over a surface.");
         let button = egui::Button::new(cx.tr("Pin a probe"));
         let button = ui.add_enabled(!app.document.objects.is_empty(), button);
         pins = button.on_hover_text(about).clicked();

@@ -130,28 +130,28 @@ mod tests {
 
     #[test]
     fn a_replicate_that_is_solved_again_gets_a_new_curve() {
-        let found = curves(&[
+        let curves = curves(&[
             bounce(0, 1, 1.0),
             bounce(0, 2, 0.1),
             bounce(1, 1, 1.0),
             bounce(0, 1, 0.01),
         ]);
-        let kinds: Vec<_> = (found.residuals.iter())
+        let kinds: Vec<_> = (curves.residuals.iter())
             .map(|c| (c.replicate, c.points.len(), c.is_superseded))
             .collect();
         assert_eq!(kinds, [(0, 2, true), (1, 1, false), (0, 1, false)]);
-        assert_eq!(found.residuals[0].points, [[1.0, 0.0], [2.0, -1.0]]);
+        assert_eq!(curves.residuals[0].points, [[1.0, 0.0], [2.0, -1.0]]);
     }
 
     #[test]
     fn what_has_no_logarithm_is_left_out() {
         for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let found = curves(&[
+            let curves = curves(&[
                 bounce(0, 1, value),
                 Measure::Error(value),
                 Measure::PatchError(value),
             ]);
-            assert_eq!(found, ConvergenceCurves::default(), "{value}");
+            assert_eq!(curves, ConvergenceCurves::default(), "{value}");
         }
     }
 
@@ -160,17 +160,17 @@ mod tests {
         let measures: Vec<Measure> = (1..=100_000)
             .map(|k| Measure::Error(1.0 / f64::from(k)))
             .collect();
-        let found = curves(&measures).errors;
-        assert!(found.len() <= MAX_POINTS + 1, "{}", found.len());
-        assert_eq!(found.first(), Some(&[0.0, 0.0]));
-        assert_eq!(found.last().map(|p| p[1]), Some(1e-5f64.log10()));
+        let errors = curves(&measures).errors;
+        assert!(errors.len() <= MAX_POINTS + 1, "{}", errors.len());
+        assert_eq!(errors.first(), Some(&[0.0, 0.0]));
+        assert_eq!(errors.last().map(|p| p[1]), Some(1e-5f64.log10()));
     }
 
     #[test]
     fn of_many_curves_the_last_are_kept() {
         let many: Vec<Measure> = (0..1_000).map(|_| bounce(0, 1, 1.0)).collect();
-        let found = curves(&many).residuals;
-        assert_eq!(found.len(), MAX_CURVES);
-        assert!(!found.last().unwrap().is_superseded);
+        let residuals = curves(&many).residuals;
+        assert_eq!(residuals.len(), MAX_CURVES);
+        assert!(!residuals.last().unwrap().is_superseded);
     }
 }

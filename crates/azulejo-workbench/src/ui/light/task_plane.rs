@@ -2,9 +2,10 @@
 
 use super::super::panel_context::PanelContext;
 use super::row;
+use crate::app::TaskPlane;
 use crate::app::light_unit::ShownUnit;
-use crate::app::{MAX_POINTS, TaskGrid, TaskPlane, TaskPlaneSettings};
 use crate::command::{Command, FileRequest};
+use crate::document::{MAX_POINTS, TaskGrid, TaskPlaneSettings};
 use crate::jobs::JobKind;
 use crate::ui::inputs;
 use crate::ui::viewport::number;
@@ -84,7 +85,7 @@ fn points(ui: &mut Ui, cx: &PanelContext, settings: &mut TaskPlaneSettings) {
 /// Irradiance and its uniformity with standard errors.
 fn figures(ui: &mut Ui, cx: &PanelContext, plane: &TaskPlane) {
     let Some(found) = plane.figures() else {
-        ui.weak(cx.tr("All points lie inside of solids."));
+        ui.weak(cx.tr("All points lie inside solids."));
         return;
     };
     let unit = ShownUnit::of(cx.app);
@@ -109,11 +110,11 @@ fn figures(ui: &mut Ui, cx: &PanelContext, plane: &TaskPlane) {
         );
     });
     if TaskGrid::of(&cx.app.document, &cx.app.task_plane.settings) != Some(plane.grid) {
-        ui.weak(cx.tr("These figures are of another height, margin or number of points."));
+        ui.weak(cx.tr("These figures are for another height, margin or number of points."));
     }
     let left_out = plane.cells.iter().filter(|c| c.is_none()).count();
     if left_out > 0 {
-        let words = cx.tr("points inside of solids are left out");
+        let words = cx.tr("points inside solids are left out");
         ui.weak(format!("{left_out} {words}"));
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::app::App;
-use crate::command::{Command, SurfacePick};
-use crate::document::{SceneDocument, Solution};
+use crate::command::Command;
+use crate::document::{SceneDocument, Solution, SurfacePick};
 use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
 use crate::jobs::JobKind;
 use crate::words::Language;
@@ -135,9 +135,9 @@ fn measured(app: &mut App, values: [f64; 3]) {
             iteration: 1 + k as u32,
             value,
         };
-        let all = [residual, Measure::PatchError(value), Measure::Error(value)];
-        let all = all.map(|measure| Measured { at, measure });
-        app.lighting.measures.extend(all);
+        let measures = [residual, Measure::PatchError(value), Measure::Error(value)];
+        let measures = measures.map(|measure| Measured { at, measure });
+        app.lighting.measures.extend(measures);
     }
 }
 
@@ -207,14 +207,14 @@ fn the_solver_is_started_held_and_stopped() {
         };
         harness.get_by_label_contains(state);
     }
-    let asked = &harness.state().asked;
+    let commands = &harness.state().asked;
     let expected = [
         Command::Solve,
         Command::Pause,
         Command::Resume,
         Command::StopSolving,
     ];
-    assert_eq!(*asked, expected);
+    assert_eq!(*commands, expected);
     assert!(!harness.state().app.is_busy(JobKind::Solve));
 }
 

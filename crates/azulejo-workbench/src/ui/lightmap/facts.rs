@@ -51,31 +51,31 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument) {
 /// Draws what is known of the texel under the pointer.
 pub fn texel(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument, texel: Option<&Texel>) {
     let Some(&Texel { page, place }) = texel else {
-        ui.weak(cx.tr("Point at a texel for its values."));
+        ui.weak(cx.tr("Point at a texel to see its values."));
         return;
     };
     let of = &result.baked.lightmap.pages[page];
     let at = place[1] as usize * of.size[0] as usize + place[0] as usize;
-    let mut all = vec![(cx.tr("Texel"), format!("{}, {}", place[0], place[1]))];
+    let mut facts = vec![(cx.tr("Texel"), format!("{}, {}", place[0], place[1]))];
     let chart = of.charts[at];
     if chart != NO_CHART {
         let unit = ShownUnit::of(cx.app);
         let value = |light: [f32; 3]| with_unit(unit.factor * luminance(light), unit.irradiance());
         let density = result.densities.get(chart as usize).copied();
-        all.extend([
+        facts.extend([
             (cx.tr("Irradiance"), value(of.irradiance[at])),
             (cx.tr("Standard error"), value(of.standard_error[at])),
             (cx.tr("Chart"), chart.to_string()),
             (cx.tr("Texels per metre"), number(density.unwrap_or(0.0))),
         ]);
     }
-    rows(ui, "texel facts", &all);
+    rows(ui, "texel facts", &facts);
 }
 
-fn rows(ui: &mut Ui, id: &str, all: &[(&str, String)]) {
+fn rows(ui: &mut Ui, id: &str, facts: &[(&str, String)]) {
     let grid = Grid::new(id).num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| {
-        for (name, value) in all {
+        for (name, value) in facts {
             ui.label(*name);
             ui.add(Label::new(value).wrap());
             ui.end_row();

@@ -163,7 +163,7 @@ fn ends(result: &BakedDocument, value: &TexelValue) -> (f64, f64) {
     let pages = &result.baked.lightmap.pages;
     let count: usize = pages.iter().map(|page| page.areas.len()).sum();
     let step = count.div_ceil(MAX_SORTED).max(1);
-    let mut found: Vec<f64> = pages
+    let mut values: Vec<f64> = pages
         .iter()
         .flat_map(|page| {
             let covered = (0..page.areas.len()).filter(|&t| page.areas[t] > 0.0);
@@ -171,10 +171,10 @@ fn ends(result: &BakedDocument, value: &TexelValue) -> (f64, f64) {
         })
         .filter(|v| v.is_finite())
         .collect();
-    found.sort_by(f64::total_cmp);
+    values.sort_by(f64::total_cmp);
     let at = |share: f64| {
-        let rank = share * found.len().saturating_sub(1) as f64;
-        found.get(rank.round() as usize).copied().unwrap_or(0.0)
+        let rank = share * values.len().saturating_sub(1) as f64;
+        values.get(rank.round() as usize).copied().unwrap_or(0.0)
     };
     (at(ENDS[0]), at(ENDS[1]))
 }

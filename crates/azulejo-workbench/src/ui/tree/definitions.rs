@@ -41,10 +41,10 @@ impl<K: Copy + Eq + Hash> SharedUses<K> {
             });
             uses.len() - 1
         });
-        let found = &mut self.uses[at];
-        found.count += times;
-        if found.users.last() != Some(&user) {
-            found.users.push(user);
+        let entry = &mut self.uses[at];
+        entry.count += times;
+        if entry.users.last() != Some(&user) {
+            entry.users.push(user);
         }
     }
 }
@@ -166,8 +166,8 @@ mod tests {
 
     /// Labels and users.
     fn of(document: &SceneDocument) -> Vec<(String, Vec<u64>)> {
-        let all = super::of(document, Language::English);
-        let entries = all.into_iter().flat_map(|(_, entries)| entries);
+        let groups = super::of(document, Language::English);
+        let entries = groups.into_iter().flat_map(|(_, entries)| entries);
         let ids = |leaf: TreeLeaf| match leaf {
             TreeLeaf::Definition(users) => users.iter().map(|id| id.0).collect(),
             _ => panic!("{leaf:?}"),
@@ -194,8 +194,8 @@ mod tests {
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
         assert_eq!(of(&before), [("ball × 2".to_owned(), vec![3, 7])]);
         // They share it even with another material.
-        let all = [3, 7, 8].map(ItemId).to_vec();
-        Edit::Assign(all, 0).apply(&mut document).unwrap();
+        let ids = [3, 7, 8].map(ItemId).to_vec();
+        Edit::Assign(ids, 0).apply(&mut document).unwrap();
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
     }
 
@@ -209,18 +209,18 @@ mod tests {
             material: None,
         };
         Edit::AddShape(text).apply(&mut document).unwrap();
-        let found = of(&document);
-        let [(label, users)] = &found[..] else {
-            panic!("one letter comes twice: {found:?}")
+        let entries = of(&document);
+        let [(label, users)] = &entries[..] else {
+            panic!("one letter comes twice: {entries:?}")
         };
         assert!(label.starts_with("pop (") && label.ends_with("curves) × 2"));
         let id = document.objects[0].id;
         assert_eq!(*users, [id.0]);
         // A duplicate of the text has no more prisms.
         Edit::Duplicate(vec![id]).apply(&mut document).unwrap();
-        let found = of(&document);
-        assert_eq!(found[0], ("pop × 2".to_owned(), vec![id.0, id.0 + 1]));
-        assert!(found[1].0.ends_with("curves) × 2") && found[1].1.len() == 2);
+        let entries = of(&document);
+        assert_eq!(entries[0], ("pop × 2".to_owned(), vec![id.0, id.0 + 1]));
+        assert!(entries[1].0.ends_with("curves) × 2") && entries[1].1.len() == 2);
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl SceneTree {
             let text = if cx.app.document.is_empty() {
                 cx.tr("Drop files here, or open them (Ctrl+O).")
             } else {
-                cx.tr("Nothing has this in its name.")
+                cx.tr("No name contains this text.")
             };
             ui.weak(text);
             return;

@@ -385,9 +385,9 @@ mod tests {
         assert_eq!(of(&[1, 2]), ["room", "floor", "lamp", "room/lamp"]);
         assert_eq!(of(&[5]), ["bulb"]);
         assert_eq!(of(&[2, 5]), ["lamp", "Lights", "bulb", "room/lamp"]);
-        let all = of(&[1, 2, 3, 4]);
-        assert_eq!(all[0], "Created here");
-        assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");
+        let labels = of(&[1, 2, 3, 4]);
+        assert_eq!(labels[0], "Created here");
+        assert!(!labels.iter().any(|l| l == "Materials"), "{labels:?}");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The displayed polygons of each object, cached between frames.
 
 use crate::app::App;
-use crate::document::{ItemId, LightmappedMesh, SceneObject};
+use crate::bake::LightmappedMesh;
+use crate::document::{ItemId, SceneObject};
 use crate::gpu::{DrawnMesh, FaceValues, Projection, chord_error, display_mesh, pick};
 use crate::view::Shading;
 use azulejo::scene::math::{Aabb, Ray};
@@ -277,8 +278,8 @@ impl ViewportCache {
 
     /// The key of a texture's image.
     pub fn texture_key(&self, texture: &Arc<Texture>) -> u64 {
-        let found = self.textures.get(&Arc::as_ptr(texture));
-        found.map_or(0, |(key, _)| *key)
+        let texture = self.textures.get(&Arc::as_ptr(texture));
+        texture.map_or(0, |(key, _)| *key)
     }
 
     /// The cached objects.

@@ -201,9 +201,9 @@ fn picture_size(ui: &mut Ui, cx: &mut PanelContext, render: &RenderedImage) {
         field(&mut width, 8192, cx.tr("Width"), " ×");
         field(&mut height, 8192, cx.tr("Height"), " px");
         field(&mut paths, 65_536, cx.tr("paths per pixel"), "");
-        let wanted = (width, height, paths);
+        let settings = (width, height, paths);
         let button = Button::new(cx.tr("Render this size"));
-        if ui.add_enabled(wanted != own, button).clicked() {
+        if ui.add_enabled(settings != own, button).clicked() {
             cx.send(Command::Render {
                 width,
                 height,
@@ -253,12 +253,12 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
             return Vec::new();
         }
         (
-            cx.tr("This lightmap is of an earlier state of the model."),
+            cx.tr("This lightmap belongs to an earlier state of the model."),
             &["Bake a lightmap…"],
         )
     } else if is_dark && (shading.shows_light() || lighting.solution.is_none()) {
         (
-            cx.tr("Nothing shines yet."),
+            cx.tr("There is no light source yet."),
             &["Studio", "Area light", "Sun"],
         )
     } else if lighting.solution.is_none() {
@@ -299,7 +299,7 @@ fn without_limit(ui: &mut Ui, cx: &mut PanelContext) {
     }
 }
 
-/// Tells that the solver stopped before the light is as accurate as was asked for, until it is
+/// Tells that the solver stopped before the light reached the target accuracy, until it is
 /// closed.
 pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
     let lighting = &cx.app.lighting;
@@ -310,7 +310,7 @@ pub fn show_inaccurate(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
     let goal = format!("({} {target})", cx.tr("target"));
     let text = match &solution.report {
         Some(report) if report.error > SLACK * lighting.settings.error => {
-            let words = cx.tr("The light is less accurate than asked for: error");
+            let words = cx.tr("The light is less accurate than the target: error");
             format!("{words} {} {goal}", percent(report.error))
         }
         // A preview that was left when the solver stopped; light of a file has no solver.
@@ -364,7 +364,7 @@ pub fn show_failure(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) {
     card(ui, rect, Align2::CENTER_CENTER, "failure", |ui| {
         let color = ui.visuals().error_fg_color;
         ui.label(
-            RichText::new(format!("⚠ {}", cx.tr("That did not work")))
+            RichText::new(format!("⚠ {}", cx.tr("The operation failed")))
                 .size(17.0)
                 .strong()
                 .color(color),

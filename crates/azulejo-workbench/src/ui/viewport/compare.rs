@@ -1,6 +1,6 @@
 //! Two pictures of the model side by side, with a handle between them.
 
-use super::super::actions::of_shading;
+use super::super::actions::shading_action;
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::view::{Comparison, ModelView, Shading};
@@ -26,7 +26,7 @@ pub fn divider(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView)
     let x = right_part(rect, &comparison).left();
     let band = Rect::from_x_y_ranges(x - 0.5 * HANDLE..=x + 0.5 * HANDLE, rect.y_range());
     let response = ui.interact(band, ui.scope_id().with("divider"), Sense::click_and_drag());
-    let name = cx.tr("Divider between both pictures");
+    let name = cx.tr("Divider between the two images");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name));
     if response.hovered() || response.dragged() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
@@ -76,7 +76,7 @@ pub fn divider(ui: &mut Ui, rect: Rect, cx: &mut PanelContext, view: &ModelView)
 
 /// The name of a shading mode, as in the menu.
 fn title(cx: &PanelContext, shading: Shading) -> &'static str {
-    of_shading(cx.app, shading).map_or("", |a| cx.tr(a.label))
+    shading_action(cx.app, shading).map_or("", |a| cx.tr(a.label))
 }
 
 fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {

@@ -42,8 +42,8 @@ struct CubeFace {
 
 /// The directions that the cube has faces for.
 fn sides() -> impl Iterator<Item = ViewDirection> {
-    let all = ViewDirection::ALL.into_iter();
-    all.filter(|&direction| direction != ViewDirection::Corner)
+    let directions = ViewDirection::ALL.into_iter();
+    directions.filter(|&direction| direction != ViewDirection::Corner)
 }
 
 /// The normal of a face, and what is right and up in the view from there.
@@ -67,7 +67,7 @@ fn axes_of(direction: ViewDirection, up: Up) -> (DVec3, DVec3, DVec3) {
 fn faces(camera: &Camera, up: Up) -> Vec<CubeFace> {
     let (x, y, forward) = camera.axes();
     let seen = |p: DVec3| DVec2::new(p.dot(x), -p.dot(y));
-    let mut found: Vec<CubeFace> = sides()
+    let mut faces: Vec<CubeFace> = sides()
         .map(|direction| {
             let (normal, right, above) = axes_of(direction, up);
             let around = [-right - above, right - above, right + above, -right + above];
@@ -83,8 +83,8 @@ fn faces(camera: &Camera, up: Up) -> Vec<CubeFace> {
         })
         .filter(|face| face.facing > 1e-3)
         .collect();
-    found.sort_by(|a, b| a.facing.total_cmp(&b.facing));
-    found
+    faces.sort_by(|a, b| a.facing.total_cmp(&b.facing));
+    faces
 }
 
 /// The direction of the face at a point.

@@ -129,18 +129,18 @@ impl ValueGrid {
     /// Pixels where the value `level` lies between a pixel and the one to the right or below.
     fn crossings(&self, level: f64) -> Vec<(u32, u32)> {
         let crosses = |a: f64, b: f64| (a - level) * (b - level) <= 0.0 && a != b;
-        let mut found = Vec::new();
+        let mut pixels = Vec::new();
         for y in 0..self.height.saturating_sub(1) {
             for x in 0..self.width.saturating_sub(1) {
                 let Some(here) = self.at(x, y) else { continue };
                 let next = [self.at(x + 1, y), self.at(x, y + 1)];
                 let is_crossed = next.iter().flatten().any(|&b| crosses(here, b));
                 if is_crossed && self.is_clear(x, y) {
-                    found.push((x, y));
+                    pixels.push((x, y));
                 }
             }
         }
-        found
+        pixels
     }
 }
 
@@ -199,15 +199,15 @@ mod tests {
             bands: 4,
             ..ColorScale::default()
         };
-        let found = places(&ramp(), &scale, Vec2::new(800.0, 480.0));
-        assert!(found.len() >= 3, "{found:?}");
-        for (at, text) in &found {
+        let labels = places(&ramp(), &scale, Vec2::new(800.0, 480.0));
+        assert!(labels.len() >= 3, "{labels:?}");
+        for (at, text) in &labels {
             let value: f32 = text.parse().unwrap();
             let expected = (49.0 * value + 0.5) / 100.0;
             assert!((at.x - expected).abs() < 0.02, "{text} at {at}");
         }
-        for (k, (a, _)) in found.iter().enumerate() {
-            for (b, _) in &found[k + 1..] {
+        for (k, (a, _)) in labels.iter().enumerate() {
+            for (b, _) in &labels[k + 1..] {
                 assert!(((*a - *b) * Vec2::new(800.0, 480.0)).length() > APART);
             }
         }

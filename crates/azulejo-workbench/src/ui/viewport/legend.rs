@@ -60,7 +60,7 @@ fn labels(scale: &ColorScale, beyond: (bool, bool), most: f32) -> Vec<(f64, Stri
     let ticks = scale.ticks();
     let every = (ticks.len() as f32 / most.max(2.0)).ceil().max(1.0) as usize;
     let place = |shown: f64| scale.fraction(shown / scale.display);
-    let mut found: Vec<(f64, String)> = (ticks.iter().step_by(every))
+    let mut labels: Vec<(f64, String)> = (ticks.iter().step_by(every))
         .map(|&shown| (place(shown), short(shown)))
         .filter(|(at, _)| (-1e-9..=1.0 + 1e-9).contains(at))
         .collect();
@@ -71,7 +71,7 @@ fn labels(scale: &ColorScale, beyond: (bool, bool), most: f32) -> Vec<(f64, Stri
     ] {
         let value = scale.display * value;
         let is_tick = |(at, _): &(f64, String)| (at - end).abs() < 1e-6;
-        let text = match found.iter().find(|l| is_tick(l)) {
+        let text = match labels.iter().find(|l| is_tick(l)) {
             Some((_, text)) => text.clone(),
             None => short(value),
         };
@@ -81,10 +81,10 @@ fn labels(scale: &ColorScale, beyond: (bool, bool), most: f32) -> Vec<(f64, Stri
             text
         };
         // An end takes the place of a tick that would touch it.
-        found.retain(|(at, _)| (at - end).abs() > room);
-        found.push((end, text));
+        labels.retain(|(at, _)| (at - end).abs() > room);
+        labels.push((end, text));
     }
-    found
+    labels
 }
 
 /// A round number without superfluous zeros, or three digits of another one.
@@ -148,9 +148,9 @@ mod tests {
             ..ColorScale::default()
         };
         let text = |scale: &ColorScale, beyond| {
-            let mut found = labels(scale, beyond, 12.0);
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            found.into_iter().map(|(_, text)| text).collect::<Vec<_>>()
+            let mut labels = labels(scale, beyond, 12.0);
+            labels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            labels.into_iter().map(|(_, text)| text).collect::<Vec<_>>()
         };
         let rounded = scale.rounded();
         assert_eq!(

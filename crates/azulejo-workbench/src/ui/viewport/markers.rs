@@ -233,7 +233,7 @@ mod tests {
         let mut app = App::quiet();
         app.document = sample();
         let lines = |app: &App| overlay(app, app.view.shading).lines.len();
-        let all = lines(&app);
+        let markers = lines(&app);
         let rect = Rect::from_min_size(Pos2::ZERO, Vec2::splat(100.0));
         let view = Projection::new(&app.document.cameras[0].camera, [100, 100]);
         let bulb = view.project(DVec3::new(0.0, 1.5, 0.0)).unwrap();
@@ -242,7 +242,7 @@ mod tests {
         app.document.lights[0].hidden = true;
         assert_eq!(at(mouse, rect, &view, &app), None);
         let without_light = lines(&app);
-        assert!(without_light < all);
+        assert!(without_light < markers);
         app.document.cameras[0].hidden = true;
         assert!(lines(&app) < without_light);
     }

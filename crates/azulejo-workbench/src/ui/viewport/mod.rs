@@ -28,8 +28,8 @@ pub(super) use legend::{LegendText, paint as paint_legend};
 
 use super::actions::ActionTarget;
 use super::panel_context::PanelContext;
-use crate::command::{Command, SurfacePick};
-use crate::document::Edit;
+use crate::command::Command;
+use crate::document::{Edit, SurfacePick};
 use crate::gpu::Projection;
 use crate::view::{ModelView, Shading};
 use azulejo::scene::Camera;

@@ -236,9 +236,9 @@ fn scale(app: &App, shading: Shading) -> ColorScale {
             ..plain
         };
     }
-    let found = values(app, shading);
-    let found = found.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
-    light_scale(app, found, shading == Shading::Error)
+    let range = values(app, shading);
+    let range = range.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
+    light_scale(app, range, shading == Shading::Error)
 }
 
 /// The scale of irradiance or of its standard errors with the settings of the view; `found` are the

@@ -2,8 +2,8 @@
 //! clicks.
 
 use super::{Viewport, hover, markers};
-use crate::command::{Command, Selection, SurfacePick};
-use crate::document::ItemId;
+use crate::command::{Command, Selection};
+use crate::document::{ItemId, SurfacePick};
 use crate::gpu::{DrawnMesh, PickHit, Projection};
 use crate::ui::panel_context::PanelContext;
 use crate::view::Shading;
@@ -94,11 +94,11 @@ impl Viewport {
             self.pick_face(ray, cx);
             return;
         }
-        let found = markers::at(mouse, rect, view, cx.app).or_else(|| {
+        let item = markers::at(mouse, rect, view, cx.app).or_else(|| {
             let hit = self.hit(ray)?;
             Some(self.pane.cache.entries()[hit.object].id)
         });
-        match found {
+        match item {
             Some(id) => cx.select(id, modifiers.command || modifiers.shift),
             None => cx.send(Command::Select(Selection::default())),
         }

@@ -2,8 +2,9 @@
 
 use super::super::actions::ActionTarget;
 use super::super::panel_context::PanelContext;
-use crate::app::{Example, THUMBNAIL};
+use crate::app::THUMBNAIL;
 use crate::command::Command;
+use crate::document::Example;
 use azulejo::render::srgb_from_linear;
 use egui::{
     Align2, Button, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense,
@@ -134,7 +135,7 @@ fn steps(ui: &mut Ui, cx: &PanelContext) {
         ),
         (
             cx.tr("Render image"),
-            cx.tr("traces a picture of the current view"),
+            cx.tr("traces an image of the current view"),
         ),
     ];
     ui.spacing_mut().item_spacing.y = 3.0;

@@ -106,14 +106,14 @@ impl SidePanel {
         window: f32,
         body: impl FnOnce(&mut Ui, &mut PanelContext),
     ) {
-        let wanted = widths.get(self);
-        if wanted <= 0.0 {
+        let width = widths.get(self);
+        if width <= 0.0 {
             return;
         }
         let id = ui.scope_id().with(self.salt());
         let is_dragged = ui.input(|i| i.pointer.any_down() || i.pointer.any_released());
         if !is_dragged {
-            set_width(ui, id, wanted);
+            set_width(ui, id, width);
         }
         let panel = match self {
             SidePanel::Tree => Panel::left(self.salt()),
@@ -121,12 +121,12 @@ impl SidePanel {
         };
         let shown = panel
             .resizable(true)
-            .default_size(wanted)
-            .size_range(NARROWEST.min(wanted)..=widths.most(self, window))
+            .default_size(width)
+            .size_range(NARROWEST.min(width)..=widths.most(self, window))
             .show(ui, |ui| bounded(ui, |ui| body(ui, cx)));
         let width = shown.response.rect.width();
         let is_held = ui.input(|i| i.pointer.any_down());
-        if !is_held && (width - wanted).abs() > 1.0 {
+        if !is_held && (width - width).abs() > 1.0 {
             let new = widths.resized(&cx.app.preferences, self, width.round());
             cx.send(Command::SetPreferences(Box::new(new)));
         }

@@ -22,7 +22,7 @@ pub struct PathDialog {
     folder: PathBuf,
     /// The text of the field.
     text: String,
-    /// Why the text is no file that can be opened or written.
+    /// Why the text is not a file that can be opened or written.
     problem: Option<PathProblem>,
     /// The characters to select once the field has the focus, which it is to get.
     selects: Option<Range<usize>>,
@@ -58,7 +58,7 @@ impl PathDialog {
                 cancels = ui.button(cx.tr("Cancel")).clicked();
             });
         });
-        // A click beside the dialog is no answer: too much may have been typed.
+        // A click outside the dialog is not an answer: too much may have been typed.
         cancels |= modal.is_top_modal && ui.input(|i| i.key_pressed(Key::Escape));
         if cancels {
             return Some(FileAnswer::Cancelled);

@@ -2,7 +2,7 @@
 
 use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 
-/// Why a typed path is no file that can be opened or written.
+/// Why a typed path is not a file that can be opened or written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PathProblem {
     /// There is no such file.

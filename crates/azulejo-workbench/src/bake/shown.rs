@@ -1,8 +1,7 @@
 //! A lightmap as the viewport shows it: triangles with their places on its pages.
 
-use super::solution::same_geometry;
-use super::{ItemId, SceneDocument, SceneObject};
-use crate::bake::BakedDocument;
+use super::BakedDocument;
+use crate::document::{ItemId, SceneDocument, SceneObject, same_geometry};
 use azulejo::bake::layout::NO_CHART;
 use azulejo::scene::{Attribute, Faces, Image, IrradiancePicture, MaterialId, Mesh, Object, Rgb};
 use glam::{DVec2, DVec3};

@@ -11,14 +11,13 @@ pub(super) fn split(text: &str) -> (&str, &str) {
 
 /// `N` finite numbers.
 pub(super) fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let all = finite(text).and_then(|v| v.try_into().ok());
-    all.ok_or_else(|| format!("\"{text}\" is not {N} numbers"))
+    let values = finite(text).and_then(|v| v.try_into().ok());
+    values.ok_or_else(|| format!("\"{text}\" is not {N} numbers"))
 }
 
-/// Finite numbers of any count; `None` if a word is none.
+/// Finite numbers of any count; `None` if a word is not a number.
 pub(super) fn finite(text: &str) -> Option<Vec<f64>> {
-    let words = text.split_whitespace();
-    words
+    text.split_whitespace()
         .map(|w| w.parse().ok().filter(|x: &f64| x.is_finite()))
         .collect()
 }
@@ -73,18 +72,27 @@ pub(super) fn switch(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The one of `all` with this name; `what` is it that has names.
+/// The choice of this name; `what` says in messages what has names.
 pub(super) fn one_of<T: Copy>(
     what: &str,
     text: &str,
-    all: &[T],
+    choices: &[T],
     name: impl Fn(T) -> String,
 ) -> Result<T, String> {
-    let found = all.iter().copied().find(|&t| name(t) == text);
-    found.ok_or_else(|| {
-        let names: Vec<String> = all.iter().map(|&t| name(t)).collect();
+    let choice = choices.iter().copied().find(|&c| name(c) == text);
+    choice.ok_or_else(|| {
+        let names: Vec<String> = choices.iter().map(|&c| name(c)).collect();
         format!("no {what} \"{text}\", expected one of {}", names.join(", "))
     })
+}
+
+/// A percentage from `least` to 100, as a fraction.
+pub(super) fn percent(text: &str, least: f64) -> Result<f64, String> {
+    let value = text.strip_suffix('%').and_then(|t| t.trim().parse().ok());
+    let valid = value.filter(|p: &f64| (least..=100.0).contains(p));
+    valid
+        .map(|p| p / 100.0)
+        .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
 }
 
 /// A file; `step` needs one.

@@ -101,21 +101,21 @@ impl Projection {
         2.0 * depth / (self.scale.y * self.size.y)
     }
 
-    pub(super) fn near(&self) -> f64 {
+    pub(crate) fn near(&self) -> f64 {
         self.near
     }
 
-    pub(super) fn size(&self) -> DVec2 {
+    pub(crate) fn size(&self) -> DVec2 {
         self.size
     }
 
     /// The world axes in view space, as columns.
-    pub(super) fn rotation(&self) -> DMat3 {
+    pub(crate) fn rotation(&self) -> DMat3 {
         self.view_from_world
     }
 
     /// From an object's space, translated by `origin`, to view space.
-    pub(super) fn view_from(&self, world_from_object: &DAffine3, origin: DVec3) -> DAffine3 {
+    pub(crate) fn view_from(&self, world_from_object: &DAffine3, origin: DVec3) -> DAffine3 {
         let centre = world_from_object.transform_point3(origin);
         DAffine3 {
             matrix3: self.view_from_world * world_from_object.matrix3,
@@ -124,11 +124,11 @@ impl Projection {
     }
 
     /// A view-space position in clip coordinates.
-    pub(super) fn clip(&self, v: DVec3) -> DVec4 {
+    pub(crate) fn clip(&self, v: DVec3) -> DVec4 {
         DVec4::new(v.x * self.scale.x, v.y * self.scale.y, self.near, -v.z)
     }
 
-    pub(super) fn clip_from(&self, view_from: &DAffine3) -> Mat4 {
+    pub(crate) fn clip_from(&self, view_from: &DAffine3) -> Mat4 {
         let column =
             |v: DVec3| DVec4::new(v.x * self.scale.x, v.y * self.scale.y, 0.0, -v.z).as_vec4();
         let m = view_from.matrix3;
@@ -141,7 +141,7 @@ impl Projection {
     }
 
     /// Whether a sphere in view space may be visible.
-    pub(super) fn sees(&self, centre: DVec3, radius: f64) -> bool {
+    pub(crate) fn sees(&self, centre: DVec3, radius: f64) -> bool {
         let beyond = |scale: f64, x: f64| {
             // Distance to the plane |x| scale = -z, positive outside.
             (x.abs() * scale + centre.z) / scale.hypot(1.0)

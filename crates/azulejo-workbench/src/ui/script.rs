@@ -25,15 +25,11 @@ mod play;
 mod scene;
 mod selected;
 mod solver;
+mod step;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub use bake::{BakeOption, BakeStep};
-pub use light::LightStep;
-pub use material::MaterialStep;
-pub use parse::{ScriptStep, parse};
+pub use parse::parse;
 pub use play::ScriptPlayer;
-pub use scene::SceneStep;
-pub use solver::SolverStep;
-pub use view::ViewStep;
+pub use step::{ScriptStep, StepCommands};

@@ -193,11 +193,11 @@ fn every_command_and_every_edit_has_a_step() {
     }
     let [mut commands, edits] = sent;
     commands.extend(WITHOUT_STEP.map(|(name, _)| name.to_owned()));
-    let known = variants(include_str!("../command.rs"), "Command");
+    let known = variants(include_str!("../../command.rs"), "Command");
     assert!(known.len() > 40, "{known:?}");
     let missing: Vec<_> = known.difference(&commands).collect();
     assert!(missing.is_empty(), "commands without a step: {missing:?}");
-    let known = variants(include_str!("../document/edit.rs"), "Edit");
+    let known = variants(include_str!("../../document/edit.rs"), "Edit");
     assert!(known.len() > 20, "{known:?}");
     let missing: Vec<_> = known.difference(&edits).collect();
     assert!(missing.is_empty(), "edits without a step: {missing:?}");
@@ -205,9 +205,9 @@ fn every_command_and_every_edit_has_a_step() {
 
 #[test]
 fn exceptions_are_commands_and_have_a_reason() {
-    let known = variants(include_str!("../command.rs"), "Command");
+    let known = variants(include_str!("../../command.rs"), "Command");
     for (name, why) in WITHOUT_STEP {
-        assert!(known.contains(name), "{name} is no command");
+        assert!(known.contains(name), "{name} is not a command");
         assert!(why.len() > 10, "{name}: {why}");
     }
 }

@@ -1,7 +1,6 @@
 //! Scenes to begin with, which need no file.
 
-use super::App;
-use crate::document::{Edit, EditError, NewShape, NewShapeKind, SceneDocument, TextLayout};
+use super::{Edit, EditError, NewShape, NewShapeKind, SceneDocument, TextLayout};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Material, Rgb};
 use glam::DVec3;
@@ -34,13 +33,18 @@ impl Example {
         }
     }
 
-    fn document(self) -> Result<SceneDocument, EditError> {
-        let of = |variant| Ok(SceneDocument::of_scene(cornell_box(variant), None));
-        match self {
-            Example::CornellBox => of(CornellVariant::Diffuse),
-            Example::MirrorBlock => of(CornellVariant::MirrorBlock),
-            Example::SolidText => solid_text(),
-        }
+    /// A new document with the example.
+    ///
+    /// # Errors
+    ///
+    /// [`EditError`], which a test excludes.
+    pub fn document(self) -> Result<SceneDocument, EditError> {
+        let variant = match self {
+            Example::CornellBox => CornellVariant::Diffuse,
+            Example::MirrorBlock => CornellVariant::MirrorBlock,
+            Example::SolidText => return solid_text(),
+        };
+        Ok(SceneDocument::of_scene(cornell_box(variant), None))
     }
 }
 
@@ -59,33 +63,4 @@ fn solid_text() -> Result<SceneDocument, EditError> {
     Edit::AddShape(text).apply(&mut document)?;
     Edit::AddStudio.apply(&mut document)?;
     Ok(document)
-}
-
-impl App {
-    /// Opens an example as a new document without a file.
-    pub(super) fn open_example(&mut self, example: Example) {
-        self.clear();
-        match example.document() {
-            Ok(document) => self.replace(document, None),
-            Err(refused) => self.report(super::Severity::Error, refused.0),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::command::Command;
-
-    #[test]
-    fn every_example_is_a_valid_scene_with_light_and_a_view() {
-        for example in Example::ALL {
-            let mut app = App::quiet();
-            app.execute(Command::OpenExample(example));
-            assert_eq!(app.errors, 0, "{:?}", app.messages);
-            app.document.scene().validate().unwrap();
-            assert!(app.document.has_light() && !app.document.cameras.is_empty());
-            assert!(!app.is_changed(), "an example is nothing to save");
-        }
-    }
 }

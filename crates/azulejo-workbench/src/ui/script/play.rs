@@ -1,12 +1,9 @@
 //! Running a script in a window.
 
-use super::bake::BakeStep;
-use super::material::MaterialStep;
-use super::parse::ScriptStep;
-use super::selected::{material_named, selected_one};
+use super::step::ScriptStep;
 use crate::app::{App, Severity};
-use crate::command::{Command, Selection, SurfacePick};
-use crate::document::ItemId;
+use crate::command::Command;
+use crate::document::SurfacePick;
 use crate::jobs::JobKind;
 use crate::ui::Workbench;
 use crate::ui::actions::ACTIONS;
@@ -105,7 +102,7 @@ impl ScriptPlayer {
         };
         self.line = line;
         self.errors_before = window.app.errors;
-        if step == ScriptStep::Quit {
+        if matches!(step, ScriptStep::Quit) {
             window.app.execute(Command::Discard);
             window.app.allow_close();
             return self.end(Ok(()));
@@ -159,12 +156,12 @@ impl ScriptPlayer {
                 *left > 0
             }
             Some(WaitCondition::Until(moment)) => Instant::now() < *moment,
-            Some(WaitCondition::Samples(wanted)) => {
-                let found = app.render.as_ref().map_or(0, |p| p.samples);
-                if found < *wanted && !app.is_busy(JobKind::Render) {
-                    return Err(format!("{found} paths per pixel, expected {wanted}"));
+            Some(WaitCondition::Samples(target)) => {
+                let samples = app.render.as_ref().map_or(0, |p| p.samples);
+                if samples < *target && !app.is_busy(JobKind::Render) {
+                    return Err(format!("{samples} paths per pixel, expected {target}"));
                 }
-                found < *wanted
+                samples < *target
             }
             Some(WaitCondition::Screenshot(path, since, picture)) => match picture.try_recv() {
                 Ok(image) => {
@@ -202,13 +199,13 @@ impl ScriptPlayer {
                 let target = target.ok_or_else(|| format!("\"{name}\" is not available now"))?;
                 window.run_action(target);
             }
-            ScriptStep::Material(MaterialStep::Load(path)) => window.load_brdf(&path)?,
-            ScriptStep::Bake(BakeStep::Show(shown)) => window.show_lightmap(shown)?,
-            ScriptStep::Probe(from, toward) => {
+            ScriptStep::LoadBrdf(path) => window.load_brdf(&path)?,
+            ScriptStep::ShowLightmap(shown) => window.show_lightmap(shown)?,
+            ScriptStep::Probe([from, toward]) => {
                 let pick = surface(window, from, toward)?;
                 window.app.execute(Command::AddProbe(pick));
             }
-            ScriptStep::FormFactors(from, toward) => {
+            ScriptStep::FormFactors([from, toward]) => {
                 let pick = surface(window, from, toward)?;
                 window.app.execute(Command::FormFactorsFrom(pick));
             }
@@ -221,11 +218,12 @@ impl ScriptPlayer {
                 });
                 return Ok(WaitCondition::Samples(samples));
             }
-            other => {
-                for command in commands(&window.app, other)? {
-                    window.app.execute(command);
-                }
+            ScriptStep::Commands(step) => {
+                let commands = step.make(&window.app)?;
+                commands.into_iter().for_each(|c| window.app.execute(c));
             }
+            // The caller ends the script.
+            ScriptStep::Quit => {}
         }
         // The effect is visible a few frames later; a job that was started takes longer.
         Ok(WaitCondition::Jobs(SETTLE))
@@ -248,87 +246,6 @@ fn surface(window: &Workbench, from: DVec3, toward: DVec3) -> Result<SurfacePick
     let direction = direction.ok_or("both points are the same")?;
     let pick = window.surface_at(&Ray::new(from, direction));
     pick.ok_or_else(|| "there is no surface in this direction".to_owned())
-}
-
-/// The commands of a step that does not need the window.
-fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
-    let one = |command| Ok(vec![command]);
-    match step {
-        ScriptStep::Open(path) => one(Command::Open(vec![path])),
-        ScriptStep::Add(path) => one(Command::Add(vec![path])),
-        ScriptStep::Example(example) => one(Command::OpenExample(example)),
-        ScriptStep::Recipe(path) => one(Command::ApplyRecipe(path)),
-        ScriptStep::Environment(path) => one(Command::LoadEnvironment(path, None)),
-        ScriptStep::Save(path) => one(Command::SaveAs(path)),
-        ScriptStep::Export(path) => one(Command::Export(path)),
-        ScriptStep::SaveRender(path) => one(Command::SaveRender(path)),
-        ScriptStep::Select(name) => one(select(app, &name)?),
-        ScriptStep::SelectMaterial(name) => {
-            let material = Some(material_named(app, &name)?);
-            one(Command::Select(Selection {
-                material,
-                ..app.selection.clone()
-            }))
-        }
-        ScriptStep::SelectFaces(faces) => {
-            let faces = Some((selected_one(app)?, faces));
-            one(Command::Select(Selection {
-                faces,
-                ..app.selection.clone()
-            }))
-        }
-        ScriptStep::Scene(step) => one(step.command(app)?),
-        ScriptStep::Material(step) => step.commands(app),
-        ScriptStep::Light(step) => step.commands(app),
-        ScriptStep::View(step) => one(step.command(app)),
-        ScriptStep::Solver(step) => Ok(step.commands(app)),
-        ScriptStep::Bake(step) => step.commands(app),
-        ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
-        ScriptStep::SaveProbes(path) => one(Command::SaveProbes(path)),
-        ScriptStep::TaskPlane(settings) => Ok(vec![
-            Command::SetTaskPlane(settings),
-            Command::MeasureTaskPlane,
-        ]),
-        ScriptStep::RemoveTaskPlane => one(Command::RemoveTaskPlane),
-        ScriptStep::SaveTaskPlane(path) => one(Command::SaveTaskPlane(path)),
-        ScriptStep::StopRender => one(Command::StopRender),
-        ScriptStep::ResumeRender => one(Command::ResumeRender),
-        ScriptStep::CloseRender => one(Command::CloseRender),
-        ScriptStep::Preference(key, value) => {
-            let preferences = app.preferences.with(&key, &value)?;
-            one(Command::SetPreferences(Box::new(preferences)))
-        }
-        ScriptStep::ClearMessages => one(Command::ClearMessages),
-        other => Err(format!("{other:?} is a step of the window")),
-    }
-}
-
-fn select(app: &App, name: &str) -> Result<Command, String> {
-    Ok(match name {
-        "all" => Command::SelectAll,
-        "nothing" => Command::Select(Selection::default()),
-        name => {
-            let ids = named(app, name);
-            if ids.is_empty() {
-                return Err(format!("nothing is named \"{name}\""));
-            }
-            Command::Select(Selection {
-                ids,
-                ..Selection::default()
-            })
-        }
-    })
-}
-
-/// The objects, lights and cameras with this name, or with this last component of their name.
-fn named(app: &App, name: &str) -> Vec<ItemId> {
-    let document = &app.document;
-    let items = document.objects.iter().map(|i| (i.id, &i.name));
-    let lights = document.lights.iter().map(|l| (l.id, &l.light.name));
-    let cameras = document.cameras.iter().map(|c| (c.id, &c.camera.name));
-    let all = items.chain(lights).chain(cameras);
-    let is_it = |n: &str| n == name || n.rsplit('/').next() == Some(name);
-    all.filter(|(_, n)| is_it(n)).map(|(id, _)| id).collect()
 }
 
 fn write_png(path: &Path, image: &ColorImage) -> Result<(), String> {
