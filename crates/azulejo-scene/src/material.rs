@@ -1,8 +1,9 @@
 //! Materials: what surfaces reflect, transmit and emit.
 
 use crate::brdf::Lobes;
-use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, FinishMaps, Image, IrradiancePicture, Opacity, Relief, Rgb, fresnel};
+use crate::{
+    Brdf, FinishMaps, IrradiancePicture, Opacity, Relief, Rgb, Texture, TextureId, fresnel,
+};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -96,42 +97,6 @@ impl Dielectric {
     pub fn straight_transmittance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         let reflected = fresnel::pane(direction, normal, self.ior).reflectance;
         self.transmittance * (1.0 - reflected)
-    }
-}
-
-/// An image that materials refer to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Texture {
-    /// File name as the model gives it, relative to the model.
-    pub path: String,
-    /// Its pixels, linear, if they could be loaded.
-    pub image: Option<Image>,
-    /// What it shows beyond its edges: in u, and in v.
-    pub wrap: [WrapMode; 2],
-}
-
-impl Texture {
-    /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
-    pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
-        Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
-    }
-
-    /// Whether all that it shows between two corners of texture coordinates is black; `None` if that are
-    /// more than `most` texels. One that could not be loaded is black.
-    pub fn is_black_between(&self, low: DVec2, high: DVec2, most: u64) -> Option<bool> {
-        let Some(image) = &self.image else {
-            return Some(true);
-        };
-        image.is_black_between([low, high], self.wrap, most)
-    }
-
-    /// The mean colour of its pixels; black if they could not be loaded.
-    pub fn mean(&self) -> Rgb {
-        let pixels = self.image.iter().flat_map(|image| &image.pixels);
-        let (sum, count) = pixels.fold((Rgb::BLACK, 0u32), |(sum, count), pixel| {
-            (sum + Rgb::from(pixel.map(f64::from)), count + 1)
-        });
-        sum / f64::from(count.max(1))
     }
 }
 
@@ -366,5 +331,35 @@ impl Material {
     /// Whether the front emits light.
     pub fn is_emitter(&self) -> bool {
         !self.emission.is_black()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(text: &str) -> Arc<Brdf> {
+        Arc::new(Brdf::new(text.parse().unwrap()).unwrap())
+    }
+
+    /// About what lobes leave (the model itself exceeds 1 by 3% toward grazing angles), where the mean of
+    /// all angles would make 1.1 near the normal.
+    #[test]
+    fn mirrors_beside_lobes_reflect_by_their_angle() {
+        let model = model("he_torrance sigma0 = 0.05 tau = 2 lambda = 0.55");
+        let material = Material::with_brdf("smooth", model);
+        let lobes = material.glossy().unwrap();
+        let mut mean = 0.0;
+        for k in 0..32 {
+            let cos = (f64::from(k) + 0.5) / 32.0;
+            let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let mirror = material.mirror_at(cos).r;
+            let whole = mirror + lobes.albedo(wo).r;
+            assert!(whole < 1.05, "cos {cos}: {mirror} of {whole}");
+            mean += mirror * 2.0 * cos / 32.0;
+        }
+        assert!((mean / material.mirror.r - 1.0).abs() < 0.01, "{mean}");
+        let chrome = Material::with_brdf("chrome", self::model("specular ks = 0.6"));
+        assert_eq!(chrome.mirror_at(0.3), chrome.mirror);
     }
 }

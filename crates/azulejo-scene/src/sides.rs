@@ -5,7 +5,7 @@
 //! reversed copy ([`Scene::split_sides`]), which become one again when they are read
 //! ([`Scene::join_sides`]).
 
-use crate::{Attribute, BackIrradiance, Faces, MaterialId, Mesh, Object, ObjectIrradiance};
+use crate::{Attribute, BackIrradiance, Faces, MaterialId, Mesh, Object};
 use crate::{Rgb, Scene, Shape, Sidedness};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -128,13 +128,7 @@ impl Mesh {
     /// Reverses the corners of a face: its front becomes its back. Normals stay.
     pub fn reverse_face(&mut self, face: usize) {
         let range = self.faces.corner_range(face);
-        let indices = [
-            self.normals.as_mut().and_then(|a| a.corners.as_mut()),
-            self.uvs.as_mut().and_then(|a| a.corners.as_mut()),
-            (self.lightmap_uvs.as_mut()).and_then(|a| a.corners.as_mut()),
-            Some(&mut self.faces.corners),
-        ];
-        for corners in indices.into_iter().flatten() {
+        for corners in self.corner_indices() {
             // The first corner stays, so that the face is triangulated as before.
             corners[range.start + 1..range.end].reverse();
         }
@@ -146,28 +140,6 @@ impl Mesh {
             let mut corners = self.faces.get(face).iter();
             corners.all(|&v| back.irradiance[v as usize].is_some())
         })
-    }
-
-    /// Stores irradiance on the vertices as they are.
-    ///
-    /// # Panics
-    /// If `light` belongs to another mesh, or to another kind of shape.
-    pub(crate) fn set_irradiance(&mut self, light: ObjectIrradiance) {
-        let ObjectIrradiance::Vertices {
-            irradiance,
-            error,
-            back,
-            turned,
-        } = light
-        else {
-            panic!("irradiance of another kind of shape")
-        };
-        let count = self.positions.len();
-        assert_eq!(irradiance.len(), count, "irradiance of another mesh");
-        self.irradiance = irradiance;
-        self.irradiance_error = error;
-        self.back = back;
-        self.turn_faces(|f| turned.binary_search(&(f as u32)).is_ok());
     }
 
     /// Appends a reversed copy of every face whose back has irradiance, with vertices of its own;

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// For each crate the uses that are known to close a circle and not yet undone. None may be added.
-const KNOWN: [(&str, &[(&str, &str)]); 6] = [
+const KNOWN: [(&str, &[(&str, &str)]); 5] = [
     (
         "azulejo-bake",
         &[("nodes", "correction"), ("nodes", "direct")],
@@ -27,27 +27,6 @@ const KNOWN: [(&str, &[(&str, &str)]); 6] = [
         ],
     ),
     ("azulejo-render", &[("integrator", "pass")]),
-    // A scene's kinds of things know each other.
-    (
-        "azulejo-scene",
-        &[
-            ("brdf", "content"),
-            ("brdf", "material"),
-            ("environment", "scene"),
-            ("instance", "scene"),
-            ("instance", "shape"),
-            ("irradiance", "shape"),
-            ("coordinates", "shape"),
-            ("coordinates", "mesh"),
-            ("irradiance", "mesh"),
-            ("lightmap", "material"),
-            ("lightmap", "mesh"),
-            ("lightmap", "scene"),
-            ("lightmap", "shape"),
-            ("solid", "shape"),
-            ("surface_maps", "material"),
-        ],
-    ),
     (
         "azulejo-workbench",
         &[
