@@ -128,9 +128,9 @@ fn by_equations(case: &ExchangeCase, book: &NetRadiation) -> Option<f64> {
         ExchangeQuestion::Flux(rows) => balance(case, book).fluxes[rows[0]],
         ExchangeQuestion::Temperature(i) => balance(case, book).temperatures[*i],
         ExchangeQuestion::Irradiation(i) => {
-            let found = balance(case, book);
-            let emission = SIGMA * found.temperatures[*i].powi(4);
-            emission - found.fluxes[*i] / enclosure.emissivity[*i]
+            let balance = balance(case, book);
+            let emission = SIGMA * balance.temperatures[*i].powi(4);
+            emission - balance.fluxes[*i] / enclosure.emissivity[*i]
         }
         _ => return None,
     })

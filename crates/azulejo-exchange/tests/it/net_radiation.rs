@@ -148,7 +148,7 @@ impl NetRadiation {
             RowCondition::Flux(q) => of_flux(i, j) * q,
         };
         let right = (0..n).map(|i| (0..n).map(|j| known(i, j)).sum()).collect();
-        let found = eliminate(matrix(n, left), right);
+        let solution = eliminate(matrix(n, left), right);
         let temperature = |(condition, x): (&RowCondition, &f64)| match condition {
             RowCondition::Temperature(t) => *t,
             RowCondition::Flux(_) => (x / SIGMA).powf(0.25),
@@ -158,8 +158,8 @@ impl NetRadiation {
             RowCondition::Flux(q) => *q,
         };
         KnownBalance {
-            temperatures: conditions.iter().zip(&found).map(temperature).collect(),
-            fluxes: conditions.iter().zip(&found).map(flux).collect(),
+            temperatures: conditions.iter().zip(&solution).map(temperature).collect(),
+            fluxes: conditions.iter().zip(&solution).map(flux).collect(),
         }
     }
 }
