@@ -287,10 +287,10 @@ impl Material {
     /// All pictures that it shows: of its colour, its opacity, its emission, its relief, its
     /// lightmap and its finish.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
-        let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
-        let of_relief = self.relief.map(|r| r.texture);
-        let of_light = self.lightmap.map(|l| l.texture);
-        let rest = [of_opacity, self.emission_picture, of_relief, of_light];
+        let opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
+        let relief = self.relief.map(|r| r.texture);
+        let light = self.lightmap.map(|l| l.texture);
+        let rest = [opacity, self.emission_picture, relief, light];
         let finish = self.finish.iter().flat_map(FinishMaps::pictures);
         (self.textures.iter().copied())
             .chain(rest.into_iter().flatten())
@@ -305,9 +305,9 @@ impl Material {
     /// Numbers its pictures anew.
     pub(crate) fn number_pictures(&mut self, number: impl Fn(TextureId) -> TextureId) {
         self.textures.iter_mut().for_each(|t| *t = number(*t));
-        let of_opacity = self.opacity.as_mut().and_then(|o| o.picture.as_mut());
+        let opacity = self.opacity.as_mut().and_then(|o| o.picture.as_mut());
         let rest = [
-            of_opacity.map(|p| &mut p.texture),
+            opacity.map(|p| &mut p.texture),
             self.emission_picture.as_mut(),
             self.relief.as_mut().map(|r| &mut r.texture),
             self.lightmap.as_mut().map(|l| &mut l.texture),

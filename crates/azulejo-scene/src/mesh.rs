@@ -214,7 +214,7 @@ impl Mesh {
         if self.smoothing.iter().all(|&group| group == 0) {
             return None;
         }
-        let mut found = Attribute {
+        let mut normals = Attribute {
             values: Vec::new(),
             corners: Some(Vec::with_capacity(self.faces.corners.len())),
         };
@@ -226,23 +226,23 @@ impl Mesh {
             for (k, &vertex) in corners.iter().enumerate() {
                 let next = positions[(k + 1) % count] - positions[k];
                 let last = positions[(k + count - 1) % count] - positions[k];
-                let new = found.values.len() as u32;
+                let new = normals.values.len() as u32;
                 let index = match group {
                     0 => new,
                     _ => *known.entry((vertex, group)).or_insert(new),
                 };
                 if index == new {
-                    found.values.push(DVec3::ZERO);
+                    normals.values.push(DVec3::ZERO);
                 }
                 let angle = next.cross(last).length().atan2(next.dot(last));
-                found.values[index as usize] += angle * normal;
-                found.corners.get_or_insert_default().push(index);
+                normals.values[index as usize] += angle * normal;
+                normals.corners.get_or_insert_default().push(index);
             }
         }
-        for value in &mut found.values {
+        for value in &mut normals.values {
             *value = value.normalize_or(DVec3::Z);
         }
-        Some(found)
+        Some(normals)
     }
 
     /// The smallest box around the vertices that faces use.

@@ -502,8 +502,8 @@ fn is_similarity(axes: DMat3) -> bool {
     let size = x.length_squared();
     let unequal = [y.length_squared() - size, z.length_squared() - size];
     let skewed = [x.dot(y), y.dot(z), z.dot(x)];
-    let mut all = unequal.iter().chain(&skewed);
-    all.all(|rest| rest.abs() <= 1e-12 * size)
+    let mut rests = unequal.iter().chain(&skewed);
+    rests.all(|rest| rest.abs() <= 1e-12 * size)
 }
 
 #[cfg(test)]

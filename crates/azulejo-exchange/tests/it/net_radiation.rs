@@ -134,18 +134,18 @@ impl NetRadiation {
     pub fn balance(&self, conditions: &[RowCondition]) -> KnownBalance {
         let n = self.areas.len();
         let ends = |j: usize| 1.0 - self.paint.mirror[j];
-        let of_emission = |i: usize, j: usize| unit(i, j) - ends(j) * self.factors[i][j];
-        let of_flux = |i: usize, j: usize| {
+        let emission_factor = |i: usize, j: usize| unit(i, j) - ends(j) * self.factors[i][j];
+        let flux_factor = |i: usize, j: usize| {
             (unit(i, j) - self.diffuse(j) * self.factors[i][j]) / self.paint.emissivity[j]
         };
         // Unknown fluxes and emissions on the left, known ones on the right.
         let left = |i: usize, j: usize| match conditions[j] {
-            RowCondition::Temperature(_) => -of_flux(i, j),
-            RowCondition::Flux(_) => of_emission(i, j),
+            RowCondition::Temperature(_) => -flux_factor(i, j),
+            RowCondition::Flux(_) => emission_factor(i, j),
         };
         let known = |i: usize, j: usize| match conditions[j] {
-            RowCondition::Temperature(t) => -of_emission(i, j) * SIGMA * t.powi(4),
-            RowCondition::Flux(q) => of_flux(i, j) * q,
+            RowCondition::Temperature(t) => -emission_factor(i, j) * SIGMA * t.powi(4),
+            RowCondition::Flux(q) => flux_factor(i, j) * q,
         };
         let right = (0..n).map(|i| (0..n).map(|j| known(i, j)).sum()).collect();
         let solution = eliminate(matrix(n, left), right);

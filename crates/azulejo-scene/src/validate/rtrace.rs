@@ -179,8 +179,8 @@ mod tests {
     #[test]
     fn what_is_drawn_may_be_relied_on() {
         let check = |change: fn(&mut Rtrace), expected: Option<&str>| {
-            let found = scene(change).validate().err().map(|e| e.place);
-            assert_eq!(found.as_deref(), expected);
+            let place = scene(change).validate().err().map(|e| e.place);
+            assert_eq!(place.as_deref(), expected);
         };
         check(|_| {}, None);
         check(|r| r.up = DVec3::Z, Some("rtrace: view"));

@@ -334,8 +334,8 @@ proptest! {
         let polygons = corners.chunks_exact(sides).map(|c| c.iter().map(point).collect());
         let enclosure = rows(polygons.collect());
         for whole_faces in [false, true] {
-            let wanted = ClusterOptions { whole_faces, ..options(count, 180.0) };
-            let groups = enclosure.clusters(&wanted).unwrap();
+            let cluster_options = ClusterOptions { whole_faces, ..options(count, 180.0) };
+            let groups = enclosure.clusters(&cluster_options).unwrap();
             prop_assert!(groups.names.len() <= enclosure.len());
         }
     }
