@@ -115,7 +115,7 @@ impl WrittenFormat {
 
     /// Whether a model is one file, which may be compressed.
     fn is_alone(&self) -> bool {
-        matches!(self.writer, ModelWriter::One(_) | ModelWriter::Pictured(_))
+        matches!(self.writer, One(_) | Pictured(_))
     }
 
     /// What of a scene the format cannot represent, as text; empty if nothing is lost.
