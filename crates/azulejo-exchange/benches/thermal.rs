@@ -87,15 +87,15 @@ fn urban(facets: usize, rays: u32) {
             seed,
             ..faces(Engine::Rays)
         };
-        let found = measured("form factors of an array of cubes", || {
+        let factors = measured("form factors of an array of cubes", || {
             enclosure(&scene, &options)
         });
         println!(
             "{} facets, {} pairs",
-            found.len(),
-            found.factors.exchange.pairs()
+            factors.len(),
+            factors.factors.exchange.pairs()
         );
-        found.factors.rest
+        factors.factors.rest
     });
     let rms = |of: &mut dyn Iterator<Item = f64>| {
         let squares: Vec<f64> = of.map(|x| x * x).collect();
@@ -125,17 +125,17 @@ impl Write for ByteCount {
 }
 
 fn stored(facets: usize) {
-    let found = measured("form factors of a room", || {
+    let factors = measured("form factors of a room", || {
         enclosure(&room_with_table(facets), &faces(Engine::Rays))
     });
     let mut count = ByteCount(0);
     measured("npz", || {
-        archive::write(&found, ArchivePrecision::Auto, &mut count).expect("memory");
+        archive::write(&factors, ArchivePrecision::Auto, &mut count).expect("memory");
     });
-    let entries = found.factors.exchange.entries();
+    let entries = factors.factors.exchange.entries();
     println!(
         "{} facets, {entries} entries, {:.3} GB, {:.2} bytes per entry",
-        found.len(),
+        factors.len(),
         count.0 as f64 * 1e-9,
         count.0 as f64 / entries as f64
     );
@@ -149,18 +149,18 @@ fn emissivities(rows: usize, phase: usize) -> Vec<f64> {
 }
 
 fn temperatures(facets: usize) {
-    let found = measured("form factors of a room", || {
+    let factors = measured("form factors of a room", || {
         enclosure(&room_with_table(facets), &faces(Engine::Rays))
     });
-    let n = found.len();
+    let n = factors.len();
     let condition = |i: usize| match i % 2 {
         0 => RowCondition::Temperature(300.0 + (i % 700) as f64),
         _ => RowCondition::Flux(0.0),
     };
     let conditions: Vec<RowCondition> = (0..n).map(condition).collect();
-    let nodes = found.groups(GroupBy::Object);
+    let nodes = factors.groups(GroupBy::Object);
     let band = |range, phase| SurfaceBand {
-        enclosure: &found,
+        enclosure: &factors,
         range,
         emissivity: emissivities(n, phase),
     };
@@ -187,17 +187,17 @@ fn temperatures(facets: usize) {
 const NODES: usize = 20;
 
 fn conductances(facets: usize) {
-    let found = measured("form factors of a room", || {
+    let factors = measured("form factors of a room", || {
         enclosure(&room_with_table(facets), &faces(Engine::Rays))
     });
-    let n = found.len();
+    let n = factors.len();
     let nodes = Groups {
         of_rows: (0..n).map(|i| Some((i * NODES / n) as u32)).collect(),
         names: (0..NODES).map(|node| format!("node {node}")).collect(),
     };
     for phase in [0, 3] {
         let band = SurfaceBand {
-            enclosure: &found,
+            enclosure: &factors,
             range: SpectralRange::Thermal,
             emissivity: emissivities(n, phase),
         };

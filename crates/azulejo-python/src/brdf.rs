@@ -1,7 +1,7 @@
 //! Reflection models, as `azulejo brdf eval` evaluates them.
 
 use crate::arrays::{triples, vectors};
-use crate::error::{cancelled, of_reading, refused};
+use crate::error::{cancelled, reading_error, refused};
 use crate::work::{self, WorkOptions};
 use azulejo::models::read_bytes;
 use azulejo::spelling::unknown;
@@ -46,7 +46,7 @@ fn is_file(name: &str) -> bool {
 }
 
 fn read_file(path: &Path) -> PyResult<Description> {
-    let bytes = read_bytes(path).map_err(of_reading)?;
+    let bytes = read_bytes(path).map_err(reading_error)?;
     let name = path.to_string_lossy();
     let read = azulejo_formats::brdf::read(&bytes, &name, &Folder::of_model(path));
     let LoadedBrdf { content, .. } = read.map_err(refused)?;

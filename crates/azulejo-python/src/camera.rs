@@ -62,10 +62,10 @@ impl CameraArgs {
         let Some(name) = &self.camera else {
             return Ok(cameras.first().cloned());
         };
-        let found = cameras.iter().find(|c| c.name == *name);
+        let camera = cameras.iter().find(|c| c.name == *name);
         let names: Vec<&str> = cameras.iter().map(|c| c.name.as_str()).collect();
         let unknown = || refused(azulejo::spelling::unknown("camera", name, &names));
-        found.cloned().map(Some).ok_or_else(unknown)
+        camera.cloned().map(Some).ok_or_else(unknown)
     }
 
     /// A view of all of the scene; where no part of it is given, from within if that shows more.

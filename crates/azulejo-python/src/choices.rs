@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 
 /// One of several values by its name.
 fn choice<T: Clone>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
-    let found = known.iter().find(|(n, _)| *n == name);
-    found.map(|(_, value)| value.clone()).ok_or_else(|| {
+    let choice = known.iter().find(|(n, _)| *n == name);
+    choice.map(|(_, value)| value.clone()).ok_or_else(|| {
         let names: Vec<&str> = known.iter().map(|(n, _)| *n).collect();
         refused(unknown(what, name, &names))
     })

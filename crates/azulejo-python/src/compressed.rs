@@ -1,6 +1,6 @@
 //! Matrices in blocks between clusters, which products know and single entries do not.
 
-use crate::error::{of_factors, of_file_error, of_output, refused};
+use crate::error::{factors_error, file_error, output_error, refused};
 use crate::form_factors::{NativeFormFactors, OptionArgs};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
@@ -41,11 +41,11 @@ pub fn compute_compressed_factors(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(NativeCompressedFactors, Vec<String>)> {
     let (shared, periods, options) = (scene.shared(), options.periods()?, options.options()?);
-    let (found, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let (archive, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
         compute(&shared.scene, &tracer, compress, &options, p)
     })?;
-    let archive = Arc::new(found);
+    let archive = Arc::new(archive);
     Ok((NativeCompressedFactors { archive }, flaws))
 }
 
@@ -57,21 +57,21 @@ fn compute(
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> PyResult<(BlockArchive, Vec<String>)> {
-    let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
+    let plan = Plan::new(scene, tracer, options).map_err(factors_error)?;
     let prepared = plan.prepare();
     let compression = CompressionOptions {
         tolerance,
         keep_sums: true,
     };
-    let found = StatedFactors::of(&prepared, &compression, progress);
-    let found = found.map_err(|e| match e {
-        CompressionError::Factors(e) => of_factors(e),
+    let stated = StatedFactors::of(&prepared, &compression, progress);
+    let stated = stated.map_err(|e| match e {
+        CompressionError::Factors(e) => factors_error(e),
         other => refused(other),
     })?;
-    let mut archive = BlockArchive::of(&prepared, scene, found, tolerance);
+    let mut archive = BlockArchive::of(&prepared, scene, stated, tolerance);
     let factors = &archive.enclosure.factors;
     let outside = OutsideLight::of_rows(&prepared, scene, factors, progress);
-    archive.enclosure.outside = outside.map_err(of_factors)?;
+    archive.enclosure.outside = outside.map_err(factors_error)?;
     Ok((archive, plan.flaws()))
 }
 
@@ -87,7 +87,7 @@ pub fn load_compressed_factors(
             let message = format!("{} is a folder, expected an .npz", path.display());
             return Err(PyIsADirectoryError::new_err(message));
         }
-        let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
+        let file = File::open(&path).map_err(|e| file_error(e, &path))?;
         let budget = memory.or_else(azulejo::machine::memory);
         let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
         let failed = |e: &dyn std::fmt::Display| refused(format_args!("{}: {e}", path.display()));
@@ -133,7 +133,7 @@ impl NativeCompressedFactors {
         // Row by row, as operators want them.
         let x: Vec<f64> = x.iter().copied().collect();
         let archive = self.archive.clone();
-        let found = work::run(py, &WorkOptions::new(None, None), move |_| {
+        let product = work::run(py, &WorkOptions::new(None, None), move |_| {
             if lanes == 0 {
                 return Ok(Vec::new());
             }
@@ -150,8 +150,8 @@ impl NativeCompressedFactors {
                 over(factors.exchanged_lanes(&x, lanes))
             })
         })?;
-        let found = Array2::from_shape_vec((n, lanes), found);
-        Ok(found.map_err(refused)?.into_pyarray(py))
+        let product = Array2::from_shape_vec((n, lanes), product);
+        Ok(product.map_err(refused)?.into_pyarray(py))
     }
 
     /// X x and its standard errors by the noise of rays.
@@ -164,10 +164,10 @@ impl NativeCompressedFactors {
             )));
         }
         let archive = self.archive.clone();
-        let (found, errors) = work::run(py, &WorkOptions::new(None, None), move |_| {
+        let (product, errors) = work::run(py, &WorkOptions::new(None, None), move |_| {
             Ok(archive.factors.apply_with_errors(&x))
         })?;
-        Ok((found.into_pyarray(py), errors.into_pyarray(py)))
+        Ok((product.into_pyarray(py), errors.into_pyarray(py)))
     }
 
     /// Tolerance, error of products and of row sums, each with its standard error.
@@ -205,11 +205,11 @@ impl NativeCompressedFactors {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let archive = self.archive.clone();
         work::run(py, &WorkOptions::new(None, None), move |p| {
-            let output = Output::check(&path).map_err(of_output)?;
-            let mut draft = output.draft().map_err(of_output)?;
+            let output = Output::check(&path).map_err(output_error)?;
+            let mut draft = output.draft().map_err(output_error)?;
             let written = archive::write_blocks(&archive, &mut draft);
-            written.map_err(|e| of_output(output.error(e)))?;
-            commit(vec![draft], p).map_err(of_output)
+            written.map_err(|e| output_error(output.error(e)))?;
+            commit(vec![draft], p).map_err(output_error)
         })
     }
 }

@@ -30,7 +30,7 @@ pub fn cancelled(_: Cancelled) -> PyErr {
 }
 
 /// Why there are no form factors.
-pub fn of_factors(error: FactorsError) -> PyErr {
+pub fn factors_error(error: FactorsError) -> PyErr {
     match error {
         FactorsError::TooLarge { .. } => PyMemoryError::new_err(error.to_string()),
         other => refused(other),
@@ -38,48 +38,48 @@ pub fn of_factors(error: FactorsError) -> PyErr {
 }
 
 /// Why there is no light.
-pub fn of_light(error: SolveError) -> PyErr {
+pub fn light_error(error: SolveError) -> PyErr {
     match error {
-        SolveError::Factors(error) => of_factors(error),
+        SolveError::Factors(error) => factors_error(error),
         other => refused(other),
     }
 }
 
 /// Why a model could not be read.
-pub fn of_reading(failure: ReadFailure) -> PyErr {
+pub fn reading_error(failure: ReadFailure) -> PyErr {
     match failure {
-        ReadFailure::File(refused) => of_file(&refused),
+        ReadFailure::File(refused) => refused_error(&refused),
         ReadFailure::Directory(_) => PyIsADirectoryError::new_err(failure.to_string()),
         other => refused(other),
     }
 }
 
 /// Why nothing was written.
-pub fn of_output(error: OutputError) -> PyErr {
+pub fn output_error(error: OutputError) -> PyErr {
     match error {
-        OutputError::File(refused) => of_file_error(refused.error, &refused.path),
+        OutputError::File(refused) => file_error(refused.error, &refused.path),
         other => refused(other),
     }
 }
 
-fn of_file(refused: &Refused) -> PyErr {
+fn refused_error(refused: &Refused) -> PyErr {
     let Refused { error, path, .. } = refused;
     match error.raw_os_error() {
-        Some(number) => of_number(number, error, path),
+        Some(number) => numbered_error(number, error, path),
         None => PyOSError::new_err(refused.to_string()),
     }
 }
 
 /// An error of the file system.
-pub fn of_file_error(error: io::Error, path: &Path) -> PyErr {
+pub fn file_error(error: io::Error, path: &Path) -> PyErr {
     match error.raw_os_error() {
-        Some(number) => of_number(number, &error, path),
+        Some(number) => numbered_error(number, &error, path),
         None => PyOSError::new_err(format!("{}: {error}", path.display())),
     }
 }
 
 /// Python chooses the class by the number: `FileNotFoundError`, `PermissionError`.
-fn of_number(number: i32, error: &io::Error, path: &Path) -> PyErr {
+fn numbered_error(number: i32, error: &io::Error, path: &Path) -> PyErr {
     let path = path.to_string_lossy().into_owned();
     PyOSError::new_err((number, reason(error), path))
 }

@@ -5,7 +5,7 @@ mod forecast;
 
 use crate::arrays::triples;
 use crate::choices;
-use crate::error::{of_output, refused};
+use crate::error::{output_error, refused};
 use crate::form_factors::NativeFormFactors;
 use crate::materials::NativeMaterials;
 use crate::work::{self, WorkOptions};
@@ -137,7 +137,7 @@ fn ranges(table: &MaterialTable) -> Vec<SpectralRange> {
     table.bands.iter().map(|band| band.range).collect()
 }
 
-/// The matrices as a model wants them, with what they lose given to the sky if that is asked for, or else
+/// The matrices as a model wants them, with what they lose given to the sky if that is requested, or else
 /// sentences about it.
 fn owned(matrices: &[Arc<Enclosure>], to_sky: bool) -> (Vec<(String, Enclosure)>, Vec<String>) {
     let mut notes = Vec::new();
@@ -194,7 +194,7 @@ impl NativeThermalSolution {
 
     /// What is known of the nodes of a band's network, by name.
     fn network<'py>(&self, py: Python<'py>, band: usize) -> PyResult<Bound<'py, PyDict>> {
-        let network = self.of_band(band)?;
+        let network = self.network(band)?;
         let arrays = PyDict::new(py);
         arrays.set_item("names", network.names.clone())?;
         arrays.set_item("areas", network.areas.clone().into_pyarray(py))?;
@@ -211,7 +211,7 @@ impl NativeThermalSolution {
         band: usize,
         name: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let network = self.of_band(band)?;
+        let network = self.network(band)?;
         let of: fn(&ExchangeFactors, usize, usize) -> f64 = match name {
             "GR" => |x, a, b| x.conductance(a, b).0,
             "GR_error" => |x, a, b| x.conductance(a, b).1,
@@ -222,8 +222,8 @@ impl NativeThermalSolution {
             _ => return Err(refused(format_args!("there is no matrix \"{name}\""))),
         };
         let n = network.len();
-        let all: Vec<f64> = (0..n * n).map(|k| of(network, k / n, k % n)).collect();
-        let array = Array2::from_shape_vec((n, n), all).map_err(refused)?;
+        let values = (0..n * n).map(|k| of(network, k / n, k % n)).collect();
+        let array = Array2::from_shape_vec((n, n), values).map_err(refused)?;
         Ok(array.into_pyarray(py))
     }
 
@@ -320,7 +320,7 @@ impl NativeThermalSolution {
         let format = self.format(&path, options.part)?;
         let solution = self.solution.clone();
         work::run(py, &WorkOptions::new(None, None), move |p| {
-            let output = Output::check(&path).map_err(of_output)?;
+            let output = Output::check(&path).map_err(output_error)?;
             let mut problem = None;
             let written = output.write(p, |out| {
                 solution.write(format, &options, out).inspect_err(|e| {
@@ -332,17 +332,17 @@ impl NativeThermalSolution {
                 Some(words) if written.is_err() => {
                     Err(refused(format_args!("{}: {words}", path.display())))
                 }
-                _ => written.map(|_| ()).map_err(of_output),
+                _ => written.map(|_| ()).map_err(output_error),
             }
         })
     }
 }
 
 impl NativeThermalSolution {
-    fn of_band(&self, band: usize) -> PyResult<&ExchangeFactors> {
+    fn network(&self, band: usize) -> PyResult<&ExchangeFactors> {
         let network = self.solution.networks.get(band);
-        let network = network.map(|(_, network)| network);
-        network.ok_or_else(|| refused("there is no such band"))
+        let (_, network) = network.ok_or_else(|| refused("there is no such band"))?;
+        Ok(network)
     }
 
     fn format(&self, path: &Path, part: SolutionPart) -> PyResult<SolutionFormat> {

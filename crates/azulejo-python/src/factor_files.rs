@@ -1,6 +1,6 @@
 //! Matrices to files and back, and those of other programs.
 
-use crate::error::{of_file_error, of_output, refused};
+use crate::error::{file_error, output_error, refused};
 use crate::form_factors::NativeFormFactors;
 use crate::work::{self, WorkOptions};
 use azulejo::output::{Output, commit};
@@ -93,11 +93,11 @@ impl FileArgs {
             })
         };
         let version = self.version.as_ref().map(known).transpose()?;
-        let of_environment = || {
+        let environment_version = || {
             let word = std::env::var("WM_PROJECT_VERSION").ok()?;
             OpenFoamVersion::from_word(&word)
         };
-        OpenFoamCase::open(path, version.or_else(of_environment)).map_err(refused)
+        OpenFoamCase::open(path, version.or_else(environment_version)).map_err(refused)
     }
 
     fn target(&self, path: &Path) -> PyResult<Target> {
@@ -120,7 +120,7 @@ impl FileArgs {
             _ => path.to_owned(),
         };
         Ok(Target {
-            output: Output::check(&file).map_err(of_output)?,
+            output: Output::check(&file).map_err(output_error)?,
             format,
             options,
             folder,
@@ -141,16 +141,16 @@ impl Target {
         for file in &files {
             let own = match file.name.as_str() {
                 "" => None,
-                name => Some(Output::check(&self.folder.join(name)).map_err(of_output)?),
+                name => Some(Output::check(&self.folder.join(name)).map_err(output_error)?),
             };
             let output = own.as_ref().unwrap_or(&self.output);
-            let mut draft = output.draft().map_err(of_output)?;
+            let mut draft = output.draft().map_err(output_error)?;
             let written = file.write(&mut draft);
-            written.map_err(|e| of_output(output.error(e)))?;
+            written.map_err(|e| output_error(output.error(e)))?;
             drafts.push(draft);
             names.push(output.path().display().to_string());
         }
-        commit(drafts, progress).map_err(of_output)?;
+        commit(drafts, progress).map_err(output_error)?;
         Ok((names, notes))
     }
 }
@@ -184,7 +184,7 @@ pub fn load_form_factors(
             let message = format!("{} is a folder, expected an .npz", path.display());
             return Err(PyIsADirectoryError::new_err(message));
         }
-        let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
+        let file = File::open(&path).map_err(|e| file_error(e, &path))?;
         let budget = memory.or_else(azulejo::machine::memory);
         let read = archive::open(BufReader::new(file), budget.unwrap_or(u64::MAX));
         match read.map_err(|e| refused(format_args!("{}: {e}", path.display())))? {

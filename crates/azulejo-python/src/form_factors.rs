@@ -5,7 +5,7 @@ mod options;
 
 use crate::arrays::triples;
 use crate::choices;
-use crate::error::{cancelled, of_factors, refused};
+use crate::error::{cancelled, factors_error, refused};
 use crate::geometry::{self, GeometryArrays};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
@@ -40,11 +40,11 @@ pub fn compute_form_factors(
     let by = choices::group_by(by)?;
     let (periods, options) = (options.periods()?, options.options_for(by)?);
     let shared = scene.shared();
-    let (found, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let (enclosure, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
         compute(&shared.scene, &tracer, by, &options, p)
     })?;
-    Ok((NativeFormFactors::new(found), flaws))
+    Ok((NativeFormFactors::new(enclosure), flaws))
 }
 
 /// As the command, step by step, so that the bits are the same.
@@ -55,12 +55,12 @@ fn compute(
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> PyResult<(Enclosure, Vec<String>)> {
-    let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
+    let plan = Plan::new(scene, tracer, options).map_err(factors_error)?;
     let prepared = plan.prepare();
     let factors = prepared.compute(progress);
-    let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(of_factors)?);
+    let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(factors_error)?);
     let outside = OutsideLight::of_rows(&prepared, scene, &enclosure.factors, progress);
-    enclosure.outside = outside.map_err(of_factors)?;
+    enclosure.outside = outside.map_err(factors_error)?;
     let enclosure = match by {
         Some(by) => enclosure.grouped(&enclosure.groups(by)),
         None => enclosure,
@@ -296,8 +296,8 @@ impl NativeFormFactors {
     fn pieces<'py>(&self, py: Python<'py>) -> [Bound<'py, PyAny>; 4] {
         let factors = self.factors();
         let numbers = |of: &dyn Fn(usize) -> u32| {
-            let all: Vec<i32> = (0..factors.len()).map(|i| of(i) as i32).collect();
-            all.into_pyarray(py).into_any()
+            let numbers: Vec<i32> = (0..factors.len()).map(|i| of(i) as i32).collect();
+            numbers.into_pyarray(py).into_any()
         };
         [
             numbers(&|i| factors.faces[i].object),

@@ -2,7 +2,7 @@
 
 use crate::arrays::{points_with_normals, triples};
 use crate::choices;
-use crate::error::{of_light, refused};
+use crate::error::{light_error, refused};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
 use azulejo::machine;
@@ -115,8 +115,8 @@ pub fn probe_irradiance<'py>(
     let points = points_with_normals(&points, &normals)?;
     let (pass, shared) = (options.options()?, scene.shared());
     let probed = work::run(py, &options.work(threads, progress), move |p| {
-        let found = azulejo_radiosity::probe(&shared.scene, shared.tracer(), &points, &pass, p);
-        found.map_err(explained)
+        let probes = azulejo_radiosity::probe(&shared.scene, shared.tracer(), &points, &pass, p);
+        probes.map_err(explained)
     })?;
     options.check(&probed.report)?;
     let estimates = &probed.estimates;
@@ -132,30 +132,30 @@ fn explained(error: SolveError) -> PyErr {
         SolveError::NoLight => refused(
             "nothing in the scene emits light: give a Material an emission, or the Scene a sky",
         ),
-        other => of_light(other),
+        other => light_error(other),
     }
 }
 
 /// Statistics by name.
 fn described<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
     let rgb = |c: Rgb| c.to_array();
-    let found = PyDict::new(py);
+    let statistics = PyDict::new(py);
     let method = match report.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",
         Method::Paths => "paths",
     };
-    found.set_item("method", method)?;
-    found.set_item("engine", &report.engine_used.name)?;
-    found.set_item("patches", report.patches)?;
-    found.set_item("points", report.points)?;
-    found.set_item("rays_per_point", report.point_rays)?;
-    found.set_item("bounces", report.iterations)?;
-    found.set_item("error", report.error)?;
-    found.set_item("rays_needed", report.rays_needed)?;
-    found.set_item("emitted", rgb(report.balance.emitted))?;
-    found.set_item("absorbed", rgb(report.balance.absorbed))?;
-    found.set_item("escaped", rgb(report.balance.escaped))?;
-    found.set_item("energy_error", report.balance.error())?;
-    Ok(found)
+    statistics.set_item("method", method)?;
+    statistics.set_item("engine", &report.engine_used.name)?;
+    statistics.set_item("patches", report.patches)?;
+    statistics.set_item("points", report.points)?;
+    statistics.set_item("rays_per_point", report.point_rays)?;
+    statistics.set_item("bounces", report.iterations)?;
+    statistics.set_item("error", report.error)?;
+    statistics.set_item("rays_needed", report.rays_needed)?;
+    statistics.set_item("emitted", rgb(report.balance.emitted))?;
+    statistics.set_item("absorbed", rgb(report.balance.absorbed))?;
+    statistics.set_item("escaped", rgb(report.balance.escaped))?;
+    statistics.set_item("energy_error", report.balance.error())?;
+    Ok(statistics)
 }

@@ -1,6 +1,6 @@
 //! Tables of emissivities.
 
-use crate::error::{of_file_error, refused};
+use crate::error::{file_error, refused};
 use crate::scene::NativeScene;
 use azulejo_exchange::SpectralRange;
 use azulejo_exchange::thermal::tables::{MaterialTable, NumberRecord, TableError};
@@ -32,12 +32,12 @@ impl NativeMaterials {
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<NativeMaterials> {
         let place = format!("{}: ", path.display());
-        let bytes = fs::read(&path).map_err(|e| of_file_error(e, &path))?;
+        let bytes = fs::read(&path).map_err(|e| file_error(e, &path))?;
         let text = String::from_utf8(bytes);
         let text = text.map_err(|_| refused(format_args!("{place}not a text in UTF-8")))?;
-        let of_table = |e: TableError| refused(format_args!("{place}{e}"));
+        let table_error = |e: TableError| refused(format_args!("{place}{e}"));
         Ok(NativeMaterials {
-            table: Arc::new(MaterialTable::read(&text).map_err(of_table)?),
+            table: Arc::new(MaterialTable::read(&text).map_err(table_error)?),
             place,
         })
     }

@@ -41,18 +41,18 @@ pub fn render_image<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let shared = scene.shared();
-    let found = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let picture = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let (camera, size) = camera.choose(&shared)?;
         how.render(&shared, &camera, size, p)
     })?;
     let lost = |pixel: &[f32; 3]| !pixel.iter().all(|x| x.is_finite());
-    if found.pixels.iter().any(lost) {
+    if picture.pixels.iter().any(lost) {
         return Err(refused(
             "some pixels are not finite: lights too bright for numbers of 32 bits",
         ));
     }
-    let size = (found.width, found.height);
-    image(py, size, found.pixels.into_flattened())
+    let size = (picture.width, picture.height);
+    image(py, size, picture.pixels.into_flattened())
 }
 
 impl ImageArgs {
@@ -72,8 +72,8 @@ impl ImageArgs {
                 clamp: self.clamp,
                 ..ReferencePass::default()
             };
-            let found = azulejo_render::reference(scene, tracer, camera, &options, progress);
-            return Ok(found.map_err(cancelled)?.image);
+            let picture = azulejo_render::reference(scene, tracer, camera, &options, progress);
+            return Ok(picture.map_err(cancelled)?.image);
         }
         let options = SecondPass {
             size,

@@ -2,7 +2,7 @@
 
 use crate::arrays::{points_with_normals, vectors};
 use crate::choices;
-use crate::error::{cancelled, of_factors};
+use crate::error::{cancelled, factors_error};
 use crate::form_factors::OptionArgs;
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
@@ -52,13 +52,13 @@ pub fn compute_point_factors<'py>(
     let (periods, options) = (options.periods()?, options.options()?);
     let points = factor_points(&points, normals.as_ref())?;
     let shared = scene.shared();
-    let (found, groups) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let (factors, groups) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
         from_points(&shared.scene, &tracer, by, &options, &points, p)
     })?;
     let count = groups.names.len();
     let names = by.is_some().then_some(groups.names);
-    Ok((rows(py, &found), names, count, rests(py, &found)))
+    Ok((rows(py, &factors), names, count, rests(py, &factors)))
 }
 
 fn factor_points(
@@ -88,12 +88,12 @@ fn from_points(
     points: &[FactorPoint],
     progress: &Progress,
 ) -> PyResult<(Vec<PointFactors>, Groups)> {
-    let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
+    let plan = Plan::new(scene, tracer, options).map_err(factors_error)?;
     let prepared = plan.prepare();
     let groups = groups(&plan, &prepared, scene, by, options.two_sided);
     let columns = (&groups.of_rows[..], groups.names.len());
-    let found = prepared.factors_from_points(points, columns, progress);
-    Ok((found.map_err(cancelled)?, groups))
+    let factors = prepared.factors_from_points(points, columns, progress);
+    Ok((factors.map_err(cancelled)?, groups))
 }
 
 /// The groups of the columns, as those of the matrix of the same options.
@@ -124,13 +124,13 @@ fn groups(
     }
 }
 
-fn rows<'py>(py: Python<'py>, found: &[PointFactors]) -> PointRows<'py> {
-    let entries = || found.iter().flat_map(|p| &p.factors);
+fn rows<'py>(py: Python<'py>, points: &[PointFactors]) -> PointRows<'py> {
+    let entries = || points.iter().flat_map(|p| &p.factors);
     let values: Vec<f64> = entries().map(|(_, f)| f.value).collect();
     let errors: Vec<f64> = entries().map(|(_, f)| f.error).collect();
     let columns: Vec<i64> = entries().map(|(k, _)| i64::from(*k)).collect();
     let mut starts = vec![0];
-    for point in found {
+    for point in points {
         starts.push(starts[starts.len() - 1] + point.factors.len() as i64);
     }
     (
@@ -141,7 +141,7 @@ fn rows<'py>(py: Python<'py>, found: &[PointFactors]) -> PointRows<'py> {
     )
 }
 
-fn rests<'py>(py: Python<'py>, found: &[PointFactors]) -> Vec<Bound<'py, PyArray1<f64>>> {
+fn rests<'py>(py: Python<'py>, points: &[PointFactors]) -> Vec<Bound<'py, PyArray1<f64>>> {
     let shares: [fn(&RowRemainder) -> f64; 7] = [
         |r| r.sky,
         |r| r.sky_error,
@@ -152,8 +152,8 @@ fn rests<'py>(py: Python<'py>, found: &[PointFactors]) -> Vec<Bound<'py, PyArray
         |r| r.lost,
     ];
     let array = |share: fn(&RowRemainder) -> f64| {
-        let all: Vec<f64> = found.iter().map(|p| share(&p.rest)).collect();
-        all.into_pyarray(py)
+        let shares: Vec<f64> = points.iter().map(|p| share(&p.rest)).collect();
+        shares.into_pyarray(py)
     };
     shares.map(array).into()
 }

@@ -1,7 +1,7 @@
 //! Models from files, as the command reads them.
 
 use crate::choices;
-use crate::error::{of_reading, refused};
+use crate::error::{reading_error, refused};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
 use azulejo::models::{self, Reading};
@@ -11,9 +11,9 @@ use azulejo_trace::Progress;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Which units a scene is wanted in.
+/// Which units a scene is requested in.
 #[derive(Clone, Copy)]
-struct WantedUnits {
+struct RequestedUnits {
     unit: Option<f64>,
     up: Option<Up>,
 }
@@ -36,7 +36,7 @@ pub fn load_scene(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<NativeScene> {
-    let wanted = WantedUnits {
+    let requested = RequestedUnits {
         unit,
         up: up.map(choices::up).transpose()?,
     };
@@ -49,7 +49,7 @@ pub fn load_scene(
         home: None,
     };
     let (scene, warnings) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
-        read(&path, &how, wanted, keep_light, p)
+        read(&path, &how, requested, keep_light, p)
     })?;
     Ok(NativeScene::new(scene, warnings))
 }
@@ -85,15 +85,15 @@ impl LodChoice {
 fn read(
     path: &Path,
     how: &Reading,
-    wanted: WantedUnits,
+    requested: RequestedUnits,
     keep_light: bool,
     progress: &Progress,
 ) -> PyResult<(Scene, Vec<String>)> {
     let mut words = Vec::new();
     let model = if keep_light {
-        models::read(path, how, progress).map_err(of_reading)?
+        models::read(path, how, progress).map_err(reading_error)?
     } else {
-        let (model, notes) = models::read_unbaked(path, how, progress).map_err(of_reading)?;
+        let (model, notes) = models::read_unbaked(path, how, progress).map_err(reading_error)?;
         words.extend(notes);
         model
     };
@@ -103,10 +103,10 @@ fn read(
         words.push("the light of another program's lightmap is left out".to_owned());
     }
     let units = Units {
-        metres_per_unit: wanted.unit.or(scene.units.metres_per_unit),
-        up: wanted.up.unwrap_or(scene.units.up),
+        metres_per_unit: requested.unit.or(scene.units.metres_per_unit),
+        up: requested.up.unwrap_or(scene.units.up),
         ..scene.units
     };
-    // A unit or an axis that the caller asked for is no surprise to him.
+    // A unit or an axis that the caller requested is no surprise to him.
     Ok((scene.adapted(units), words))
 }

@@ -17,10 +17,10 @@ const COUNT: usize = 1000;
 const REPETITIONS: usize = 15;
 
 fn main() {
-    let wanted = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    let filter = std::env::args().skip(1).find(|word| !word.starts_with('-'));
     println!("{:>10} {:>10} {:>10}", "make µs", "eval ns", "sample ns");
     for text in MODELS.iter().flat_map(|m| m.examples) {
-        if wanted.as_ref().is_none_or(|w| text.contains(w.as_str())) {
+        if filter.as_ref().is_none_or(|w| text.contains(w.as_str())) {
             measure(text);
         }
     }

@@ -23,151 +23,7 @@
 mod shapes;
 mod surfaces;
 
-use glam::{DAffine3, DQuat, DVec2, DVec3};
-use std::sync::Arc;
-
-/// Receives the bytes of a content, part by part.
-pub type ContentSink<'s> = dyn FnMut(&[u8]) + 's;
-
-/// What has a content.
-pub trait ContentBytes {
-    /// Passes all bytes of the content to `sink`, in parts of any length.
-    fn feed(&self, sink: &mut ContentSink<'_>);
-}
-
-/// Feeds the fields of a structure in their order; does not compile if one is missing.
-macro_rules! content_of_fields {
-    ($type:ident { $($field:ident),+ $(,)? }) => {
-        impl ContentBytes for $type {
-            fn feed(&self, sink: &mut ContentSink<'_>) {
-                let $type { $($field),+ } = self;
-                $($field.feed(sink);)+
-            }
-        }
-    };
-}
-
-/// Feeds the number of a variant without fields.
-macro_rules! content_of_kinds {
-    ($type:ident { $($kind:ident = $number:literal),+ $(,)? }) => {
-        impl ContentBytes for $type {
-            fn feed(&self, sink: &mut ContentSink<'_>) {
-                let number: u8 = match self { $($type::$kind => $number),+ };
-                number.feed(sink);
-            }
-        }
-    };
-}
-
-pub(crate) use {content_of_fields, content_of_kinds};
-
-/// Feeds a number by its bytes.
-macro_rules! content_of_numbers {
-    ($($type:ident)+) => {
-        $(impl ContentBytes for $type {
-            fn feed(&self, sink: &mut ContentSink<'_>) {
-                sink(&self.to_le_bytes());
-            }
-        })+
-    };
-}
-
-content_of_numbers! { u8 u32 u64 f32 f64 }
-
-impl ContentBytes for bool {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        u8::from(*self).feed(sink);
-    }
-}
-
-impl ContentBytes for usize {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        (*self as u64).feed(sink);
-    }
-}
-
-impl ContentBytes for str {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.len().feed(sink);
-        sink(self.as_bytes());
-    }
-}
-
-impl ContentBytes for String {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.as_str().feed(sink);
-    }
-}
-
-impl<T: ContentBytes> ContentBytes for [T] {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.len().feed(sink);
-        self.iter().for_each(|item| item.feed(sink));
-    }
-}
-
-impl<T: ContentBytes, const N: usize> ContentBytes for [T; N] {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.iter().for_each(|item| item.feed(sink));
-    }
-}
-
-impl<T: ContentBytes> ContentBytes for Vec<T> {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.as_slice().feed(sink);
-    }
-}
-
-impl<T: ContentBytes> ContentBytes for Option<T> {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.is_some().feed(sink);
-        self.iter().for_each(|item| item.feed(sink));
-    }
-}
-
-impl<T: ContentBytes + ?Sized> ContentBytes for Box<T> {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        (**self).feed(sink);
-    }
-}
-
-/// Shared content counts like separate content.
-impl<T: ContentBytes + ?Sized> ContentBytes for Arc<T> {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        (**self).feed(sink);
-    }
-}
-
-impl<A: ContentBytes, B: ContentBytes> ContentBytes for (A, B) {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.0.feed(sink);
-        self.1.feed(sink);
-    }
-}
-
-impl ContentBytes for DVec2 {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.to_array().feed(sink);
-    }
-}
-
-impl ContentBytes for DVec3 {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.to_array().feed(sink);
-    }
-}
-
-impl ContentBytes for DQuat {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.to_array().feed(sink);
-    }
-}
-
-impl ContentBytes for DAffine3 {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        self.to_cols_array().feed(sink);
-    }
-}
+pub use crate::content_bytes::{ContentBytes, ContentSink};
 
 #[cfg(test)]
 mod tests {
@@ -175,6 +31,8 @@ mod tests {
     use crate::synthetic::{CornellVariant, cornell_box, cube_room};
     use crate::{Exact, Object, Primitive, Prism, Rgb, Scene, Shape, Solid};
     use crate::{Figure, brdf};
+    use glam::{DAffine3, DVec3};
+    use std::sync::Arc;
 
     fn bytes(content: &(impl ContentBytes + ?Sized)) -> Vec<u8> {
         let mut bytes = Vec::new();

@@ -1,6 +1,5 @@
 //! How exactly the coordinates of a mesh are known: by the digits that they were written with.
 
-use crate::{Mesh, Shape};
 use glam::{DAffine3, DVec3};
 
 /// The digits of a list of coordinates.
@@ -70,7 +69,7 @@ impl CoordinateRounding {
     }
 
     /// The rounding after a map of the positions, which then reach as far as `reach`.
-    fn mapped(self, map: &DAffine3, reach: f64) -> CoordinateRounding {
+    pub(crate) fn mapped(self, map: &DAffine3, reach: f64) -> CoordinateRounding {
         let m = map.matrix3;
         // At most the norm of the matrix, by rows.
         let rows = m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs();
@@ -88,7 +87,7 @@ fn has_decimals(x: f64, d: u8) -> bool {
 }
 
 /// The largest coordinate.
-fn reach(positions: &[DVec3]) -> f64 {
+pub(crate) fn reach(positions: &[DVec3]) -> f64 {
     let largest = |p: &DVec3| p.abs().max_element();
     positions.iter().map(largest).fold(0.0, f64::max)
 }
@@ -97,7 +96,7 @@ fn reach(positions: &[DVec3]) -> f64 {
 ///
 /// Two meshes with the same positions are equal however these came about.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct PositionHistory(Option<CoordinateRounding>);
+pub struct PositionHistory(pub(crate) Option<CoordinateRounding>);
 
 impl PositionHistory {
     /// No map yet: the positions tell.
@@ -110,42 +109,10 @@ impl PartialEq for PositionHistory {
     }
 }
 
-impl Mesh {
-    /// How exactly the positions are known: by the digits of the file that they come from, also after
-    /// [`transform`](Mesh::transform).
-    pub fn coordinate_rounding(&self) -> CoordinateRounding {
-        self.history
-            .0
-            .unwrap_or_else(|| CoordinateRounding::of(&self.positions))
-    }
-
-    /// Notes that positions which had this rounding were mapped.
-    pub(crate) fn note_map(&mut self, before: CoordinateRounding, map: &DAffine3) {
-        let mapped = before.mapped(map, reach(&self.positions));
-        self.history = PositionHistory(Some(mapped));
-    }
-}
-
-impl Shape {
-    /// How exactly world positions are known. Those of exact shapes are numbers of double precision.
-    pub fn coordinate_rounding(&self) -> CoordinateRounding {
-        match self {
-            Shape::Mesh(mesh) => mesh.coordinate_rounding(),
-            Shape::Instance(instance) => {
-                let bounds = instance.mesh.bounds();
-                let map = &instance.world_from_mesh;
-                let ends = [bounds.min, bounds.max].map(|p| map.transform_point3(p));
-                let reach = if bounds.is_empty() { 0.0 } else { reach(&ends) };
-                instance.mesh.coordinate_rounding().mapped(map, reach)
-            }
-            Shape::Primitive(_) | Shape::Exact(_) => CoordinateRounding::default(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Mesh;
     use glam::dvec3;
 
     #[track_caller]

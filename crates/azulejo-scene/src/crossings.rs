@@ -2,8 +2,8 @@
 
 use crate::math::{Frame, area_vector};
 use crate::proxy::FlatFigure;
-use crate::triangulate::{MOST_TOUCHING, signed_area, turns};
-use crate::{Attribute, Contour, Curve, Figure, FillRule, Mesh};
+use crate::triangulate::{MOST_TOUCHING, never_turns_right, turns};
+use crate::{Attribute, Figure, Mesh};
 use glam::{DVec2, DVec3};
 use std::ops::{Add, Mul};
 
@@ -123,13 +123,13 @@ impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> RebuiltAttribute<T> {
         usable: impl Fn(T) -> T,
     ) {
         let n = vertices.len();
-        let of_corner = |corners: &Option<[Vec<u32>; 2]>, k: usize| match corners {
+        let corner_index = |corners: &Option<[Vec<u32>; 2]>, k: usize| match corners {
             Some([old, _]) => old[first + k],
             None => vertices[k],
         };
         let mut indices = Vec::with_capacity(parts.points.len());
         for point in &parts.points {
-            let [a, b] = point.edge(n).map(|k| of_corner(&self.corners, k));
+            let [a, b] = point.edge(n).map(|k| corner_index(&self.corners, k));
             if point.share == 0.0 {
                 indices.push(a);
                 continue;
@@ -147,13 +147,8 @@ impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> RebuiltAttribute<T> {
             return;
         };
         if is_divided {
-            corners.extend(
-                parts
-                    .triangles
-                    .iter()
-                    .flatten()
-                    .map(|k| indices[*k as usize]),
-            );
+            let divided = parts.triangles.iter().flatten();
+            corners.extend(divided.map(|&k| indices[k as usize]));
         } else {
             corners.extend(indices);
         }
@@ -205,15 +200,14 @@ impl DividedFace {
             return None;
         }
         let frame = Frame::from_normal(front(polygon)?);
-        let local: Vec<DVec3> = polygon
-            .iter()
-            .map(|&p| frame.to_local(p - polygon[0]))
-            .collect();
+        let local = polygon.iter().map(|&p| frame.to_local(p - polygon[0]));
+        let local: Vec<DVec3> = local.collect();
         let flat: Vec<DVec2> = local.iter().map(|p| p.truncate()).collect();
-        if is_convex(&flat) || !crosses(&flat) {
+        let is_convex = never_turns_right(&flat) && turns(&flat) < 1.5;
+        if is_convex || !crosses(&flat) {
             return None;
         }
-        let figure = outline(&flat);
+        let figure = Figure::polygon(flat.iter().copied());
         let size = figure.bounds().size().max_element();
         if local.iter().any(|p| p.z.abs() > FLATNESS * size) {
             return None;
@@ -247,22 +241,6 @@ fn front(polygon: &[DVec3]) -> Option<DVec3> {
     let is_clear = area.length() > 1e-6 * largest.length();
     let normal = if is_clear { area } else { largest }.try_normalize();
     normal.filter(|n| n.is_finite())
-}
-
-fn outline(flat: &[DVec2]) -> Figure {
-    let lines = flat.iter().map(|&start| Curve::Line { start });
-    Figure {
-        contours: vec![Contour {
-            curves: lines.collect(),
-        }],
-        rule: FillRule::EvenOdd,
-    }
-}
-
-fn is_convex(flat: &[DVec2]) -> bool {
-    let n = flat.len() as u32;
-    let left = |k: u32| signed_area(flat, [k, (k + 1) % n, (k + 2) % n]) >= 0.0;
-    (0..n).all(left) && turns(flat) < 1.5
 }
 
 /// Whether two edges cross between their ends. Edges are compared where their ranges of x overlap.

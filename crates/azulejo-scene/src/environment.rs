@@ -193,7 +193,7 @@ impl Environment {
         pixel: impl Fn(&Image, f64, f64) -> [f32; 3],
     ) -> Rgb {
         let local = self.to_local(direction);
-        let found = match self.source {
+        let radiance = match self.source {
             EnvironmentSource::Picture { projection, .. } => {
                 let image = image.filter(|i| i.width > 0 && i.height > 0);
                 image.map_or(Rgb::BLACK, |image| {
@@ -203,7 +203,7 @@ impl Environment {
             }
             EnvironmentSource::Sky(sky) => Rgb::grey(sky.radiance(local)),
         };
-        found * self.scale
+        radiance * self.scale
     }
 }
 
@@ -304,8 +304,8 @@ mod tests {
                         -zenith.sin() * azimuth.sin(),
                         zenith.cos(),
                     );
-                    let found = environment.radiance(d, Some(&image));
-                    assert_eq!(found.r, f64::from(8 * row + column));
+                    let radiance = environment.radiance(d, Some(&image));
+                    assert_eq!(radiance.r, f64::from(8 * row + column));
                 }
             }
         }
@@ -340,10 +340,10 @@ mod tests {
             let sky = Environment::sky(Sky::uniform(1.0), up, 0.4);
             assert!((sky.north(up) - 0.4).abs() < 1e-12);
             let turned = sky.with_north(up, 5.0);
-            let wanted = Environment::sky(Sky::uniform(1.0), up, 5.0);
+            let expected = Environment::sky(Sky::uniform(1.0), up, 5.0);
             let off = turned
                 .world_from_environment
-                .dot(wanted.world_from_environment);
+                .dot(expected.world_from_environment);
             assert!(off.abs() > 1.0 - 1e-12, "{up:?}");
         }
     }

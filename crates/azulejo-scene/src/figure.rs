@@ -395,7 +395,7 @@ pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
 
 /// [`crossings`], one for each monotonic piece whose ends differ in sign.
 fn crossings_by_pieces(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
-    let mut found = [None; 3];
+    let mut crossings = [None; 3];
     let mut count = 0;
     let (mut t0, mut f0) = (0.0, b[0]);
     let turns = turning_points(b).into_iter().flatten();
@@ -403,12 +403,12 @@ fn crossings_by_pieces(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
         let f1 = if t1 == 1.0 { b[3] } else { bernstein(b, t1) };
         let sense = i32::from(f1 >= 0.0) - i32::from(f0 >= 0.0);
         if sense != 0 {
-            found[count] = Some((root_between(b, (t0, f0), (t1, f1)), sense));
+            crossings[count] = Some((root_between(b, (t0, f0), (t1, f1)), sense));
             count += 1;
         }
         (t0, f0) = (t1, f1);
     }
-    found
+    crossings
 }
 
 /// The cubic with these Bernstein coefficients at `t`.

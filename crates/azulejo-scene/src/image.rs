@@ -1,5 +1,6 @@
-//! Images: linear RGB, `f32`, with an alpha channel where a file has one.
+//! Images: linear RGB, `f32`, with an alpha channel where a file has one; and textures.
 
+use crate::Rgb;
 use glam::DVec2;
 
 /// What a texture shows where coordinates leave 0..1, along one axis.
@@ -167,6 +168,42 @@ impl Image {
             (at(0, 1), (1.0 - fx) * fy),
             (at(1, 1), fx * fy),
         ])
+    }
+}
+
+/// An image that materials refer to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Texture {
+    /// File name as the model gives it, relative to the model.
+    pub path: String,
+    /// Its pixels, linear, if they could be loaded.
+    pub image: Option<Image>,
+    /// What it shows beyond its edges: in u, and in v.
+    pub wrap: [WrapMode; 2],
+}
+
+impl Texture {
+    /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
+    pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
+        Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
+    }
+
+    /// Whether all that it shows between two corners of texture coordinates is black; `None` if that are
+    /// more than `most` texels. One that could not be loaded is black.
+    pub fn is_black_between(&self, low: DVec2, high: DVec2, most: u64) -> Option<bool> {
+        let Some(image) = &self.image else {
+            return Some(true);
+        };
+        image.is_black_between([low, high], self.wrap, most)
+    }
+
+    /// The mean colour of its pixels; black if they could not be loaded.
+    pub fn mean(&self) -> Rgb {
+        let pixels = self.image.iter().flat_map(|image| &image.pixels);
+        let (sum, count) = pixels.fold((Rgb::BLACK, 0u32), |(sum, count), pixel| {
+            (sum + Rgb::from(pixel.map(f64::from)), count + 1)
+        });
+        sum / f64::from(count.max(1))
     }
 }
 

@@ -1,10 +1,10 @@
 //! Shared meshes: one shape in many places.
 
+use crate::coordinates::{CoordinateRounding, reach};
 use crate::math::{Aabb, normal_matrix};
-use crate::{BackIrradiance, Mesh, Object, ObjectIrradiance, Rgb, Scene, Shape};
+use crate::mesh::{BackIrradiance, Mesh, VertexLight};
+use crate::rgb::Rgb;
 use glam::{DAffine3, DMat3, DVec3};
-use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// A mesh that several objects may share, placed in the world by a map of its own.
@@ -20,17 +20,6 @@ pub struct MeshInstance {
     pub world_from_mesh: DAffine3,
     /// Irradiance on its vertices, once the scene is solved.
     pub light: Option<Box<VertexLight>>,
-}
-
-/// Irradiance on the vertices of one placed mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct VertexLight {
-    /// Irradiance of each vertex on the front side, W/m².
-    pub irradiance: Vec<Rgb>,
-    /// Standard error of each vertex's irradiance, or empty.
-    pub error: Vec<Rgb>,
-    /// Irradiance of the back, where it is known.
-    pub back: Option<Box<BackIrradiance>>,
 }
 
 impl MeshInstance {
@@ -67,30 +56,13 @@ impl MeshInstance {
         farthest.is_finite()
     }
 
-    /// Stores the irradiance that the first pass computed.
-    ///
-    /// # Panics
-    /// If it was computed for another mesh, or with faces turned over: others share them.
-    pub(crate) fn set_irradiance(&mut self, light: ObjectIrradiance) {
-        let ObjectIrradiance::Vertices {
-            irradiance,
-            error,
-            back,
-            turned,
-        } = light
-        else {
-            panic!("irradiance of another kind of shape")
-        };
-        let count = self.mesh.positions.len();
-        assert!(
-            irradiance.len() == count && turned.is_empty(),
-            "irradiance of another mesh"
-        );
-        self.light = Some(Box::new(VertexLight {
-            irradiance,
-            error,
-            back,
-        }));
+    /// How exactly the world positions are known.
+    pub(crate) fn coordinate_rounding(&self) -> CoordinateRounding {
+        let bounds = self.mesh.bounds();
+        let map = &self.world_from_mesh;
+        let ends = [bounds.min, bounds.max].map(|p| map.transform_point3(p));
+        let reach = if bounds.is_empty() { 0.0 } else { reach(&ends) };
+        self.mesh.coordinate_rounding().mapped(map, reach)
     }
 
     /// The same as a mesh of its own, in the world, with its irradiance.
@@ -100,13 +72,11 @@ impl MeshInstance {
 
     /// As [`to_mesh`](MeshInstance::to_mesh), without a copy where no other instance has the mesh; leaves
     /// an empty one.
-    fn take_mesh(&mut self) -> Mesh {
+    pub(crate) fn take_mesh(&mut self) -> Mesh {
         let mut mesh = Arc::unwrap_or_clone(std::mem::take(&mut self.mesh));
         mesh.transform(&self.world_from_mesh);
         if let Some(light) = self.light.take() {
-            mesh.irradiance = light.irradiance;
-            mesh.irradiance_error = light.error;
-            mesh.back = light.back;
+            mesh.set_light(*light);
         }
         mesh
     }
@@ -166,7 +136,7 @@ pub struct PlacedMesh<'a> {
     pub irradiance_error: &'a [Rgb],
     /// Irradiance of the back.
     pub back: Option<&'a BackIrradiance>,
-    world_from_mesh: Option<&'a DAffine3>,
+    pub(crate) world_from_mesh: Option<&'a DAffine3>,
 }
 
 impl<'a> PlacedMesh<'a> {
@@ -216,145 +186,5 @@ impl<'a> PlacedMesh<'a> {
         (0..self.mesh.faces.len())
             .map(|face| self.face_area_vector(face).length())
             .sum()
-    }
-}
-
-impl Shape {
-    /// The mesh in the world, of its own or shared; `None` for other shapes.
-    pub fn placed_mesh(&self) -> Option<PlacedMesh<'_>> {
-        match self {
-            Shape::Mesh(mesh) => Some(PlacedMesh {
-                mesh,
-                irradiance: &mesh.irradiance,
-                irradiance_error: &mesh.irradiance_error,
-                back: mesh.back.as_deref(),
-                world_from_mesh: None,
-            }),
-            Shape::Instance(instance) => {
-                let light = instance.light.as_deref();
-                Some(PlacedMesh {
-                    mesh: &instance.mesh,
-                    irradiance: light.map_or(&[], |l| &l.irradiance),
-                    irradiance_error: light.map_or(&[], |l| &l.error),
-                    back: light.and_then(|l| l.back.as_deref()),
-                    world_from_mesh: Some(&instance.world_from_mesh),
-                })
-            }
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        }
-    }
-
-    /// The mesh, of its own or shared, without its place: faces, materials, colours and texture
-    /// coordinates; `None` for other shapes.
-    pub fn mesh(&self) -> Option<&Mesh> {
-        match self {
-            Shape::Mesh(mesh) => Some(mesh),
-            Shape::Instance(instance) => Some(&instance.mesh),
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        }
-    }
-}
-
-impl Scene {
-    /// Whether any object is an instance of a shared mesh.
-    pub fn has_instances(&self) -> bool {
-        let is_instance = |o: &Object| matches!(o.shape, Shape::Instance(_));
-        self.objects.iter().any(is_instance)
-    }
-
-    /// The scene with a mesh of its own for every instance, for those who know no shared meshes; itself
-    /// if it has none.
-    pub fn unfolded(&self) -> Cow<'_, Scene> {
-        if !self.has_instances() {
-            return Cow::Borrowed(self);
-        }
-        let objects = self.objects.iter().map(|object| match &object.shape {
-            Shape::Instance(instance) => {
-                Object::new(object.name.clone(), Shape::Mesh(instance.to_mesh()))
-            }
-            _ => object.clone(),
-        });
-        let objects = objects.collect();
-        Cow::Owned(Scene {
-            objects,
-            ..self.without_objects()
-        })
-    }
-
-    /// Everything but the objects.
-    fn without_objects(&self) -> Scene {
-        Scene {
-            objects: Vec::new(),
-            materials: self.materials.clone(),
-            textures: self.textures.clone(),
-            lights: self.lights.clone(),
-            cameras: self.cameras.clone(),
-            background: self.background,
-            fog: self.fog,
-            units: self.units,
-            rtrace: self.rtrace.clone(),
-        }
-    }
-
-    /// Gives every instance a mesh of its own, in place.
-    pub fn unfold(&mut self) {
-        self.unfold_if(|_| true);
-    }
-
-    /// Gives some instances meshes of their own.
-    pub fn unfold_if(&mut self, is_meant: impl Fn(&Object) -> bool) {
-        for object in self.objects.iter_mut().filter(|o| is_meant(o)) {
-            if let Shape::Instance(instance) = &mut object.shape {
-                object.shape = Shape::Mesh(instance.take_mesh());
-            }
-        }
-    }
-
-    /// Gives a mesh of its own to every instance that shares its mesh with no other.
-    pub fn unfold_single_instances(&mut self) {
-        let mut uses: HashMap<*const Mesh, usize> = HashMap::new();
-        for object in &self.objects {
-            if let Shape::Instance(instance) = &object.shape {
-                *uses.entry(Arc::as_ptr(&instance.mesh)).or_default() += 1;
-            }
-        }
-        self.unfold_if(|object| match &object.shape {
-            Shape::Instance(instance) => uses[&Arc::as_ptr(&instance.mesh)] == 1,
-            _ => false,
-        });
-    }
-
-    /// Applies a change to every shared mesh once; instances that shared a mesh share the changed one.
-    pub fn change_shared_meshes(&mut self, mut change: impl FnMut(&mut Mesh)) {
-        let mut changed: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();
-        // The old meshes stay alive until all are changed, or a new one might get an old one's address.
-        let mut old = Vec::new();
-        for object in &mut self.objects {
-            let Shape::Instance(instance) = &mut object.shape else {
-                continue;
-            };
-            let new = changed
-                .entry(Arc::as_ptr(&instance.mesh))
-                .or_insert_with(|| {
-                    let mut mesh = Mesh::clone(&instance.mesh);
-                    change(&mut mesh);
-                    old.push(instance.mesh.clone());
-                    Arc::new(mesh)
-                });
-            instance.mesh = new.clone();
-        }
-    }
-
-    /// The distinct shared meshes, in the order of their first instances.
-    pub fn shared_meshes(&self) -> Vec<&Arc<Mesh>> {
-        let mut seen = HashSet::new();
-        let meshes = self
-            .objects
-            .iter()
-            .filter_map(|object| match &object.shape {
-                Shape::Instance(instance) => Some(&instance.mesh),
-                _ => None,
-            });
-        meshes.filter(|m| seen.insert(Arc::as_ptr(m))).collect()
     }
 }

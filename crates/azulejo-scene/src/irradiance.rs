@@ -1,22 +1,12 @@
 //! The result of the first pass, which the second pass reads: irradiance on vertices.
 
-use crate::{Mesh, Rgb, SurfaceLight};
+use crate::{BackIrradiance, Mesh, Rgb, SurfaceLight};
 
 /// Irradiance of a whole scene, one entry per object in the scene's order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Irradiance {
     /// One entry per object.
     pub objects: Vec<ObjectIrradiance>,
-}
-
-/// Irradiance on the backs of a mesh's faces, which is stored beside that of the fronts where both
-/// sides of a sheet are seen.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct BackIrradiance {
-    /// W/m², one per vertex; `None` where no face needs it.
-    pub irradiance: Vec<Option<Rgb>>,
-    /// Standard error, one per vertex, black where there is no irradiance; or empty.
-    pub error: Vec<Rgb>,
 }
 
 /// Irradiance of one object.
@@ -28,7 +18,7 @@ pub enum ObjectIrradiance {
         irradiance: Vec<Rgb>,
         /// Standard error, one per vertex or empty.
         error: Vec<Rgb>,
-        /// Irradiance of the back, if it was asked for.
+        /// Irradiance of the back, if it was requested.
         back: Option<Box<BackIrradiance>>,
         /// The faces, in ascending order, whose back is what the irradiance is for: they are to be
         /// [turned](Mesh::turn_faces).

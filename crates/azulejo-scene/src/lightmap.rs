@@ -4,27 +4,11 @@
 //! coordinates of their own for it. The second pass reads it where a mesh has no irradiance on its vertices; the
 //! first pass knows nothing of it.
 
-use crate::{Image, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId, WrapMode};
+use crate::{
+    Image, IrradiancePicture, Material, MaterialId, Mesh, Object, Scene, Shape, TextureId,
+};
 use glam::DVec2;
 use std::collections::HashSet;
-
-/// The irradiance of the surfaces of one material, as a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IrradiancePicture {
-    /// The picture.
-    pub texture: TextureId,
-    /// Irradiance of a texel of 1, W/m², >= 0.
-    pub scale: f64,
-}
-
-impl IrradiancePicture {
-    /// Irradiance at coordinates of the lightmap in its picture: bilinear, and beyond its edges as at them.
-    pub fn at(&self, image: &Image, uv: DVec2) -> Rgb {
-        let texel = image.sample_wrapped(uv, [WrapMode::Clamp; 2]);
-        // A filter of floats may end just below zero.
-        Rgb::from(texel.map(|t| f64::from(t).max(0.0))) * self.scale
-    }
-}
 
 impl Mesh {
     /// Coordinates of the lightmap at a corner, counted over all corners, if the mesh has them.
@@ -163,8 +147,8 @@ mod tests {
         assert!(scene.drop_lightmaps());
         assert!(!scene.has_lightmap() && !scene.is_solved());
         assert!(scene.textures.is_empty());
-        let all = scene.objects.iter().filter_map(|o| o.shape.mesh());
-        assert!(all.into_iter().all(|m| m.lightmap_uvs.is_none()));
+        let mut meshes = scene.objects.iter().filter_map(|o| o.shape.mesh());
+        assert!(meshes.all(|m| m.lightmap_uvs.is_none()));
         assert!(!scene.drop_lightmaps());
     }
 

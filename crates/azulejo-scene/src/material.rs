@@ -1,8 +1,9 @@
 //! Materials: what surfaces reflect, transmit and emit.
 
 use crate::brdf::Lobes;
-use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, FinishMaps, Image, IrradiancePicture, Opacity, Relief, Rgb, fresnel};
+use crate::{
+    Brdf, FinishMaps, IrradiancePicture, Opacity, Relief, Rgb, Texture, TextureId, fresnel,
+};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -96,42 +97,6 @@ impl Dielectric {
     pub fn straight_transmittance(&self, direction: DVec3, normal: DVec3) -> Rgb {
         let reflected = fresnel::pane(direction, normal, self.ior).reflectance;
         self.transmittance * (1.0 - reflected)
-    }
-}
-
-/// An image that materials refer to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Texture {
-    /// File name as the model gives it, relative to the model.
-    pub path: String,
-    /// Its pixels, linear, if they could be loaded.
-    pub image: Option<Image>,
-    /// What it shows beyond its edges: in u, and in v.
-    pub wrap: [WrapMode; 2],
-}
-
-impl Texture {
-    /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
-    pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
-        Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
-    }
-
-    /// Whether all that it shows between two corners of texture coordinates is black; `None` if that are
-    /// more than `most` texels. One that could not be loaded is black.
-    pub fn is_black_between(&self, low: DVec2, high: DVec2, most: u64) -> Option<bool> {
-        let Some(image) = &self.image else {
-            return Some(true);
-        };
-        image.is_black_between([low, high], self.wrap, most)
-    }
-
-    /// The mean colour of its pixels; black if they could not be loaded.
-    pub fn mean(&self) -> Rgb {
-        let pixels = self.image.iter().flat_map(|image| &image.pixels);
-        let (sum, count) = pixels.fold((Rgb::BLACK, 0u32), |(sum, count), pixel| {
-            (sum + Rgb::from(pixel.map(f64::from)), count + 1)
-        });
-        sum / f64::from(count.max(1))
     }
 }
 
@@ -322,10 +287,10 @@ impl Material {
     /// All pictures that it shows: of its colour, its opacity, its emission, its relief, its
     /// lightmap and its finish.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
-        let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
-        let of_relief = self.relief.map(|r| r.texture);
-        let of_light = self.lightmap.map(|l| l.texture);
-        let rest = [of_opacity, self.emission_picture, of_relief, of_light];
+        let opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
+        let relief = self.relief.map(|r| r.texture);
+        let light = self.lightmap.map(|l| l.texture);
+        let rest = [opacity, self.emission_picture, relief, light];
         let finish = self.finish.iter().flat_map(FinishMaps::pictures);
         (self.textures.iter().copied())
             .chain(rest.into_iter().flatten())
@@ -340,9 +305,9 @@ impl Material {
     /// Numbers its pictures anew.
     pub(crate) fn number_pictures(&mut self, number: impl Fn(TextureId) -> TextureId) {
         self.textures.iter_mut().for_each(|t| *t = number(*t));
-        let of_opacity = self.opacity.as_mut().and_then(|o| o.picture.as_mut());
+        let opacity = self.opacity.as_mut().and_then(|o| o.picture.as_mut());
         let rest = [
-            of_opacity.map(|p| &mut p.texture),
+            opacity.map(|p| &mut p.texture),
             self.emission_picture.as_mut(),
             self.relief.as_mut().map(|r| &mut r.texture),
             self.lightmap.as_mut().map(|l| &mut l.texture),
@@ -366,5 +331,35 @@ impl Material {
     /// Whether the front emits light.
     pub fn is_emitter(&self) -> bool {
         !self.emission.is_black()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(text: &str) -> Arc<Brdf> {
+        Arc::new(Brdf::new(text.parse().unwrap()).unwrap())
+    }
+
+    /// About what lobes leave (the model itself exceeds 1 by 3% toward grazing angles), where the mean of
+    /// all angles would make 1.1 near the normal.
+    #[test]
+    fn mirrors_beside_lobes_reflect_by_their_angle() {
+        let model = model("he_torrance sigma0 = 0.05 tau = 2 lambda = 0.55");
+        let material = Material::with_brdf("smooth", model);
+        let lobes = material.glossy().unwrap();
+        let mut mean = 0.0;
+        for k in 0..32 {
+            let cos = (f64::from(k) + 0.5) / 32.0;
+            let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let mirror = material.mirror_at(cos).r;
+            let whole = mirror + lobes.albedo(wo).r;
+            assert!(whole < 1.05, "cos {cos}: {mirror} of {whole}");
+            mean += mirror * 2.0 * cos / 32.0;
+        }
+        assert!((mean / material.mirror.r - 1.0).abs() < 0.01, "{mean}");
+        let chrome = Material::with_brdf("chrome", self::model("specular ks = 0.6"));
+        assert_eq!(chrome.mirror_at(0.3), chrome.mirror);
     }
 }

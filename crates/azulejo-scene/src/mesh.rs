@@ -1,8 +1,9 @@
 //! Polygon meshes.
 
+use crate::coordinates::reach;
 use crate::math::{Aabb, area_vector};
-use crate::{BackIrradiance, MaterialId, PositionHistory, Rgb};
-use glam::{DVec2, DVec3};
+use crate::{CoordinateRounding, MaterialId, PositionHistory, Rgb};
+use glam::{DAffine3, DVec2, DVec3};
 use std::collections::HashMap;
 
 /// Polygons over shared positions, placed in the world.
@@ -37,6 +38,27 @@ pub struct Mesh {
     /// How exactly the positions are known, where they were mapped:
     /// [`coordinate_rounding`](Mesh::coordinate_rounding) tells.
     pub history: PositionHistory,
+}
+
+/// Irradiance on the backs of a mesh's faces, which is stored beside that of the fronts where both
+/// sides of a sheet are seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BackIrradiance {
+    /// W/m², one per vertex; `None` where no face needs it.
+    pub irradiance: Vec<Option<Rgb>>,
+    /// Standard error, one per vertex, black where there is no irradiance; or empty.
+    pub error: Vec<Rgb>,
+}
+
+/// Irradiance on the vertices of one placed mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VertexLight {
+    /// Irradiance of each vertex on the front side, W/m².
+    pub irradiance: Vec<Rgb>,
+    /// Standard error of each vertex's irradiance, or empty.
+    pub error: Vec<Rgb>,
+    /// Irradiance of the back, where it is known.
+    pub back: Option<Box<BackIrradiance>>,
 }
 
 /// Values per vertex, or per corner of a face through an index.
@@ -131,6 +153,39 @@ impl Mesh {
         self.face_materials.push(material);
     }
 
+    /// Stores irradiance on the vertices as they are.
+    ///
+    /// # Panics
+    /// If `light` belongs to another mesh.
+    pub(crate) fn set_light(&mut self, light: VertexLight) {
+        let count = self.positions.len();
+        assert_eq!(light.irradiance.len(), count, "irradiance of another mesh");
+        self.irradiance = light.irradiance;
+        self.irradiance_error = light.error;
+        self.back = light.back;
+    }
+
+    /// The indices of the corners of faces and of their attributes: lists as long as the corners.
+    pub(crate) fn corner_indices(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
+        let normals = self.normals.iter_mut().flat_map(|a| &mut a.corners);
+        let uvs = [&mut self.uvs, &mut self.lightmap_uvs];
+        let uvs = uvs.into_iter().flatten().flat_map(|a| &mut a.corners);
+        normals.chain(uvs).chain([&mut self.faces.corners])
+    }
+
+    /// How exactly the positions are known: by the digits of the file that they come from, also after
+    /// [`transform`](Mesh::transform).
+    pub fn coordinate_rounding(&self) -> CoordinateRounding {
+        let noted = self.history.0;
+        noted.unwrap_or_else(|| CoordinateRounding::of(&self.positions))
+    }
+
+    /// Notes that positions which had this rounding were mapped.
+    pub(crate) fn note_map(&mut self, before: CoordinateRounding, map: &DAffine3) {
+        let mapped = before.mapped(map, reach(&self.positions));
+        self.history = PositionHistory(Some(mapped));
+    }
+
     /// World positions of the corners of a face.
     pub fn face_positions(&self, face: usize) -> Vec<DVec3> {
         self.faces
@@ -159,7 +214,7 @@ impl Mesh {
         if self.smoothing.iter().all(|&group| group == 0) {
             return None;
         }
-        let mut found = Attribute {
+        let mut normals = Attribute {
             values: Vec::new(),
             corners: Some(Vec::with_capacity(self.faces.corners.len())),
         };
@@ -171,23 +226,23 @@ impl Mesh {
             for (k, &vertex) in corners.iter().enumerate() {
                 let next = positions[(k + 1) % count] - positions[k];
                 let last = positions[(k + count - 1) % count] - positions[k];
-                let new = found.values.len() as u32;
+                let new = normals.values.len() as u32;
                 let index = match group {
                     0 => new,
                     _ => *known.entry((vertex, group)).or_insert(new),
                 };
                 if index == new {
-                    found.values.push(DVec3::ZERO);
+                    normals.values.push(DVec3::ZERO);
                 }
                 let angle = next.cross(last).length().atan2(next.dot(last));
-                found.values[index as usize] += angle * normal;
-                found.corners.get_or_insert_default().push(index);
+                normals.values[index as usize] += angle * normal;
+                normals.corners.get_or_insert_default().push(index);
             }
         }
-        for value in &mut found.values {
+        for value in &mut normals.values {
             *value = value.normalize_or(DVec3::Z);
         }
-        Some(found)
+        Some(normals)
     }
 
     /// The smallest box around the vertices that faces use.

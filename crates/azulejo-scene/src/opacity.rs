@@ -1,6 +1,7 @@
 //! Opacity: which share of the light that meets a surface the surface takes, and which passes.
 
-use crate::image::{Image, TextureId, WrapMode};
+use crate::surface_maps::stored_value;
+use crate::{Image, TextureId, WrapMode};
 use glam::DVec2;
 
 /// How much of a surface is there: leaves cut out of a card, fences, gauze.
@@ -91,15 +92,14 @@ impl OpacityMap {
             OpacityChannel::Alpha => image.alpha.clone()?,
             OpacityChannel::Luminance => image.pixels.iter().map(stored_luminance).collect(),
         };
-        let count = image.width as usize * image.height as usize;
-        (count > 0 && values.len() == count && values.iter().any(|&v| v < 1.0)).then_some(
-            OpacityMap {
-                width: image.width,
-                height: image.height,
-                wrap,
-                values,
-            },
-        )
+        let (width, height) = (image.width, image.height);
+        let is_whole = values.len() == width as usize * height as usize;
+        (is_whole && values.iter().any(|&v| v < 1.0)).then_some(OpacityMap {
+            width,
+            height,
+            wrap,
+            values,
+        })
     }
 
     /// Columns and rows.
@@ -112,13 +112,9 @@ impl OpacityMap {
         let value = |[x, y]: [u32; 2]| {
             f64::from(self.values[y as usize * self.width as usize + x as usize])
         };
-        let size = [self.width, self.height];
-        Image::bilinear(size, uv, self.wrap).map_or(0.0, |corners| {
-            corners
-                .iter()
-                .map(|&(at, weight)| f64::from(weight) * value(at))
-                .sum()
-        })
+        let corners = Image::bilinear(self.size(), uv, self.wrap);
+        let corners = corners.into_iter().flatten();
+        corners.fold(0.0, |sum, (at, weight)| sum + f64::from(weight) * value(at))
     }
 }
 
@@ -129,12 +125,7 @@ fn stored_luminance(&[r, g, b]: &[f32; 3]) -> f32 {
     } else {
         0.2126 * r + 0.7152 * g + 0.0722 * b
     };
-    let stored = if light <= 0.003_130_8 {
-        12.92 * light
-    } else {
-        1.055 * light.powf(1.0 / 2.4) - 0.055
-    };
-    stored.clamp(0.0, 1.0)
+    stored_value(light)
 }
 
 #[cfg(test)]

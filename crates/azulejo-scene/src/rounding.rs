@@ -37,9 +37,7 @@ impl Scene {
         self.each_mesh(|mesh| {
             round_all(&mut mesh.irradiance, digits);
             round_all(&mut mesh.irradiance_error, digits);
-            if let Some(back) = mesh.back.as_deref_mut() {
-                round_back(back, digits);
-            }
+            round_back(&mut mesh.back, digits);
         });
         for object in &mut self.objects {
             match &mut object.shape {
@@ -53,9 +51,7 @@ impl Scene {
                     if let Some(light) = instance.light.as_deref_mut() {
                         round_all(&mut light.irradiance, digits);
                         round_all(&mut light.error, digits);
-                        if let Some(back) = light.back.as_deref_mut() {
-                            round_back(back, digits);
-                        }
+                        round_back(&mut light.back, digits);
                     }
                 }
                 Shape::Mesh(_) | Shape::Exact(_) => {}
@@ -78,17 +74,17 @@ impl Scene {
     }
 }
 
-fn round_all(list: &mut [Rgb], digits: usize) {
-    for color in list {
+fn round_all<'c>(colors: impl IntoIterator<Item = &'c mut Rgb>, digits: usize) {
+    for color in colors {
         *color = color.map(|x| rounded_number(x, digits));
     }
 }
 
-fn round_back(back: &mut BackIrradiance, digits: usize) {
-    for color in back.irradiance.iter_mut().flatten() {
-        *color = color.map(|x| rounded_number(x, digits));
+fn round_back(back: &mut Option<Box<BackIrradiance>>, digits: usize) {
+    if let Some(back) = back {
+        round_all(back.irradiance.iter_mut().flatten(), digits);
+        round_all(&mut back.error, digits);
     }
-    round_all(&mut back.error, digits);
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
-//! The scene: objects, materials, lights, cameras, units.
+//! The scene: objects, materials, lights, cameras.
 
 use crate::math::Aabb;
 use crate::{
     Backplate, Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, Mesh,
-    ObjectIrradiance, Rgb, Rtrace, Shape, Texture, TextureId,
+    ObjectIrradiance, Rgb, Rtrace, Shape, Texture, TextureId, Units, VertexLight,
 };
-use glam::DVec3;
 
 /// A scene as plain data. [`Scene::validate`] documents and checks its invariants.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,7 +87,7 @@ impl From<Rgb> for SceneBackground {
 pub struct Fog {
     /// Radiance of the fog where it hides everything, W/(sr·m²).
     pub color: Rgb,
-    /// Distance from which on nothing is visible, scene units, > 0.
+    /// Distance at which nothing is visible any more, scene units, > 0.
     pub visibility: f64,
     /// Whether surfaces fade exponentially, as in real fog, and not linearly.
     pub exponential: bool,
@@ -118,45 +117,6 @@ pub struct Object {
     pub shape: Shape,
 }
 
-/// Units and axes of a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Units {
-    /// Length of one scene unit in metres, > 0; `None` if unknown. One metre is then
-    /// assumed.
-    pub metres_per_unit: Option<f64>,
-    /// The axis that points away from the ground.
-    pub up: Up,
-    /// Whether light is in cd/m² and lux instead of W/(sr·m²) and W/m². The computation is the same.
-    pub photometric: bool,
-}
-
-/// The axis that points away from the ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Up {
-    /// +y, as in most formats for rendering.
-    #[default]
-    Y,
-    /// +z, as in most formats for architecture and manufacturing.
-    Z,
-}
-
-impl Up {
-    /// The unit vector.
-    pub fn axis(self) -> DVec3 {
-        match self {
-            Up::Y => DVec3::Y,
-            Up::Z => DVec3::Z,
-        }
-    }
-}
-
-impl Units {
-    /// Length of one scene unit in metres; 1 if unknown.
-    pub fn metres(&self) -> f64 {
-        self.metres_per_unit.unwrap_or(1.0)
-    }
-}
-
 impl Object {
     /// A named shape.
     pub fn new(name: impl Into<String>, shape: Shape) -> Object {
@@ -168,12 +128,7 @@ impl Object {
 
     /// The smallest box around it.
     pub fn bounds(&self) -> Aabb {
-        match &self.shape {
-            Shape::Mesh(mesh) => mesh.bounds(),
-            Shape::Instance(instance) => instance.bounds(),
-            Shape::Primitive(primitive) => primitive.bounds(),
-            Shape::Exact(exact) => exact.bounds(),
-        }
+        self.shape.bounds()
     }
 }
 
@@ -305,23 +260,7 @@ impl Scene {
             "irradiance of another scene"
         );
         for (object, light) in self.objects.iter_mut().zip(irradiance.objects) {
-            match (&mut object.shape, light) {
-                (Shape::Mesh(mesh), ObjectIrradiance::Refined(refined)) => *mesh = *refined,
-                (Shape::Mesh(mesh), given @ ObjectIrradiance::Vertices { .. }) => {
-                    mesh.set_irradiance(given)
-                }
-                (Shape::Instance(instance), given @ ObjectIrradiance::Vertices { .. }) => {
-                    instance.set_irradiance(given);
-                }
-                (shape @ Shape::Instance(_), ObjectIrradiance::Refined(refined)) => {
-                    *shape = Shape::Mesh(*refined);
-                }
-                (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
-                (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => {
-                    exact.proxy = Some(proxy)
-                }
-                _ => panic!("irradiance of another kind of shape"),
-            }
+            store_irradiance(&mut object.shape, light);
         }
     }
 
@@ -365,5 +304,50 @@ impl Scene {
         let background = other.background.map(|b| b.with_texture(number));
         self.background = self.background.or(background);
         self.fog = self.fog.or(other.fog);
+    }
+}
+
+/// Stores the irradiance that the first pass computed in a shape; panics if it is another's.
+fn store_irradiance(shape: &mut Shape, light: ObjectIrradiance) {
+    match (shape, light) {
+        (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => exact.proxy = Some(proxy),
+        (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
+        (shape @ (Shape::Mesh(_) | Shape::Instance(_)), ObjectIrradiance::Refined(mesh)) => {
+            *shape = Shape::Mesh(*mesh);
+        }
+        (
+            shape,
+            ObjectIrradiance::Vertices {
+                irradiance,
+                error,
+                back,
+                turned,
+            },
+        ) => {
+            let light = VertexLight {
+                irradiance,
+                error,
+                back,
+            };
+            store_vertex_light(shape, light, &turned);
+        }
+        _ => panic!("irradiance of another kind of shape"),
+    }
+}
+
+/// Stores irradiance on the vertices of a mesh, and turns over the faces, in ascending order, whose back it is for.
+fn store_vertex_light(shape: &mut Shape, light: VertexLight, turned: &[u32]) {
+    match shape {
+        Shape::Mesh(mesh) => {
+            mesh.set_light(light);
+            mesh.turn_faces(|f| turned.binary_search(&(f as u32)).is_ok());
+        }
+        Shape::Instance(instance) => {
+            let fits = light.irradiance.len() == instance.mesh.positions.len();
+            // Other instances share its faces.
+            assert!(fits && turned.is_empty(), "irradiance of another mesh");
+            instance.light = Some(Box::new(light));
+        }
+        Shape::Primitive(_) | Shape::Exact(_) => panic!("irradiance of another kind of shape"),
     }
 }

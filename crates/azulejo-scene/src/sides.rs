@@ -5,7 +5,7 @@
 //! reversed copy ([`Scene::split_sides`]), which become one again when they are read
 //! ([`Scene::join_sides`]).
 
-use crate::{Attribute, BackIrradiance, Faces, MaterialId, Mesh, Object, ObjectIrradiance};
+use crate::{Attribute, BackIrradiance, Faces, MaterialId, Mesh, Object};
 use crate::{Rgb, Scene, Shape, Sidedness};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -44,11 +44,11 @@ impl Scene {
 
     /// Applies a change to all meshes; the faces that it returns, by object.
     fn change_meshes(&mut self, change: impl Fn(&mut Mesh) -> Vec<usize>) -> Vec<Vec<usize>> {
-        let of_object = |o: &mut Object| match &mut o.shape {
+        let change_object = |o: &mut Object| match &mut o.shape {
             Shape::Mesh(mesh) => change(mesh),
             _ => Vec::new(),
         };
-        self.objects.iter_mut().map(of_object).collect()
+        self.objects.iter_mut().map(change_object).collect()
     }
 
     /// Gives some faces of each object materials of a sidedness: copies, where other faces have
@@ -87,16 +87,16 @@ impl Scene {
         for (object, faces) in self.objects.iter().zip(changed) {
             match &object.shape {
                 Shape::Mesh(mesh) => {
-                    let mut of_change = vec![false; mesh.faces.len()];
-                    faces.iter().for_each(|&f| of_change[f] = true);
-                    let others = mesh.face_materials.iter().zip(&of_change);
+                    let mut is_changed = vec![false; mesh.faces.len()];
+                    faces.iter().for_each(|&f| is_changed[f] = true);
+                    let others = mesh.face_materials.iter().zip(&is_changed);
                     others
                         .filter(|(_, changed)| !**changed)
                         .for_each(|(&m, _)| is_used[m as usize] = true);
                 }
                 Shape::Instance(instance) => {
-                    let of_faces = instance.mesh.face_materials.iter();
-                    of_faces.for_each(|&m| is_used[m as usize] = true);
+                    let materials = instance.mesh.face_materials.iter();
+                    materials.for_each(|&m| is_used[m as usize] = true);
                 }
                 Shape::Primitive(p) => is_used[p.material as usize] = true,
                 Shape::Exact(exact) => {
@@ -128,13 +128,7 @@ impl Mesh {
     /// Reverses the corners of a face: its front becomes its back. Normals stay.
     pub fn reverse_face(&mut self, face: usize) {
         let range = self.faces.corner_range(face);
-        let indices = [
-            self.normals.as_mut().and_then(|a| a.corners.as_mut()),
-            self.uvs.as_mut().and_then(|a| a.corners.as_mut()),
-            (self.lightmap_uvs.as_mut()).and_then(|a| a.corners.as_mut()),
-            Some(&mut self.faces.corners),
-        ];
-        for corners in indices.into_iter().flatten() {
+        for corners in self.corner_indices() {
             // The first corner stays, so that the face is triangulated as before.
             corners[range.start + 1..range.end].reverse();
         }
@@ -146,28 +140,6 @@ impl Mesh {
             let mut corners = self.faces.get(face).iter();
             corners.all(|&v| back.irradiance[v as usize].is_some())
         })
-    }
-
-    /// Stores irradiance on the vertices as they are.
-    ///
-    /// # Panics
-    /// If `light` belongs to another mesh, or to another kind of shape.
-    pub(crate) fn set_irradiance(&mut self, light: ObjectIrradiance) {
-        let ObjectIrradiance::Vertices {
-            irradiance,
-            error,
-            back,
-            turned,
-        } = light
-        else {
-            panic!("irradiance of another kind of shape")
-        };
-        let count = self.positions.len();
-        assert_eq!(irradiance.len(), count, "irradiance of another mesh");
-        self.irradiance = irradiance;
-        self.irradiance_error = error;
-        self.back = back;
-        self.turn_faces(|f| turned.binary_search(&(f as u32)).is_ok());
     }
 
     /// Appends a reversed copy of every face whose back has irradiance, with vertices of its own;
@@ -207,7 +179,7 @@ impl Mesh {
         for &face in &doubled {
             let order = reversed(self.faces.corner_range(face));
             ring.clear();
-            ring.extend(order.map(|c| copies.of_vertex[self.faces.corners[c] as usize]));
+            ring.extend(order.map(|c| copies.numbers[self.faces.corners[c] as usize]));
             self.push_face(&ring, self.face_materials[face]);
             if !self.smoothing.is_empty() {
                 self.smoothing.push(self.smoothing[face]);
@@ -365,24 +337,21 @@ struct VertexCopies {
     /// The vertices, each once.
     originals: Vec<usize>,
     /// For every vertex the index of its copy.
-    of_vertex: Vec<u32>,
+    numbers: Vec<u32>,
 }
 
 impl VertexCopies {
     fn of(mesh: &Mesh, corners: &[usize]) -> VertexCopies {
         let count = mesh.positions.len();
-        let (mut originals, mut of_vertex) = (Vec::new(), vec![NO_VERTEX; count]);
+        let (mut originals, mut numbers) = (Vec::new(), vec![NO_VERTEX; count]);
         for &corner in corners {
             let vertex = mesh.faces.corners[corner] as usize;
-            if of_vertex[vertex] == NO_VERTEX {
-                of_vertex[vertex] = (count + originals.len()) as u32;
+            if numbers[vertex] == NO_VERTEX {
+                numbers[vertex] = (count + originals.len()) as u32;
                 originals.push(vertex);
             }
         }
-        VertexCopies {
-            originals,
-            of_vertex,
-        }
+        VertexCopies { originals, numbers }
     }
 
     /// Appends the values of the copies to a list of values per vertex, which may be absent.
@@ -406,8 +375,8 @@ impl VertexCopies {
         let base = attribute.values.len() as u32;
         let more: Vec<T> = attribute.values.iter().map(|&x| value(x)).collect();
         attribute.values.extend(more);
-        let of_copies: Vec<u32> = corners.iter().map(|&c| base + index[c]).collect();
-        index.extend(of_copies);
+        let copies: Vec<u32> = corners.iter().map(|&c| base + index[c]).collect();
+        index.extend(copies);
     }
 }
 
@@ -428,13 +397,13 @@ fn from_least(mut ring: Vec<u32>) -> Vec<u32> {
 /// Negates the normals that belong to `turned` faces, in ascending order, and to no others.
 fn turn_normals(normals: &mut Attribute<DVec3>, faces: &Faces, turned: &[usize]) {
     let count = normals.values.len();
-    let (mut of_turned, mut of_others) = (vec![false; count], vec![false; count]);
+    let (mut has_turned, mut has_others) = (vec![false; count], vec![false; count]);
     let mut next = turned.iter().peekable();
     for face in 0..faces.len() {
         let uses = if next.next_if(|&&f| f == face).is_some() {
-            &mut of_turned
+            &mut has_turned
         } else {
-            &mut of_others
+            &mut has_others
         };
         for corner in faces.corner_range(face) {
             let value = match &normals.corners {
@@ -445,7 +414,7 @@ fn turn_normals(normals: &mut Attribute<DVec3>, faces: &Faces, turned: &[usize])
         }
     }
     for (k, n) in normals.values.iter_mut().enumerate() {
-        if of_turned[k] && !of_others[k] {
+        if has_turned[k] && !has_others[k] {
             *n = -*n;
         }
     }

@@ -1,7 +1,6 @@
-//! Pictures of properties other than colour: metalness and roughness, and the relief of a surface.
+//! Pictures of properties other than colour: metalness and roughness, relief, and irradiance.
 
-use crate::image::{Image, TextureId, WrapMode};
-use crate::{Rgb, Texture};
+use crate::{Image, Rgb, Texture, TextureId, WrapMode};
 use glam::{DVec2, DVec3};
 
 /// A channel of a picture whose stored values are numbers 0..=1, not light.
@@ -167,13 +166,31 @@ impl NumberMap {
 }
 
 /// The sRGB value of linear light, 0..=1: readers take all pictures for colours.
-fn stored_value(light: f32) -> f32 {
+pub(crate) fn stored_value(light: f32) -> f32 {
     let stored = if light <= 0.003_130_8 {
         12.92 * light
     } else {
         1.055 * light.powf(1.0 / 2.4) - 0.055
     };
     stored.clamp(0.0, 1.0)
+}
+
+/// The irradiance of the surfaces of one material, as a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IrradiancePicture {
+    /// The picture.
+    pub texture: TextureId,
+    /// Irradiance of a texel of 1, W/m², >= 0.
+    pub scale: f64,
+}
+
+impl IrradiancePicture {
+    /// Irradiance at coordinates of the lightmap in its picture: bilinear, and beyond its edges as at them.
+    pub fn at(&self, image: &Image, uv: DVec2) -> Rgb {
+        let texel = image.sample_wrapped(uv, [WrapMode::Clamp; 2]);
+        // A filter of floats may end just below zero.
+        Rgb::from(texel.map(|t| f64::from(t).max(0.0))) * self.scale
+    }
 }
 
 #[cfg(test)]
@@ -204,8 +221,8 @@ mod tests {
         let stored = [0.0, 0.02, 0.5, 0.8, 1.0];
         let map = map(5, stored.map(|s| [linear(s); 3]).to_vec());
         for (k, s) in stored.into_iter().enumerate() {
-            let found = map.sample(DVec2::new((k as f64 + 0.5) / 5.0, 0.5));
-            assert!((found.y - f64::from(s)).abs() < 1e-5, "{found} {s}");
+            let value = map.sample(DVec2::new((k as f64 + 0.5) / 5.0, 0.5));
+            assert!((value.y - f64::from(s)).abs() < 1e-5, "{value} {s}");
         }
         assert!((map.mean().x - 2.32 / 5.0).abs() < 1e-5);
     }

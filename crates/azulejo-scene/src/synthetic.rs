@@ -22,7 +22,7 @@ pub use furnished_room::furnished_room;
 pub use room_with_table::room_with_table;
 pub use street::{street, street_with_detail};
 
-use crate::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape};
+use crate::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;
 
 /// The closed unit cube, six quadrilaterals that face inward, reflectance 0.5, no light.
@@ -49,6 +49,15 @@ pub fn cube_room() -> Scene {
     }
     scene.objects.push(Object::new("cube", Shape::Mesh(mesh)));
     scene
+}
+
+/// Lengths in metres, z upward.
+fn metres() -> Units {
+    Units {
+        metres_per_unit: Some(1.0),
+        up: Up::Z,
+        ..Units::default()
+    }
 }
 
 /// Random numbers in 0..1, from a seed.

@@ -2,8 +2,8 @@
 
 use crate::math::normal_matrix;
 use crate::{
-    Attribute, Camera, Faces, Light, LightKind, Mesh, MeshInstance, Object, Primitive,
-    PrimitiveKind, Scene, SceneBackground, Shape, SharedMesh, SurfaceLight, Units, Up,
+    Camera, Light, LightKind, Mesh, MeshInstance, Object, Primitive, PrimitiveKind, Scene,
+    SceneBackground, Shape, SharedMesh, SurfaceLight, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -162,23 +162,7 @@ impl Mesh {
 
     /// Reverses every face: its front becomes its back. Normals stay.
     pub fn flip(&mut self) {
-        flip_corners(&self.faces.starts, &mut self.faces.corners);
-        flip_attribute(&mut self.normals, &self.faces);
-        flip_attribute(&mut self.uvs, &self.faces);
-        flip_attribute(&mut self.lightmap_uvs, &self.faces);
-    }
-}
-
-fn flip_attribute<T>(attribute: &mut Option<Attribute<T>>, faces: &Faces) {
-    if let Some(corners) = attribute.as_mut().and_then(|a| a.corners.as_mut()) {
-        flip_corners(&faces.starts, corners);
-    }
-}
-
-/// Reverses the order of each face's corners, except for the first.
-fn flip_corners(starts: &[u32], corners: &mut [u32]) {
-    for face in starts.windows(2) {
-        corners[face[0] as usize + 1..face[1] as usize].reverse();
+        (0..self.faces.len()).for_each(|face| self.reverse_face(face));
     }
 }
 
@@ -221,6 +205,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Attribute;
     use crate::{Material, Object, Rgb};
 
     /// A triangle in the ground plane that faces up, a lamp above it and a camera.

@@ -168,12 +168,12 @@ impl TriangleTree {
             match node.content {
                 NodeContent::Leaf(ref range) => {
                     for k in range.clone() {
-                        let found = on_triangle(k, &self.corners[k as usize], point);
+                        let candidate = on_triangle(k, &self.corners[k as usize], point);
                         let nearer = best
                             .as_ref()
-                            .is_none_or(|b| (found.distance, k) < (b.distance, b.index));
+                            .is_none_or(|b| (candidate.distance, k) < (b.distance, b.index));
                         if nearer && accept(k) {
-                            best = Some(found);
+                            best = Some(candidate);
                         }
                     }
                 }

@@ -1,6 +1,6 @@
 //! Meshes of triangles alone, for programs that read no polygons.
 
-use crate::{Attribute, Faces, Mesh, Scene, Shape};
+use crate::{Mesh, Scene, Shape};
 
 impl Scene {
     /// Divides the polygons of all meshes into triangles, as [`Mesh::triangulate`] does.
@@ -20,42 +20,14 @@ impl Mesh {
         if self.faces.corners.len() == 3 * self.faces.len() {
             return;
         }
-        let mut triangles = Vec::new();
-        // For each new corner the old one, for each new face the old one.
-        let (mut corners, mut parents) = (Vec::new(), Vec::new());
-        for face in 0..self.faces.len() {
-            triangles.clear();
-            self.triangulate_into(face, &mut triangles);
-            let first = self.faces.corner_range(face).start;
-            corners.extend(triangles.iter().flatten().map(|&k| first + k as usize));
-            parents.resize(parents.len() + triangles.len(), face);
-        }
-        let taken = |list: &[u32]| corners.iter().map(|&c| list[c]).collect::<Vec<u32>>();
-        retake(&mut self.normals, taken);
-        retake(&mut self.uvs, taken);
-        retake(&mut self.lightmap_uvs, taken);
-        self.faces = Faces {
-            starts: (0..=parents.len() as u32).map(|k| 3 * k).collect(),
-            corners: taken(&self.faces.corners),
-        };
-        let of_parents = |list: &[u32]| parents.iter().map(|&f| list[f]).collect();
-        self.face_materials = of_parents(&self.face_materials);
-        if !self.smoothing.is_empty() {
-            self.smoothing = of_parents(&self.smoothing);
-        }
-    }
-}
-
-fn retake<T>(attribute: &mut Option<Attribute<T>>, taken: impl Fn(&[u32]) -> Vec<u32>) {
-    let corners = attribute.as_mut().and_then(|a| a.corners.as_mut());
-    if let Some(corners) = corners {
-        *corners = taken(corners);
+        self.keep_triangles(|_| true);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Attribute;
     use glam::DVec3;
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::math::{Frame, area_vector};
 use crate::proxy::FlatFigure;
-use crate::{Attribute, Contour, Curve, Faces, Figure, FillRule, Mesh};
+use crate::{Figure, Mesh};
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
@@ -43,38 +43,36 @@ impl Mesh {
 
     /// The mesh with the triangles of its faces as faces, in their order: those for whose number `is_kept` holds.
     pub fn in_triangles(&self, is_kept: impl Fn(usize) -> bool) -> Mesh {
-        let mut faces = Faces::default();
-        // Which corner of the old faces each new one is.
-        let mut old_corners = Vec::new();
-        let mut old_faces = Vec::new();
+        let mut mesh = self.clone();
+        mesh.keep_triangles(is_kept);
+        mesh
+    }
+
+    /// Replaces the faces by those of their triangles, in their order, for whose number `is_kept` holds; vertices and
+    /// what belongs to them stay.
+    pub(crate) fn keep_triangles(&mut self, is_kept: impl Fn(usize) -> bool) {
+        // For each new corner and each new face the old one.
+        let (mut old_corners, mut old_faces) = (Vec::new(), Vec::new());
         let (mut triangles, mut number) = (Vec::new(), 0);
         for face in 0..self.faces.len() {
             triangles.clear();
             self.triangulate_into(face, &mut triangles);
             let start = self.faces.corner_range(face).start;
             for triangle in &triangles {
-                number += 1;
-                if !is_kept(number - 1) {
-                    continue;
+                if is_kept(number) {
+                    old_corners.extend(triangle.map(|k| start + k as usize));
+                    old_faces.push(face);
                 }
-                let corners = triangle.map(|k| start + k as usize);
-                faces.push(&corners.map(|c| self.faces.corners[c]));
-                old_corners.extend(corners);
-                old_faces.push(face);
+                number += 1;
             }
         }
-        let of_faces = |values: &[u32]| -> Vec<u32> {
-            let known = old_faces.iter().filter_map(|&f| values.get(f));
-            known.copied().collect()
-        };
-        Mesh {
-            normals: reindexed(&self.normals, &old_corners),
-            uvs: reindexed(&self.uvs, &old_corners),
-            lightmap_uvs: reindexed(&self.lightmap_uvs, &old_corners),
-            faces,
-            face_materials: of_faces(&self.face_materials),
-            smoothing: of_faces(&self.smoothing),
-            ..self.clone()
+        for corners in self.corner_indices() {
+            *corners = old_corners.iter().map(|&c| corners[c]).collect();
+        }
+        self.faces.starts = (0..=old_faces.len() as u32).map(|k| 3 * k).collect();
+        for values in [&mut self.face_materials, &mut self.smoothing] {
+            let kept = old_faces.iter().filter_map(|&f| values.get(f));
+            *values = kept.copied().collect();
         }
     }
 
@@ -95,19 +93,6 @@ impl Mesh {
             }
         }
     }
-}
-
-/// Values for other corners: for each of them which one it was.
-fn reindexed<T: Copy>(
-    values: &Option<Attribute<T>>,
-    old_corners: &[usize],
-) -> Option<Attribute<T>> {
-    let values = values.as_ref()?;
-    let index = |corners: &Vec<u32>| old_corners.iter().map(|&c| corners[c]).collect();
-    Some(Attribute {
-        values: values.values.clone(),
-        corners: values.corners.as_ref().map(index),
-    })
 }
 
 fn quadrilateral(p: &[DVec3; 4]) -> [FaceTriangle; 2] {
@@ -150,10 +135,7 @@ fn general(polygon: &[DVec3]) -> Vec<FaceTriangle> {
 
 /// Whether triangles, all of one orientation, have the area of the polygon together.
 fn is_partition(flat: &[DVec2], triangles: &[FaceTriangle]) -> bool {
-    let whole: f64 = fan(flat.len() as u32, 0)
-        .iter()
-        .map(|&t| signed_area(flat, t))
-        .sum();
+    let whole = whole_area(flat);
     let sum: f64 = triangles.iter().map(|&t| signed_area(flat, t).abs()).sum();
     (sum - whole.abs()).abs() <= 1e-9 * whole.abs()
 }
@@ -168,13 +150,7 @@ fn touching(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     if n > MOST_TOUCHING {
         return None;
     }
-    let lines = flat.iter().map(|&start| Curve::Line { start });
-    let figure = Figure {
-        contours: vec![Contour {
-            curves: lines.collect(),
-        }],
-        rule: FillRule::EvenOdd,
-    };
+    let figure = Figure::polygon(flat.iter().copied());
     let size = figure.bounds().size().max_element();
     let inside = FlatFigure::new(&figure, size);
     let corner_at = |p: DVec2| {
@@ -182,11 +158,8 @@ fn touching(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
         let nearest = (0..n).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         (distance(&nearest) <= (1e-9 * size).powi(2)).then_some(nearest as u32)
     };
-    let corners: Vec<u32> = inside
-        .points
-        .iter()
-        .map(|&p| corner_at(p))
-        .collect::<Option<_>>()?;
+    let corners = inside.points.iter().map(|&p| corner_at(p));
+    let corners: Vec<u32> = corners.collect::<Option<_>>()?;
     let whole = inside.tiles.iter().flat_map(|tile| &tile.triangles);
     let mut triangles: Vec<FaceTriangle> = whole.map(|t| t.map(|k| corners[k as usize])).collect();
     if triangles.len() > n - 2 || !is_partition(flat, &triangles) {
@@ -205,17 +178,22 @@ fn fan(n: u32, apex: u32) -> Vec<FaceTriangle> {
         .collect()
 }
 
-pub(crate) fn signed_area(flat: &[DVec2], [a, b, c]: FaceTriangle) -> f64 {
+fn signed_area(flat: &[DVec2], [a, b, c]: FaceTriangle) -> f64 {
     let at = |k: u32| flat[k as usize];
     0.5 * (at(b) - at(a)).perp_dot(at(c) - at(a))
+}
+
+/// Area of a polygon, positive if it is counter-clockwise.
+fn whole_area(flat: &[DVec2]) -> f64 {
+    let fan = fan(flat.len() as u32, 0);
+    fan.iter().map(|&t| signed_area(flat, t)).sum()
 }
 
 /// For a convex polygon the fan whose smallest triangle is largest; `None` for any other, or if
 /// every fan has a triangle without area.
 fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     let n = flat.len() as u32;
-    let convex = (0..n).all(|k| signed_area(flat, [k, (k + 1) % n, (k + 2) % n]) >= 0.0);
-    if !convex || turns(flat) > 1.5 {
+    if !never_turns_right(flat) || turns(flat) > 1.5 {
         return None;
     }
     let smallest = |apex: u32| {
@@ -225,7 +203,7 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
             .fold(f64::INFINITY, f64::min)
     };
     let apexes = if flat.len() <= BEST_FAN_CORNERS { n } else { 1 };
-    let whole: f64 = fan(n, 0).iter().map(|&t| signed_area(flat, t)).sum();
+    let whole = whole_area(flat);
     let (mut best, mut best_area) = (0, 0.0);
     for apex in 0..apexes {
         // Only a clearly better apex wins, so that rounding does not decide.
@@ -235,6 +213,12 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
         }
     }
     (best_area > 0.0).then(|| fan(n, best))
+}
+
+/// Whether no corner of a polygon turns right.
+pub(crate) fn never_turns_right(flat: &[DVec2]) -> bool {
+    let n = flat.len() as u32;
+    (0..n).all(|k| signed_area(flat, [k, (k + 1) % n, (k + 2) % n]) >= 0.0)
 }
 
 /// Turning number of the outline: 1 for a simple polygon, 2 for a pentagram.

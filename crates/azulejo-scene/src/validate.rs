@@ -5,10 +5,10 @@ mod rtrace;
 
 use crate::{
     Attribute, BackIrradiance, Backplate, Environment, EnvironmentSource, FinishMaps, LightKind,
-    Material, Mesh, MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind,
-    ReliefKind, Scene, SceneBackground, Shape, TextureId,
+    Material, MaterialId, Mesh, MeshInstance, Object, Opacity, OpacityMode, Primitive,
+    PrimitiveKind, ReliefKind, Rgb, Scene, SceneBackground, Shape, TextureId,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::fmt;
 
 /// The first violation found in a scene.
@@ -39,6 +39,25 @@ fn ensure(holds: bool, place: impl FnOnce() -> String, problem: impl FnOnce() ->
             problem: problem(),
         })
     }
+}
+
+fn ensure_material(material: MaterialId, count: usize, place: impl FnOnce() -> String) -> Check {
+    ensure((material as usize) < count, place, || {
+        format!("material {material} of {count}")
+    })
+}
+
+/// The error of a check with its path one level deeper.
+fn inside(level: impl FnOnce() -> String, check: Check) -> Check {
+    check.map_err(|e| Invalid {
+        place: format!("{}: {}", level(), e.place),
+        ..e
+    })
+}
+
+/// Whether a colour is one of light, or a factor of it.
+fn is_light(c: Rgb) -> bool {
+    c.to_array().iter().all(|x| *x >= 0.0 && x.is_finite())
 }
 
 impl Scene {
@@ -74,18 +93,12 @@ impl Scene {
         self.validate_materials()?;
         let mut exact = exact::Checker::new(self.materials.len());
         for (i, mesh) in self.shared_meshes().into_iter().enumerate() {
-            validate_mesh(mesh, self.materials.len()).map_err(|e| Invalid {
-                place: format!("shared mesh {i}: {}", e.place),
-                ..e
-            })?;
+            let check = validate_mesh(mesh, self.materials.len());
+            inside(|| format!("shared mesh {i}"), check)?;
         }
         for (i, object) in self.objects.iter().enumerate() {
             let place = || format!("objects[{i}] \"{}\"", object.name);
-            self.validate_object(object, &mut exact)
-                .map_err(|e| Invalid {
-                    place: format!("{}: {}", place(), e.place),
-                    ..e
-                })?;
+            inside(place, self.validate_object(object, &mut exact))?;
         }
         self.validate_lights()?;
         self.validate_cameras()?;
@@ -97,12 +110,11 @@ impl Scene {
     }
 
     fn validate_surroundings(&self) -> Check {
-        let shines = |c: crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
         let place = || String::from("background");
         match self.background {
             Some(SceneBackground::Environment(sky)) => self.validate_environment(&sky, place)?,
             Some(SceneBackground::Backplate(plate)) => self.validate_backplate(&plate, place)?,
-            Some(SceneBackground::Color(sky)) => ensure(shines(sky), place, || {
+            Some(SceneBackground::Color(sky)) => ensure(is_light(sky), place, || {
                 format!("radiance is {sky:?}, expected finite numbers >= 0")
             })?,
             None => {}
@@ -110,7 +122,7 @@ impl Scene {
         let Some(fog) = self.fog else { return Ok(()) };
         let far = fog.visibility;
         ensure(
-            shines(fog.color) && far > 0.0 && far.is_finite(),
+            is_light(fog.color) && far > 0.0 && far.is_finite(),
             || "fog".into(),
             || {
                 format!(
@@ -122,54 +134,12 @@ impl Scene {
     }
 
     fn validate_materials(&self) -> Check {
-        for (i, m) in self.materials.iter().enumerate() {
-            let place = || format!("materials[{i}] \"{}\"", m.name);
-            for k in 0..3 {
-                let (d, s, e) = (m.diffuse[k], m.mirror[k], m.emission[k]);
-                ensure(
-                    (0.0..=1.0).contains(&d) && (0.0..=1.0).contains(&s),
-                    place,
-                    || format!("reflectances are diffuse {d} and mirror {s}, expected 0..=1"),
-                )?;
-                let glossy = m.mean_glossy()[k];
-                let margin = Material::energy_margin(glossy);
-                ensure(d + s + glossy <= 1.0 + margin, place, || match glossy {
-                    0.0 => format!("diffuse {d} + mirror {s} exceed 1, which creates energy"),
-                    _ => format!(
-                        "diffuse {d} + mirror {s} + glossy {glossy} exceed 1, which creates energy"
-                    ),
-                })?;
-                ensure(e >= 0.0 && e.is_finite(), place, || {
-                    format!("emission is {e}, expected a finite number >= 0")
-                })?;
-            }
-            if let Some(g) = m.dielectric {
-                ensure(g.ior > 0.0 && g.ior.is_finite(), place, || {
-                    format!("index of refraction is {}, expected > 0", g.ior)
-                })?;
-                let t = g.transmittance;
-                ensure((0..3).all(|k| (0.0..=1.0).contains(&t[k])), place, || {
-                    format!("transmittance is {t:?}, expected 0..=1")
-                })?;
-            }
+        for (i, material) in self.materials.iter().enumerate() {
+            let place = || format!("materials[{i}] \"{}\"", material.name);
+            validate_energy(material, place)?;
+            validate_looks(material, place)?;
             let count = self.textures.len();
-            let opacity = m.opacity.as_ref();
-            ensure(opacity.is_none_or(is_possible), place, || {
-                format!("opacity is {opacity:?}, expected 0..=1 and a cutoff >= 0")
-            })?;
-            let finish = m.finish.as_ref();
-            ensure(finish.is_none_or(is_finish), place, || {
-                format!("finish is {finish:?}, expected 0..=1")
-            })?;
-            let relief = m.relief.map(|r| r.kind);
-            ensure(relief.is_none_or(is_finite_relief), place, || {
-                format!("relief is {relief:?}, expected a finite number")
-            })?;
-            let scale = m.lightmap.map_or(0.0, |l| l.scale);
-            ensure(scale >= 0.0 && scale.is_finite(), place, || {
-                format!("scale of the lightmap is {scale}, expected a finite number >= 0")
-            })?;
-            for t in m.pictures() {
+            for t in material.pictures() {
                 ensure((t as usize) < count, place, || {
                     format!("texture {t} of {count}")
                 })?;
@@ -191,13 +161,12 @@ impl Scene {
     fn validate_lights(&self) -> Check {
         for (i, light) in self.lights.iter().enumerate() {
             let place = || format!("lights[{i}] \"{}\"", light.name);
-            let bright = |c: crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
             let unit = |d: DVec3| (d.length() - 1.0).abs() < 1e-3;
             let (finite, colour, direction) = match light.kind {
                 LightKind::Point {
                     position,
                     intensity,
-                } => (position.is_finite(), bright(intensity), true),
+                } => (position.is_finite(), is_light(intensity), true),
                 LightKind::Spot {
                     position,
                     direction,
@@ -212,7 +181,7 @@ impl Scene {
                             "spot angles are {inner} and {outer}, expected 0 <= inner <= outer <= π"
                         )
                     })?;
-                    (position.is_finite(), bright(intensity), unit(direction))
+                    (position.is_finite(), is_light(intensity), unit(direction))
                 }
                 LightKind::Directional {
                     direction,
@@ -223,9 +192,9 @@ impl Scene {
                     ensure(is_angle, place, || {
                         format!("the half angle is {half_angle}, expected 0..π/2")
                     })?;
-                    (true, bright(irradiance), unit(direction))
+                    (true, is_light(irradiance), unit(direction))
                 }
-                LightKind::Ambient { radiance } => (true, bright(radiance), true),
+                LightKind::Ambient { radiance } => (true, is_light(radiance), true),
                 LightKind::Environment(environment) => {
                     self.validate_environment(&environment, place)?;
                     (true, true, true)
@@ -243,11 +212,9 @@ impl Scene {
     }
 
     fn validate_environment(&self, sky: &Environment, place: impl Fn() -> String) -> Check {
-        ensure(
-            (0..3).all(|k| sky.scale[k] >= 0.0 && sky.scale[k].is_finite()),
-            &place,
-            || "the scale is negative or not finite".into(),
-        )?;
+        ensure(is_light(sky.scale), &place, || {
+            "the scale is negative or not finite".into()
+        })?;
         ensure(
             (sky.world_from_environment.length() - 1.0).abs() < 1e-3,
             &place,
@@ -304,11 +271,62 @@ impl Scene {
     }
 }
 
+/// Checks what a material reflects, transmits and emits.
+fn validate_energy(m: &Material, place: impl Fn() -> String) -> Check {
+    for k in 0..3 {
+        let (d, s, e) = (m.diffuse[k], m.mirror[k], m.emission[k]);
+        ensure(
+            (0.0..=1.0).contains(&d) && (0.0..=1.0).contains(&s),
+            &place,
+            || format!("reflectances are diffuse {d} and mirror {s}, expected 0..=1"),
+        )?;
+        let glossy = m.mean_glossy()[k];
+        let margin = Material::energy_margin(glossy);
+        ensure(d + s + glossy <= 1.0 + margin, &place, || match glossy {
+            0.0 => format!("diffuse {d} + mirror {s} exceed 1, which creates energy"),
+            _ => {
+                format!("diffuse {d} + mirror {s} + glossy {glossy} exceed 1, which creates energy")
+            }
+        })?;
+        ensure(e >= 0.0 && e.is_finite(), &place, || {
+            format!("emission is {e}, expected a finite number >= 0")
+        })?;
+    }
+    let Some(g) = m.dielectric else { return Ok(()) };
+    ensure(g.ior > 0.0 && g.ior.is_finite(), &place, || {
+        format!("index of refraction is {}, expected > 0", g.ior)
+    })?;
+    let t = g.transmittance;
+    ensure((0..3).all(|k| (0.0..=1.0).contains(&t[k])), &place, || {
+        format!("transmittance is {t:?}, expected 0..=1")
+    })
+}
+
+/// Checks the opacity, finish, relief and lightmap of a material.
+fn validate_looks(m: &Material, place: impl Fn() -> String) -> Check {
+    let opacity = m.opacity.as_ref();
+    ensure(opacity.is_none_or(is_possible), &place, || {
+        format!("opacity is {opacity:?}, expected 0..=1 and a cutoff >= 0")
+    })?;
+    let finish = m.finish.as_ref();
+    ensure(finish.is_none_or(is_finish), &place, || {
+        format!("finish is {finish:?}, expected 0..=1")
+    })?;
+    let relief = m.relief.map(|r| r.kind);
+    ensure(relief.is_none_or(is_finite_relief), &place, || {
+        format!("relief is {relief:?}, expected a finite number")
+    })?;
+    let scale = m.lightmap.map_or(0.0, |l| l.scale);
+    ensure(scale >= 0.0 && scale.is_finite(), &place, || {
+        format!("scale of the lightmap is {scale}, expected a finite number >= 0")
+    })
+}
+
 /// Whether colour, metalness and roughness are shares.
 fn is_finish(finish: &FinishMaps) -> bool {
     let [r, g, b] = finish.base.to_array();
-    let all = [r, g, b, finish.metallic, finish.roughness];
-    all.iter().all(|x| (0.0..=1.0).contains(x))
+    let shares = [r, g, b, finish.metallic, finish.roughness];
+    shares.iter().all(|x| (0.0..=1.0).contains(x))
 }
 
 fn is_finite_relief(kind: ReliefKind) -> bool {
@@ -366,6 +384,12 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
         whole,
         || "smoothing groups for some faces only".into(),
     )?;
+    validate_vertices(mesh)
+}
+
+/// Checks what belongs to the vertices and corners of a mesh.
+fn validate_vertices(mesh: &Mesh) -> Check {
+    let (vertices, whole) = (mesh.positions.len(), || "mesh".to_string());
     for (name, list) in [
         ("color", &mesh.colors),
         ("irradiance", &mesh.irradiance),
@@ -374,9 +398,7 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
         ensure(list.is_empty() || list.len() == vertices, whole, || {
             format!("{} {name}s for {vertices} vertices", list.len())
         })?;
-        let bad = list
-            .iter()
-            .position(|c| (0..3).any(|k| !(c[k] >= 0.0 && c[k].is_finite())));
+        let bad = list.iter().position(|&c| !is_light(c));
         ensure(
             bad.is_none(),
             || format!("vertices[{}]", bad.unwrap_or(0)),
@@ -393,13 +415,10 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
     validate_attribute(mesh, "normal", mesh.normals.as_ref(), |n| {
         (n.length() - 1.0).abs() < 1e-3
     })?;
-    for (name, uvs) in [
-        ("texture coordinate", &mesh.uvs),
-        ("lightmap coordinate", &mesh.lightmap_uvs),
-    ] {
-        validate_attribute(mesh, name, uvs.as_ref(), |t| t.is_finite())?;
-    }
-    Ok(())
+    let is_finite = |uv: &DVec2| uv.is_finite();
+    validate_attribute(mesh, "texture coordinate", mesh.uvs.as_ref(), is_finite)?;
+    let lightmap = mesh.lightmap_uvs.as_ref();
+    validate_attribute(mesh, "lightmap coordinate", lightmap, is_finite)
 }
 
 /// The place and the light of an instance; its mesh is validated once for all.
@@ -423,12 +442,11 @@ fn validate_instance(instance: &MeshInstance) -> Check {
     let count = mesh.positions.len();
     let fits = light.irradiance.len() == count && [0, count].contains(&light.error.len());
     ensure(fits, place, || {
-        let found = (light.irradiance.len(), light.error.len());
-        format!("irradiance and errors of {found:?} for {count} vertices")
+        let lengths = (light.irradiance.len(), light.error.len());
+        format!("irradiance and errors of {lengths:?} for {count} vertices")
     })?;
-    let is_light = |c: &crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
-    let mut all = light.irradiance.iter().chain(&light.error);
-    ensure(all.all(is_light), place, || {
+    let mut values = light.irradiance.iter().chain(&light.error);
+    ensure(values.all(|&c| is_light(c)), place, || {
         "irradiance is negative or not finite".into()
     })?;
     validate_back(light.back.as_deref(), count)
@@ -442,12 +460,11 @@ fn validate_back(back: Option<&BackIrradiance>, count: usize) -> Check {
     let place = || "mesh".to_string();
     let fits = back.irradiance.len() == count && [0, count].contains(&back.error.len());
     ensure(fits, place, || {
-        let found = (back.irradiance.len(), back.error.len());
-        format!("irradiance and errors of {found:?} backs for {count} fronts")
+        let lengths = (back.irradiance.len(), back.error.len());
+        format!("irradiance and errors of {lengths:?} backs for {count} fronts")
     })?;
-    let mut all = back.irradiance.iter().flatten().chain(&back.error);
-    let is_light = |c: &crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
-    ensure(all.all(is_light), place, || {
+    let mut values = back.irradiance.iter().flatten().chain(&back.error);
+    ensure(values.all(|&c| is_light(c)), place, || {
         "irradiance of a back is negative or not finite".into()
     })
 }
@@ -487,9 +504,7 @@ fn validate_attribute<T: Copy>(
 
 fn validate_primitive(p: &Primitive, materials: usize) -> Check {
     let place = || "primitive".to_string();
-    ensure((p.material as usize) < materials, place, || {
-        format!("material {} of {materials}", p.material)
-    })?;
+    ensure_material(p.material, materials, place)?;
     let m = p.world_from_object.matrix3;
     let size = match p.kind {
         PrimitiveKind::Square => m.x_axis.cross(m.y_axis).length(),
@@ -513,20 +528,13 @@ fn validate_primitive(p: &Primitive, materials: usize) -> Check {
         place,
         || "its light does not fit its grids".into(),
     )?;
-    ensure(
-        light.error.is_empty() || light.error.len() == count,
-        place,
-        || "its light's error does not fit".into(),
-    )?;
-    ensure(
-        light
-            .irradiance
-            .iter()
-            .chain(&light.error)
-            .all(|c| c.is_finite()),
-        place,
-        || "its light is not finite".into(),
-    )
+    ensure([0, count].contains(&light.error.len()), place, || {
+        "its light's error does not fit".into()
+    })?;
+    let mut values = light.irradiance.iter().chain(&light.error);
+    ensure(values.all(|c| c.is_finite()), place, || {
+        "its light is not finite".into()
+    })
 }
 
 #[cfg(test)]
@@ -557,8 +565,8 @@ mod tests {
         let mut scene = triangle();
         assert_eq!(scene.validate(), Ok(()));
         spoil(&mut scene);
-        let said = scene.validate().unwrap_err().to_string();
-        assert!(said.contains(expected), "{said}");
+        let message = scene.validate().unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
     }
 
     #[test]

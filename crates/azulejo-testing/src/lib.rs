@@ -87,12 +87,12 @@ pub fn python() -> Option<OsString> {
         .stderr(Stdio::null())
         .status();
     let shown = Path::new(&program).display();
-    let found = match status {
+    let modules = match status {
         Ok(status) if status.success() => Ok(()),
         Ok(_) => Err(format!("{shown} has no NumPy or no SciPy")),
         Err(error) => Err(format!("{shown}: {error}")),
     };
-    require(Need::Python, found).map(|()| program)
+    require(Need::Python, modules).map(|()| program)
 }
 
 /// The output of a script that Node.js runs with headless Chromium, or `None` after recording a skip. Scripts say
@@ -103,14 +103,14 @@ pub fn python() -> Option<OsString> {
 #[must_use]
 pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
     let output = Command::new("node").arg(script).args(arguments).output();
-    let found = match output {
+    let output = match output {
         Err(error) => Err(format!("node: {error}")),
         Ok(output) if output.status.code() == Some(77) => {
             Err(String::from_utf8_lossy(&output.stdout).trim().to_owned())
         }
         Ok(output) => Ok(output),
     };
-    require(Need::Browser, found)
+    require(Need::Browser, output)
 }
 
 /// A command that starts so many processes of a program by MPI, on however few processors, or `None` after
@@ -121,8 +121,10 @@ pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
 #[must_use]
 pub fn mpiexec(processes: usize) -> Option<Command> {
     let version = Command::new("mpiexec").arg("--version").output();
-    let found = version.map_err(|error| format!("mpiexec: {error}"));
-    require(Need::Mpi, found)?;
+    require(
+        Need::Mpi,
+        version.map_err(|error| format!("mpiexec: {error}")),
+    )?;
     let mut command = Command::new("mpiexec");
     // Open MPI asks for these words before it starts more processes than processors, or as root. Other
     // launchers ignore them.
@@ -135,16 +137,16 @@ pub fn mpiexec(processes: usize) -> Option<Command> {
     Some(command)
 }
 
-/// The value of `found`, or `None` after recording its error as the reason for a skip.
+/// The value of a result, or `None` after recording its error as the reason for a skip.
 ///
 /// # Panics
-/// If `found` is an error and `AZULEJO_REQUIRE` has `need`; or if that variable has an unknown
+/// If the result is an error and `AZULEJO_REQUIRE` has `need`; or if that variable has an unknown
 /// word, whether or not anything is missing.
 #[must_use]
-pub fn require<T, E: Display>(need: Need, found: Result<T, E>) -> Option<T> {
+pub fn require<T, E: Display>(need: Need, result: Result<T, E>) -> Option<T> {
     let required = need::required(std::env::var("AZULEJO_REQUIRE").ok().as_deref());
     let required = required.unwrap_or_else(|message| panic!("{message}"));
-    match found {
+    match result {
         Ok(value) => Some(value),
         Err(why) if required.contains(&need) => panic!(
             "AZULEJO_REQUIRE has `{need}`, but this test found none: {why}. {}",

@@ -120,8 +120,8 @@ mod tests {
     #[test]
     fn words_are_needs() {
         let check = |variable: Option<&str>, expected: &[Need]| {
-            let found = required(variable).map(Vec::from_iter);
-            assert_eq!(found.as_deref(), Ok(expected), "{variable:?}");
+            let needs = required(variable).map(Vec::from_iter);
+            assert_eq!(needs.as_deref(), Ok(expected), "{variable:?}");
         };
         check(None, &[]);
         check(Some(""), &[]);

@@ -48,7 +48,7 @@ mod tests {
             path: "a.grf".into(),
             error: io::Error::from_raw_os_error(28),
         };
-        let said = full.to_string();
-        assert_eq!(said, "cannot write a.grf: No space left on device");
+        let message = full.to_string();
+        assert_eq!(message, "cannot write a.grf: No space left on device");
     }
 }

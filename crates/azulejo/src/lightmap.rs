@@ -232,39 +232,24 @@ pub fn bake<'r>(
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
     let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
     let fronts = receivers.len();
+    // Which backs get light is known from the solution alone; otherwise charts come first, as they may not fit.
     let mut solved = None;
     if options.sides == BakedSides::Both {
-        // Which backs get light is known from the solution alone.
-        let found = solved_light(&proxy, options, run)?;
-        let backs = lit_backs(&receivers, &objects, &proxy.scene, &found);
-        for (receiver, object) in backs {
+        let light = solved_light(&proxy, options, run)?;
+        for (receiver, object) in lit_backs(&receivers, &objects, &proxy.scene, &light) {
             receivers.push(receiver);
             objects.push(object);
         }
-        solved = Some(found);
+        solved = Some(light);
     }
     let mut atlas = arranged(receivers, options, &proxy.tracer, run)?;
     let solved = match solved {
         Some(solved) => solved,
         None => solved_light(&proxy, options, run)?,
     };
-    let turn = |atlas: &mut Atlas| -> Result<(), Cancelled> {
-        match options.sides {
-            BakedSides::Front => {}
-            BakedSides::Brighter => {
-                atlas.turned = turned(atlas, &objects, &proxy.scene, &solved)?;
-            }
-            BakedSides::Both => {
-                atlas.turned = vec![false; atlas.layout.charts as usize];
-                let of_backs = atlas.layout.receivers[fronts..].iter();
-                for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
-                    atlas.turned[chart as usize] = true;
-                }
-            }
-        }
-        Ok(())
-    };
-    turn(&mut atlas)?;
+    let turn =
+        |atlas: &Atlas| turned_charts(atlas, fronts, &objects, &proxy.scene, &solved, options);
+    atlas.turned = turn(&atlas)?;
     let differing_sides = match options.sides {
         BakedSides::Both => 0.0,
         _ => differing_share(&atlas.receivers, &objects, &proxy.scene, &solved),
@@ -278,25 +263,15 @@ pub fn bake<'r>(
         3,
     ]);
     let mut follows_light = false;
-    if options.follows_light && options.coordinates == Coordinates::New {
-        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, run)?;
-        let (receivers, even) = (&atlas.receivers, &atlas.layout);
-        let followed = azulejo_bake::repack_charts(
-            receivers,
-            even,
-            &importance.densities,
-            &proxy.tracer,
-            &options.charts,
-            progress,
-        )?;
-        // Charts of many sizes fill less of a page.
-        let error_in = |layout: &Layout| importance.shadow_error(layout, even, receivers);
-        if error_in(&followed) < WORTH_REPACKING * error_in(even) {
-            atlas.layout = followed;
-            turn(&mut atlas)?;
-            follows_light = true;
-        }
+    if options.follows_light
+        && options.coordinates == Coordinates::New
+        && let Some(layout) = following_layout(&atlas, &solved, &proxy.tracer, options, seed, run)?
+    {
+        atlas.layout = layout;
+        atlas.turned = turn(&atlas)?;
+        follows_light = true;
     }
+    // The light of all texels, of which direct and indirect light stay apart.
     let samples = agreed_samples(&atlas, surfaces.tracer, run)?;
     let indirect_to = |error: f64| IndirectLight {
         solved: &solved,
@@ -304,7 +279,7 @@ pub fn bake<'r>(
         error,
         run,
     };
-    let found = match options.fixed_rays(progress) {
+    let light = match options.fixed_rays(progress) {
         Some(rays) => indirect_to(error).with_rays(&atlas, &samples, rays, seed)?,
         None => indirect_to(error).to_error(&atlas, &objects, &samples, options.light, seed)?,
     };
@@ -313,7 +288,7 @@ pub fn bake<'r>(
         all: mut light,
         texels,
         error,
-    } = found;
+    } = light;
     let indirect = indirect_to(error);
     let power = power_beside_patches(&atlas, &objects, &proxy.scene, &solved, (&samples, &light));
     let beside_patches = match options.light {
@@ -325,6 +300,7 @@ pub fn bake<'r>(
     if options.light == BakedLight::Indirect {
         direct.take_from(&mut light);
     }
+    // Pages of what viewers read, with borders of charts and seams.
     let shown = ShownSamples::new(&samples, &light, surfaces);
     let mut lightmap = shown.lightmap(&samples, &light);
     for page in &mut lightmap.pages {
@@ -334,6 +310,7 @@ pub fn bake<'r>(
     if options.light != BakedLight::Indirect {
         direct.take_from(&mut light);
     }
+    // What interpolation between texels misses, as part of their errors.
     let between = BetweenTexels {
         atlas: &atlas,
         samples: &samples,
@@ -369,6 +346,55 @@ pub fn bake<'r>(
         between_texels,
         follows_light,
     })
+}
+
+/// Whether each chart of an atlas shows the back of its surface.
+fn turned_charts(
+    atlas: &Atlas,
+    fronts: usize,
+    objects: &[u32],
+    scene: &Scene,
+    solved: &SolvedLight<'_>,
+    options: &BakeOptions,
+) -> Result<Vec<bool>, Cancelled> {
+    Ok(match options.sides {
+        BakedSides::Front => Vec::new(),
+        BakedSides::Brighter => turned(atlas, objects, scene, solved)?,
+        BakedSides::Both => {
+            let mut is_turned = vec![false; atlas.layout.charts as usize];
+            let backs = atlas.layout.receivers[fronts..].iter();
+            for &chart in backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
+                is_turned[chart as usize] = true;
+            }
+            is_turned
+        }
+    })
+}
+
+/// The layout in which charts with edges of shadows have more texels than others, if errors are less with it.
+fn following_layout(
+    atlas: &Atlas,
+    solved: &SolvedLight<'_>,
+    tracer: &Tracer,
+    options: &BakeOptions,
+    seed: u32,
+    run: Run,
+) -> Result<Option<Layout>, BakeError> {
+    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
+    let importance = azulejo_bake::chart_importance(atlas, solved.gatherer(), error, seed, run)?;
+    let (receivers, even) = (&atlas.receivers, &atlas.layout);
+    let followed = azulejo_bake::repack_charts(
+        receivers,
+        even,
+        &importance.densities,
+        tracer,
+        &options.charts,
+        run.progress,
+    )?;
+    // Charts of many sizes fill less of a page.
+    let error_in = |layout: &Layout| importance.shadow_error(layout, even, receivers);
+    let is_better = error_in(&followed) < WORTH_REPACKING * error_in(even);
+    Ok(is_better.then_some(followed))
 }
 
 /// The light between patches, on which processes that share the work agree.

@@ -372,8 +372,8 @@ mod tests {
             w.write_all(b"half of it")?;
             Err(io::Error::other("the writer gave up"))
         });
-        let said = result.unwrap_err().to_string();
-        assert!(said.contains("a.grf: the writer gave up"), "{said}");
+        let message = result.unwrap_err().to_string();
+        assert!(message.contains("a.grf: the writer gave up"), "{message}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(&folder), ["a.grf"]);
         fs::remove_dir_all(folder).unwrap();
@@ -438,10 +438,10 @@ mod tests {
         commit(vec![draft], &Progress::new()).unwrap();
         let mut expected = kept.to_vec();
         expected.extend(["a.grf".to_owned(), "b.grf".to_owned()]);
-        let mut found = names(&folder);
+        let mut names = names(&folder);
         expected.sort();
-        found.sort();
-        assert_eq!(found, expected);
+        names.sort();
+        assert_eq!(names, expected);
         fs::remove_dir_all(folder).unwrap();
     }
 
@@ -463,8 +463,8 @@ mod tests {
         write(Path::new("/dev/null")).unwrap();
         let full = write(Path::new("/dev/full"));
         if Path::new("/dev/full").exists() {
-            let said = full.unwrap_err().to_string();
-            assert!(said.contains("No space left on device"), "{said}");
+            let message = full.unwrap_err().to_string();
+            assert!(message.contains("No space left on device"), "{message}");
         }
         fs::remove_dir_all(folder).unwrap();
     }

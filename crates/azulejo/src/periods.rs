@@ -11,7 +11,7 @@ use std::str::FromStr;
 /// use azulejo::periods::Periods;
 ///
 /// let street: Periods = "x=96,y".parse()?;
-/// assert_eq!(street.of_model([80.0, 64.0, 20.0])?, [96.0, 64.0, 0.0]);
+/// assert_eq!(street.distances([80.0, 64.0, 20.0])?, [96.0, 64.0, 0.0]);
 /// # Ok::<(), String>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Periods {
     ///
     /// # Errors
     /// A sentence, if the size is to be the distance and is zero.
-    pub fn of_model(&self, size: [f64; 3]) -> Result<[f64; 3], String> {
+    pub fn distances(&self, size: [f64; 3]) -> Result<[f64; 3], String> {
         let mut lengths = [0.0; 3];
         for axis in 0..3 {
             lengths[axis] = match self.0[axis] {
@@ -56,7 +56,7 @@ impl Periods {
     /// # Errors
     /// A sentence, if copies would overlap or lie in one place.
     pub fn repeated(&self, tracer: Tracer) -> Result<Tracer, String> {
-        let period = self.of_model(tracer.bounds().size().to_array())?;
+        let period = self.distances(tracer.bounds().size().to_array())?;
         let repeated = tracer.repeated(DVec3::from_array(period));
         repeated.map_err(|e| e.to_string())
     }
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn axes_with_and_without_lengths() {
-        let of = |text: &str| text.parse::<Periods>().unwrap().of_model([3.0, 4.0, 0.0]);
+        let of = |text: &str| text.parse::<Periods>().unwrap().distances([3.0, 4.0, 0.0]);
         assert_eq!(of("x,y"), Ok([3.0, 4.0, 0.0]));
         assert_eq!(of(" y = 9.5 "), Ok([0.0, 9.5, 0.0]));
         assert_eq!(of("z=1,x"), Ok([3.0, 0.0, 1.0]));

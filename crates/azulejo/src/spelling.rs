@@ -79,9 +79,9 @@ mod tests {
         assert_eq!(nearest("enigne", &["scene", "engine"]), Some("engine"));
         assert_eq!(nearest("rys", &["rays", "hybrid"]), Some("rays"));
         assert_eq!(nearest("xyzzy", &["rays", "hybrid"]), None);
-        let said = unknown("engine", "ray", &["rays", "hybrid"]);
+        let message = unknown("engine", "ray", &["rays", "hybrid"]);
         assert_eq!(
-            said,
+            message,
             "unknown engine \"ray\", did you mean \"rays\"? (known: rays, hybrid)"
         );
         assert_eq!(with_hint("missing field `name`"), "missing field `name`");

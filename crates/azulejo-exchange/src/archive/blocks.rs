@@ -23,7 +23,7 @@ pub struct BlockArchive {
     pub enclosure: Enclosure,
     /// The matrix.
     pub factors: Arc<CompressedFactors>,
-    /// The tolerance that was asked for.
+    /// The requested tolerance.
     pub tolerance: f64,
     /// How far it is off.
     pub stated: StatedErrors,
@@ -76,14 +76,14 @@ impl BlockArchive {
     pub fn of(
         plan: &PreparedPlan,
         scene: &Scene,
-        found: StatedFactors,
+        factors: StatedFactors,
         tolerance: f64,
     ) -> BlockArchive {
-        let enclosure = Enclosure::new(plan, scene, found.rows);
+        let enclosure = Enclosure::new(plan, scene, factors.rows);
         BlockArchive {
-            stated: found.stated,
-            whole_bytes: found.whole_bytes,
-            ..BlockArchive::new(enclosure, found.factors, tolerance)
+            stated: factors.stated,
+            whole_bytes: factors.whole_bytes,
+            ..BlockArchive::new(enclosure, factors.factors, tolerance)
         }
     }
 
@@ -214,15 +214,15 @@ fn read_blocks(mut archive: Arrays) -> Result<BlockArchive, ArchiveError> {
         // Unknown, not 0.
         factors.row_errors.clear();
     }
-    let of_rows = |numbers: Option<Vec<f64>>| numbers.unwrap_or_else(|| vec![0.0; n]);
+    let or_zeros = |numbers: Option<Vec<f64>>| numbers.unwrap_or_else(|| vec![0.0; n]);
     let compressed = CompressedFactors {
         order,
         parts,
         areas,
         ends: factors.ends.clone(),
         rest: factors.rest.clone(),
-        sum_errors: of_rows(archive.list("sum_error", 1)?),
-        entry_noise: of_rows(archive.list("entry_noise", 1)?),
+        sum_errors: or_zeros(archive.list("sum_error", 1)?),
+        entry_noise: or_zeros(archive.list("entry_noise", 1)?),
         bound: archive.whole("bound")?.unwrap_or(f64::NAN),
         scaled: archive.whole("scaled")?.unwrap_or_default(),
         deficit: archive.two("deficit")?,
@@ -318,19 +318,18 @@ impl Arrays<'_> {
             let mut read = BlockPart::default();
             for k in part[0]..part[1].min(count) {
                 let fail = |what: String| ArchiveError(format!("block {k}: {what}"));
-                let of = |ends: &[usize]| ends[2 * k]..ends[2 * k + 1];
-                let shape = BlockPlace {
-                    rows: of(&rows),
-                    columns: of(&columns),
+                let range = |ends: &[usize]| ends[2 * k]..ends[2 * k + 1];
+                let place = BlockPlace {
+                    rows: range(&rows),
+                    columns: range(&columns),
                 };
-                pairs += shape.check(self.rows).map_err(fail)?;
+                pairs += place.check(self.rows).map_err(fail)?;
                 let from = layout_starts[k]..layout_starts[k + 1];
                 let from: Vec<usize> = from.map(|i| layout.integer(i).max(0) as usize).collect();
                 let numbers = value_starts[k]..value_starts[k + 1];
-                let kind = shape
-                    .kind(kinds[k], ranks[k], &from, numbers.len())
-                    .map_err(fail)?;
-                let (start, layout_start) = (read.values.len(), read.layout.len());
+                let kind = place.kind(kinds[k], ranks[k], &from, numbers.len());
+                let kind = kind.map_err(fail)?;
+                let starts = [read.values.len(), read.layout.len()];
                 for i in numbers {
                     let value = values.number(i) as f32;
                     if !value.is_finite() {
@@ -340,19 +339,10 @@ impl Arrays<'_> {
                     read.values.push(value);
                 }
                 read.layout.extend(from.iter().map(|&x| x as u16));
-                let short = |x: usize| u32::try_from(x);
-                let ends = [start, read.values.len(), layout_start, read.layout.len()];
-                let [a, b, c, d] = match ends.map(short) {
-                    [Ok(a), Ok(b), Ok(c), Ok(d)] => [a, b, c, d],
-                    _ => return Err(fail("its part has more than 2^32 numbers".to_owned())),
-                };
-                read.blocks.push(Block {
-                    rows: shape.rows.start as u32..shape.rows.end as u32,
-                    columns: shape.columns.start as u32..shape.columns.end as u32,
-                    kind,
-                    values: a..b,
-                    layout: c..d,
-                });
+                let ends = [read.values.len(), read.layout.len()];
+                let block = place.block(kind, starts, ends);
+                let message = || "its part has more than 2^32 numbers".to_owned();
+                read.blocks.push(block.ok_or_else(|| fail(message()))?);
             }
             parts.push(read);
         }
@@ -413,6 +403,21 @@ impl BlockPlace {
         })
     }
 
+    /// The block between these numbers of values and indices; `None` beyond 32 bits.
+    fn block(&self, kind: BlockKind, starts: [usize; 2], ends: [usize; 2]) -> Option<Block> {
+        let range = |k: usize| {
+            let (start, end) = (u32::try_from(starts[k]), u32::try_from(ends[k]));
+            Some(start.ok()?..end.ok()?)
+        };
+        Some(Block {
+            rows: self.rows.start as u32..self.rows.end as u32,
+            columns: self.columns.start as u32..self.columns.end as u32,
+            kind,
+            values: range(0)?,
+            layout: range(1)?,
+        })
+    }
+
     /// Its layout, if it fits the numbers.
     fn kind(
         &self,
@@ -422,7 +427,7 @@ impl BlockPlace {
         values: usize,
     ) -> Result<BlockKind, String> {
         let (m, n) = (self.rows.len(), self.columns.len());
-        let found = match kind {
+        let (block_kind, count) = match kind {
             0 => {
                 self.check_sparse(layout, values)?;
                 return Ok(BlockKind::Sparse);
@@ -437,14 +442,14 @@ impl BlockPlace {
             }
             other => return Err(format!("kind {other}, expected {KINDS}")),
         };
-        if found.1 != Some(values) || !layout.is_empty() {
+        if count != Some(values) || !layout.is_empty() {
             return Err(format!(
                 "{values} numbers and {} indices, expected {} and none for {m} × {n} positions of rank {rank}",
                 layout.len(),
-                found.1.unwrap_or_default()
+                count.unwrap_or_default()
             ));
         }
-        Ok(found.0)
+        Ok(block_kind)
     }
 
     /// Rows, counts and columns within the block, one value for each column.

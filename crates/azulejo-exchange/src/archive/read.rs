@@ -142,8 +142,8 @@ impl<'a> Arrays<'a> {
     }
 
     pub fn required(&mut self, name: &str) -> Result<StoredArray, ArchiveError> {
-        let found = self.npz.array(name)?;
-        found.ok_or_else(|| {
+        let array = self.npz.array(name)?;
+        array.ok_or_else(|| {
             let has = self.npz.names().join(", ");
             ArchiveError(format!("there is no array \"{name}\" (there are: {has})"))
         })

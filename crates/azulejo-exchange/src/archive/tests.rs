@@ -162,8 +162,8 @@ fn a_matrix_of_others_is_made_reciprocal() {
 #[test]
 fn bad_arrays_are_named() {
     let refuse = |bytes: Vec<u8>, expected: &str| {
-        let said = read(Cursor::new(bytes), BUDGET).unwrap_err().to_string();
-        assert!(said.contains(expected), "{said}");
+        let message = read(Cursor::new(bytes), BUDGET).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
     };
     refuse(with("areas", &[], None), "no array \"areas\"");
     refuse(with("data", &[], None), "no array \"data\"");
@@ -250,8 +250,8 @@ fn room_in_blocks() -> BlockArchive {
     let plan = Plan::new(&scene, &tracer, &options).unwrap();
     let prepared = plan.prepare();
     let compression = CompressionOptions::default();
-    let found = StatedFactors::of(&prepared, &compression, &Progress::new()).unwrap();
-    let mut archive = BlockArchive::of(&prepared, &scene, found, compression.tolerance);
+    let stated = StatedFactors::of(&prepared, &compression, &Progress::new()).unwrap();
+    let mut archive = BlockArchive::of(&prepared, &scene, stated, compression.tolerance);
     let light = OutsideLight {
         irradiance: Rgb::new(3.0, 2.0, 1.0),
         ..OutsideLight::default()
@@ -351,8 +351,8 @@ fn damaged_blocks_are_named() {
     };
     assert!(changed("", &|_| ()).is_ok());
     let refuse = |name: &str, expected: &str, change: &dyn Fn(&mut Vec<f64>)| {
-        let said = changed(name, change).unwrap_err().to_string();
-        assert!(said.contains(expected), "{name}: {said}");
+        let message = changed(name, change).unwrap_err().to_string();
+        assert!(message.contains(expected), "{name}: {message}");
     };
     refuse("order", "each of the", &|x| x[1] = x[0]);
     refuse("order", "each of the", &|x| x[0] = 1e9);
@@ -412,8 +412,8 @@ fn numpy_multiplies_by_blocks() {
         "{}",
         String::from_utf8_lossy(&run.stderr)
     );
-    let said = String::from_utf8_lossy(&run.stdout);
-    let last = said.lines().last().unwrap();
+    let output = String::from_utf8_lossy(&run.stdout);
+    let last = output.lines().last().unwrap();
     let numbers: Vec<f64> = last.split(' ').map(|x| x.parse().unwrap()).collect();
     let least = room
         .factors
@@ -421,7 +421,7 @@ fn numpy_multiplies_by_blocks() {
         .into_iter()
         .fold(f64::INFINITY, f64::min);
     let entry = |i: usize, j: usize| room.factors.exchange_area(i, j) / room.factors.areas[i];
-    for (found, known) in numbers.iter().zip([least, entry(3, 77), entry(77, 3)]) {
-        assert!((found - known).abs() < 1e-9, "{said} {known}");
+    for (value, known) in numbers.iter().zip([least, entry(3, 77), entry(77, 3)]) {
+        assert!((value - known).abs() < 1e-9, "{output} {known}");
     }
 }

@@ -6,8 +6,7 @@ use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
-use azulejo_scene::{Rgb, Up};
-use glam::DVec3;
+use azulejo_scene::Up;
 use std::io::{self, Write};
 use std::ops::Range;
 
@@ -47,10 +46,10 @@ pub(super) fn write_around(enclosure: &Enclosure, archive: &mut NpzWriter) -> io
     write_shares(&enclosure.factors, archive)?;
     if let Some(rows) = &enclosure.outside {
         archive.add("irradiance", |w| {
-            colours(rows.iter().map(|r| r.irradiance), w)
+            triples(rows.iter().map(|r| r.irradiance.to_array()), w)
         })?;
         archive.add("irradiance_error", |w| {
-            colours(rows.iter().map(|r| r.error), w)
+            triples(rows.iter().map(|r| r.error.to_array()), w)
         })?;
     }
     write_rows(enclosure, archive)?;
@@ -145,7 +144,8 @@ fn write_rows(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> 
         list(&factors.materials, |&m| i64::from(m), w)
     })?;
     archive.add("rho_s", |w| list(&factors.ends, |end| 1.0 - end, w))?;
-    archive.add("diffuse", |w| colours(rows.diffuse.iter().copied(), w))?;
+    let diffuse = rows.diffuse.iter().map(|c| c.to_array());
+    archive.add("diffuse", |w| triples(diffuse, w))?;
     if !rows.grouped_faces.is_empty() {
         archive.add("group_faces", |w| {
             npy::write_header(i64::DESCR, &[rows.grouped_faces.len(), 3], w)?;
@@ -164,9 +164,15 @@ fn write_cells(cells: &CellMesh, rows: usize, archive: &mut NpzWriter) -> io::Re
         return Ok(());
     }
     let frames = cells.frames(rows);
-    archive.add("centroids", |w| vectors(frames.iter().map(|f| f.0), w))?;
-    archive.add("normals", |w| vectors(frames.iter().map(|f| f.1), w))?;
-    archive.add("points", |w| vectors(cells.points.iter().copied(), w))?;
+    archive.add("centroids", |w| {
+        triples(frames.iter().map(|f| f.0.to_array()), w)
+    })?;
+    archive.add("normals", |w| {
+        triples(frames.iter().map(|f| f.1.to_array()), w)
+    })?;
+    archive.add("points", |w| {
+        triples(cells.points.iter().map(|p| p.to_array()), w)
+    })?;
     archive.add("cell_corners", |w| {
         list(&cells.corners, |&c| i64::from(c), w)
     })?;
@@ -194,18 +200,10 @@ fn write_whole(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()>
     archive.add("version", |w| npy::write(&[], &[VERSION], w))
 }
 
-/// An array of red, green and blue for each row.
-fn colours(rows: impl ExactSizeIterator<Item = Rgb>, out: &mut dyn Write) -> io::Result<()> {
+/// An array of three numbers for each row.
+fn triples(rows: impl ExactSizeIterator<Item = [f64; 3]>, out: &mut dyn Write) -> io::Result<()> {
     npy::write_header(f64::DESCR, &[rows.len(), 3], out)?;
-    let mut numbers = rows.flat_map(|row| row.to_array());
-    numbers.try_for_each(|x: f64| x.write(out))
-}
-
-/// An array of x, y and z for each row.
-fn vectors(rows: impl ExactSizeIterator<Item = DVec3>, out: &mut dyn Write) -> io::Result<()> {
-    npy::write_header(f64::DESCR, &[rows.len(), 3], out)?;
-    let mut numbers = rows.flat_map(|row| row.to_array());
-    numbers.try_for_each(|x: f64| x.write(out))
+    rows.flatten().try_for_each(|x| x.write(out))
 }
 
 /// Complete rows of a matrix, of which one half is in memory.

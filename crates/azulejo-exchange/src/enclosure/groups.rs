@@ -118,13 +118,13 @@ impl RowTable {
 
     fn faces_of(&self, groups: &Groups, factors: &FormFactors) -> Vec<(FaceId, u32)> {
         let group = |row: usize| *groups.of_rows.get(row)?;
-        let of_patch = |(row, &face)| Some((face, group(row)?));
-        let of_group = |&(face, row): &(FaceId, u32)| Some((face, group(row as usize)?));
+        let patch = |(row, &face)| Some((face, group(row)?));
+        let grouped = |&(face, row): &(FaceId, u32)| Some((face, group(row as usize)?));
         let mut faces: Vec<(FaceId, u32)> = if self.are_groups {
-            self.grouped_faces.iter().filter_map(of_group).collect()
+            self.grouped_faces.iter().filter_map(grouped).collect()
         } else {
             let faces = factors.faces.iter().enumerate();
-            faces.filter_map(of_patch).collect()
+            faces.filter_map(patch).collect()
         };
         faces.sort_unstable();
         faces.dedup();

@@ -208,6 +208,6 @@ impl RowTable {
 
 /// The entry of a column in a row with ascending columns, or zeros.
 pub(crate) fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
-    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
-    found.map_or((column, 0.0, 0.0), |k| row[k])
+    let position = row.binary_search_by_key(&column, |&(j, ..)| j);
+    position.map_or((column, 0.0, 0.0), |k| row[k])
 }

@@ -65,15 +65,15 @@ mod tests {
             \0\0\0\0\0\0\0\0\
             \0\0\0\x0b\0\0\0\x01\0\0\0\x0bview factor\0\0\0\0\x02\0\0\0\0\0\0\0\x01\
             \0\0\0\0\0\0\0\0\0\0\0\x05\0\0\0\x24\0\0\0\0\0\0\0\x70";
-        let found = header("view factor", 3);
-        assert_eq!(found, expected);
-        assert_eq!(found.len(), 0x70);
+        let bytes = header("view factor", 3);
+        assert_eq!(bytes, expected);
+        assert_eq!(bytes.len(), 0x70);
     }
 
     #[test]
     fn large_arrays_have_no_size() {
-        let found = header("a", 40_000);
-        let end = found.len() - 8;
-        assert_eq!(found[end - 4..end], [255; 4]);
+        let bytes = header("a", 40_000);
+        let end = bytes.len() - 8;
+        assert_eq!(bytes[end - 4..end], [255; 4]);
     }
 }

@@ -40,14 +40,12 @@ fn bare(number: &str) -> &str {
 /// C's `%.NE` with at least one decimal, as Fortran and Nastran require of a real number.
 pub(crate) fn exponential(x: f64, digits: usize) -> String {
     let scientific = format!("{:.*e}", digits - 1, x + 0.0);
-    match scientific.split_once('e') {
-        Some((mantissa, exponent)) => {
-            let exponent: i32 = exponent.parse().unwrap_or(0);
-            let sign = if exponent < 0 { '-' } else { '+' };
-            format!("{mantissa}E{sign}{:02}", exponent.abs())
-        }
-        None => scientific,
-    }
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let sign = if exponent < 0 { '-' } else { '+' };
+    format!("{mantissa}E{sign}{:02}", exponent.abs())
 }
 
 /// Writes words with blanks between them, starting a new line where one would grow beyond `width`.
@@ -173,8 +171,8 @@ mod tests {
     #[test]
     fn names_become_words_that_differ() {
         let names = ["a b", "A_B", "", "c"].map(Cow::from);
-        let found = words(&names, char::is_alphanumeric);
-        assert_eq!(found, ["a_b_1", "A_B_2", "_3", "c"]);
+        let words = words(&names, char::is_alphanumeric);
+        assert_eq!(words, ["a_b_1", "A_B_2", "_3", "c"]);
         assert_eq!(json("a\"\\\n"), "\"a\\\"\\\\\\u000a\"");
         assert_eq!(xml("<a & \"b\"\u{1}>"), "&lt;a &amp; &quot;b&quot; &gt;");
         assert_eq!(comment("é\nabc", 4), "__ab");

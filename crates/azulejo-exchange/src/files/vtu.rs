@@ -18,58 +18,29 @@ const QUAD: u8 = 9;
 /// Columns of a matrix that are shown, by which an array of shares begins.
 const FROM: &str = "F_from_";
 
-/// Numbers of an array, in order.
-enum Numbers {
-    F64(Vec<f64>),
-    I64(Vec<i64>),
-    I32(Vec<i32>),
-    U8(Vec<u8>),
-}
-
 /// An array of the file.
 struct DataArray {
     name: String,
     components: usize,
-    numbers: Numbers,
-}
-
-impl Numbers {
-    fn type_name(&self) -> &'static str {
-        match self {
-            Numbers::F64(_) => "Float64",
-            Numbers::I64(_) => "Int64",
-            Numbers::I32(_) => "Int32",
-            Numbers::U8(_) => "UInt8",
-        }
-    }
-
-    fn bytes(&self) -> u64 {
-        let (count, size) = match self {
-            Numbers::F64(v) => (v.len(), 8),
-            Numbers::I64(v) => (v.len(), 8),
-            Numbers::I32(v) => (v.len(), 4),
-            Numbers::U8(v) => (v.len(), 1),
-        };
-        count as u64 * size
-    }
-
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        out.write_all(&self.bytes().to_le_bytes())?;
-        match self {
-            Numbers::F64(v) => v.iter().try_for_each(|x| out.write_all(&x.to_le_bytes())),
-            Numbers::I64(v) => v.iter().try_for_each(|x| out.write_all(&x.to_le_bytes())),
-            Numbers::I32(v) => v.iter().try_for_each(|x| out.write_all(&x.to_le_bytes())),
-            Numbers::U8(v) => out.write_all(v),
-        }
-    }
+    /// VTK's name of the type of its numbers.
+    type_name: &'static str,
+    /// The numbers, in order.
+    bytes: Vec<u8>,
 }
 
 impl DataArray {
-    fn new(name: impl Into<String>, components: usize, numbers: Numbers) -> DataArray {
+    /// An array of numbers by their bytes, `components` for each point or cell.
+    fn new<const N: usize>(
+        name: impl Into<String>,
+        components: usize,
+        type_name: &'static str,
+        numbers: impl Iterator<Item = [u8; N]>,
+    ) -> DataArray {
         DataArray {
             name: name.into(),
             components,
-            numbers,
+            type_name,
+            bytes: numbers.flatten().collect(),
         }
     }
 
@@ -77,9 +48,14 @@ impl DataArray {
         ArrayTag {
             name: &self.name,
             components: self.components,
-            type_name: self.numbers.type_name(),
-            bytes: self.numbers.bytes(),
+            type_name: self.type_name,
+            bytes: self.bytes.len() as u64,
         }
+    }
+
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(&(self.bytes.len() as u64).to_le_bytes())?;
+        out.write_all(&self.bytes)
     }
 }
 
@@ -136,49 +112,38 @@ fn shown_rows(enclosure: &Enclosure, names: &[String]) -> Result<Vec<usize>, Fac
 /// Points, corners, ends and types of all cells.
 fn geometry(cells: &CellMesh) -> [DataArray; 4] {
     let points = cells.points.iter().flat_map(|p| p.to_array());
-    let ends = cells.starts.iter().skip(1);
     let cell_type = |i: usize| match cells.cell(i).len() {
         3 => TRIANGLE,
         4 => QUAD,
         _ => POLYGON,
     };
+    let integers = |name, numbers: &[u32]| {
+        let numbers = numbers.iter().map(|&x| i64::from(x).to_le_bytes());
+        DataArray::new(name, 1, "Int64", numbers)
+    };
+    let types = (0..cells.len()).map(|i| [cell_type(i)]);
     [
-        DataArray::new("Points", 3, Numbers::F64(points.collect())),
-        DataArray::new(
-            "connectivity",
-            1,
-            Numbers::I64(cells.corners.iter().map(|&c| c.into()).collect()),
-        ),
-        DataArray::new(
-            "offsets",
-            1,
-            Numbers::I64(ends.map(|&e| e.into()).collect()),
-        ),
-        DataArray::new(
-            "types",
-            1,
-            Numbers::U8((0..cells.len()).map(cell_type).collect()),
-        ),
+        DataArray::new("Points", 3, "Float64", points.map(f64::to_le_bytes)),
+        integers("connectivity", &cells.corners),
+        integers("offsets", &cells.starts[cells.starts.len().min(1)..]),
+        DataArray::new("types", 1, "UInt8", types),
     ]
 }
 
 /// A number for each row, repeated for its cells.
 fn per_cell(cells: &CellMesh, name: &str, values: &[f64]) -> DataArray {
-    let of_cells = cells.rows.iter().map(|&row| values[row as usize]);
-    DataArray::new(name, 1, Numbers::F64(of_cells.collect()))
+    let numbers = cells.rows.iter().map(|&row| values[row as usize]);
+    DataArray::new(name, 1, "Float64", numbers.map(f64::to_le_bytes))
 }
 
 fn integers(cells: &CellMesh, name: &str, of: impl Fn(usize) -> u32) -> DataArray {
-    let of_cells = cells.rows.iter().map(|&row| of(row as usize) as i32);
-    DataArray::new(name, 1, Numbers::I32(of_cells.collect()))
+    let numbers = cells.rows.iter().map(|&row| of(row as usize) as i32);
+    DataArray::new(name, 1, "Int32", numbers.map(i32::to_le_bytes))
 }
 
 fn colours<'a>(cells: &CellMesh, name: &str, of: impl Fn(usize) -> &'a Rgb) -> DataArray {
-    let of_cells = cells
-        .rows
-        .iter()
-        .flat_map(|&row| of(row as usize).to_array());
-    DataArray::new(name, 3, Numbers::F64(of_cells.collect()))
+    let colours = cells.rows.iter().map(|&row| of(row as usize).to_array());
+    DataArray::new(name, 3, "Float64", colours.flatten().map(f64::to_le_bytes))
 }
 
 /// What is known of rows.
@@ -235,12 +200,12 @@ fn write(
     header(counts, geometry.each_ref().map(DataArray::tag), &tags, out)?;
     out.write_all(b"_")?;
     for array in geometry.iter().chain(arrays) {
-        array.numbers.write(out)?;
+        array.write(out)?;
     }
     writeln!(out, "\n  </AppendedData>\n</VTKFile>")
 }
 
-/// The XML before the data, for so many points and cells. Offsets count from the first byte of data.
+/// The XML before the data, for these numbers of points and cells. Offsets count from the first byte of data.
 fn header(
     [points, cells]: [usize; 2],
     geometry: [ArrayTag<'_>; 4],
@@ -257,12 +222,12 @@ fn header(
     let [points, cells @ ..] = &geometry;
     data_array(points, &mut offset, out)?;
     writeln!(out, "      </Points>\n      <Cells>")?;
-    for tag in cells {
-        data_array(tag, &mut offset, out)?;
+    for array in cells {
+        data_array(array, &mut offset, out)?;
     }
     writeln!(out, "      </Cells>\n      <CellData>")?;
-    for tag in arrays {
-        data_array(tag, &mut offset, out)?;
+    for array in arrays {
+        data_array(array, &mut offset, out)?;
     }
     write!(
         out,
@@ -270,19 +235,19 @@ fn header(
     )
 }
 
-fn data_array(tag: &ArrayTag<'_>, offset: &mut u64, out: &mut dyn Write) -> io::Result<()> {
+fn data_array(array: &ArrayTag<'_>, offset: &mut u64, out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,
         "        <DataArray type=\"{}\" Name=\"{}\"",
-        tag.type_name,
-        xml(tag.name)
+        array.type_name,
+        xml(array.name)
     )?;
-    if tag.components > 1 {
-        write!(out, " NumberOfComponents=\"{}\"", tag.components)?;
+    if array.components > 1 {
+        write!(out, " NumberOfComponents=\"{}\"", array.components)?;
     }
     writeln!(out, " format=\"appended\" offset=\"{offset}\"/>")?;
     // The length of each array is written before it.
-    *offset += size_of::<u64>() as u64 + tag.bytes;
+    *offset += size_of::<u64>() as u64 + array.bytes;
     Ok(())
 }
 

@@ -167,12 +167,8 @@ fn each(
         write([numbers.nodes[a], numbers.nodes[b]], pair.gr, words)?;
     }
     for (space, number) in list.space.iter().zip(&numbers.space) {
-        for (i, (gr, _)) in space
-            .gr
-            .iter()
-            .enumerate()
-            .filter(|(_, (gr, _))| *gr != 0.0)
-        {
+        let seen = space.gr.iter().enumerate().filter(|(_, gr)| gr.0 != 0.0);
+        for (i, (gr, _)) in seen {
             let words = names(&list.names[i], &space.name);
             write([numbers.nodes[i], *number], *gr, words)?;
         }

@@ -15,7 +15,7 @@ pub fn in_series(conductances: &[f64]) -> f64 {
 }
 
 /// GR of a grey surface of emissivity e and its own radiosity, e A/(1 − e).
-pub fn of_surface(e: f64, area: f64) -> f64 {
+pub fn surface_conductance(e: f64, area: f64) -> f64 {
     e * area / (1.0 - e)
 }
 
@@ -82,6 +82,6 @@ pub fn opposed_strips(w: f64, h: f64) -> f64 {
 }
 
 /// F from a side a of an infinitely long triangle to the side b, where c is the third.
-pub fn of_triangle(a: f64, b: f64, c: f64) -> f64 {
+pub fn triangle_factor(a: f64, b: f64, c: f64) -> f64 {
     0.5 * (a + b - c) / a
 }

@@ -1,6 +1,6 @@
 //! Enclosures with form factors of catalogues. Mirrors are unfolded axis by axis.
 
-use crate::expected::{disks, of_triangle, opposed_strips};
+use crate::expected::{disks, opposed_strips, triangle_factor};
 use crate::net_radiation::{GreyPaint, NetRadiation};
 use azulejo_testing::closed_forms::{on_common_edge, opposed, parallel, perpendicular};
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ pub fn triangle(sides: [f64; 3], paint: &GreyPaint) -> NetRadiation {
         if i == j {
             0.0
         } else {
-            of_triangle(sides[i], sides[j], sides[3 - i - j])
+            triangle_factor(sides[i], sides[j], sides[3 - i - j])
         }
     })
 }
@@ -38,7 +38,7 @@ pub fn rectangular_duct(width: f64, height: f64, paint: &GreyPaint) -> NetRadiat
     NetRadiation::new(&sides, paint, |i, j| match i.abs_diff(j) {
         0 => 0.0,
         2 => opposed_strips(sides[i], sides[1 - i % 2]),
-        _ => of_triangle(sides[i], sides[j], diagonal),
+        _ => triangle_factor(sides[i], sides[j], diagonal),
     })
 }
 

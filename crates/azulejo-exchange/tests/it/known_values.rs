@@ -128,9 +128,9 @@ fn by_equations(case: &ExchangeCase, book: &NetRadiation) -> Option<f64> {
         ExchangeQuestion::Flux(rows) => balance(case, book).fluxes[rows[0]],
         ExchangeQuestion::Temperature(i) => balance(case, book).temperatures[*i],
         ExchangeQuestion::Irradiation(i) => {
-            let found = balance(case, book);
-            let emission = SIGMA * found.temperatures[*i].powi(4);
-            emission - found.fluxes[*i] / enclosure.emissivity[*i]
+            let balance = balance(case, book);
+            let emission = SIGMA * balance.temperatures[*i].powi(4);
+            emission - balance.fluxes[*i] / enclosure.emissivity[*i]
         }
         _ => return None,
     })
@@ -149,7 +149,7 @@ fn by_formula(case: &ExchangeCase) -> Option<f64> {
         {
             plates(e[0], e[1])
         }
-        ExchangeQuestion::Conductance(_) if is_nested => of_gap(enclosure),
+        ExchangeQuestion::Conductance(_) if is_nested => gap_conductance(enclosure),
         ExchangeQuestion::Gebhart([_, j]) if id.starts_with("sphere3") => {
             part_of_sphere(areas, e, *j)
         }
@@ -165,31 +165,37 @@ fn by_formula(case: &ExchangeCase) -> Option<f64> {
         }
         ExchangeQuestion::Reradiating(_) => {
             let black = reradiating(areas[0], areas[1], enclosure.factor(0, 1));
-            let surfaces = [0, 1].map(|row| of_surface(e[row], areas[row]));
+            let surfaces = [0, 1].map(|row| surface_conductance(e[row], areas[row]));
             in_series(&[surfaces[0], black, surfaces[1]])
         }
-        ExchangeQuestion::ConductanceOfGaps(_) => of_gaps(enclosure),
+        ExchangeQuestion::ConductanceOfGaps(_) => gaps_conductance(enclosure),
         ExchangeQuestion::FluxThroughGaps([t1, t2]) => {
-            SIGMA * fourth_powers(*t1, *t2) * of_gaps(enclosure)
+            SIGMA * fourth_powers(*t1, *t2) * gaps_conductance(enclosure)
         }
         ExchangeQuestion::TemperatureBeforeGaps { flux, last } => {
-            (last.powi(4) + flux / (SIGMA * of_gaps(enclosure))).powf(0.25)
+            (last.powi(4) + flux / (SIGMA * gaps_conductance(enclosure))).powf(0.25)
         }
         ExchangeQuestion::Emitted { range, temperature } if range[0] > 0.0 => {
             planck_between(range[0] * temperature, range[1] * temperature)
         }
         ExchangeQuestion::Emitted { range, temperature } => planck_fraction(range[1] * temperature),
-        _ => return of_bands(case),
+        _ => return two_band_value(case),
     })
 }
 
-fn of_gap(gap: &KnownEnclosure) -> f64 {
+fn gap_conductance(gap: &KnownEnclosure) -> f64 {
     let pair = |values: &[f64]| [values[0], values[1]];
     concentric(pair(&gap.areas), pair(&gap.emissivity), gap.mirror_of(1))
 }
 
-fn of_gaps(enclosure: &KnownEnclosure) -> f64 {
-    in_series(&enclosure.gaps.iter().map(of_gap).collect::<Vec<f64>>())
+fn gaps_conductance(enclosure: &KnownEnclosure) -> f64 {
+    in_series(
+        &enclosure
+            .gaps
+            .iter()
+            .map(gap_conductance)
+            .collect::<Vec<f64>>(),
+    )
 }
 
 /// T₁⁴ − T₂⁴ in K⁴.
@@ -198,7 +204,7 @@ fn fourth_powers(t1: f64, t2: f64) -> f64 {
 }
 
 /// Temperatures and fluxes in two bands: heat and the sun, or below and above the edge.
-fn of_bands(case: &ExchangeCase) -> Option<f64> {
+fn two_band_value(case: &ExchangeCase) -> Option<f64> {
     let (asked, enclosure) = (&case.asked, &*case.enclosure);
     let [first, second] = &enclosure.bands[..] else {
         return None;

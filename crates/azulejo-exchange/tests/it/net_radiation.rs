@@ -134,21 +134,21 @@ impl NetRadiation {
     pub fn balance(&self, conditions: &[RowCondition]) -> KnownBalance {
         let n = self.areas.len();
         let ends = |j: usize| 1.0 - self.paint.mirror[j];
-        let of_emission = |i: usize, j: usize| unit(i, j) - ends(j) * self.factors[i][j];
-        let of_flux = |i: usize, j: usize| {
+        let emission_factor = |i: usize, j: usize| unit(i, j) - ends(j) * self.factors[i][j];
+        let flux_factor = |i: usize, j: usize| {
             (unit(i, j) - self.diffuse(j) * self.factors[i][j]) / self.paint.emissivity[j]
         };
         // Unknown fluxes and emissions on the left, known ones on the right.
         let left = |i: usize, j: usize| match conditions[j] {
-            RowCondition::Temperature(_) => -of_flux(i, j),
-            RowCondition::Flux(_) => of_emission(i, j),
+            RowCondition::Temperature(_) => -flux_factor(i, j),
+            RowCondition::Flux(_) => emission_factor(i, j),
         };
         let known = |i: usize, j: usize| match conditions[j] {
-            RowCondition::Temperature(t) => -of_emission(i, j) * SIGMA * t.powi(4),
-            RowCondition::Flux(q) => of_flux(i, j) * q,
+            RowCondition::Temperature(t) => -emission_factor(i, j) * SIGMA * t.powi(4),
+            RowCondition::Flux(q) => flux_factor(i, j) * q,
         };
         let right = (0..n).map(|i| (0..n).map(|j| known(i, j)).sum()).collect();
-        let found = eliminate(matrix(n, left), right);
+        let solution = eliminate(matrix(n, left), right);
         let temperature = |(condition, x): (&RowCondition, &f64)| match condition {
             RowCondition::Temperature(t) => *t,
             RowCondition::Flux(_) => (x / SIGMA).powf(0.25),
@@ -158,8 +158,8 @@ impl NetRadiation {
             RowCondition::Flux(q) => *q,
         };
         KnownBalance {
-            temperatures: conditions.iter().zip(&found).map(temperature).collect(),
-            fluxes: conditions.iter().zip(&found).map(flux).collect(),
+            temperatures: conditions.iter().zip(&solution).map(temperature).collect(),
+            fluxes: conditions.iter().zip(&solution).map(flux).collect(),
         }
     }
 }

@@ -18,7 +18,7 @@ const START: f64 = 700.0;
 pub fn planck_fraction(product: f64) -> f64 {
     let start = (C2 / START).ln();
     let width = (product.ln() - start) / f64::from(PANELS);
-    let panel = |k: u32| five_points(start + f64::from(k) * width, width, of_logarithm);
+    let panel = |k: u32| five_points(start + f64::from(k) * width, width, emitted_per_logarithm);
     (0..PANELS).map(panel).sum()
 }
 
@@ -27,7 +27,7 @@ pub fn planck_between(low: f64, high: f64) -> f64 {
     planck_fraction(high) - planck_fraction(low)
 }
 
-fn of_logarithm(logarithm: f64) -> f64 {
+fn emitted_per_logarithm(logarithm: f64) -> f64 {
     let x = C2 / logarithm.exp();
     15.0 / PI.powi(4) * x.powi(4) / x.exp_m1()
 }

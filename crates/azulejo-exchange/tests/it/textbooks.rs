@@ -14,9 +14,9 @@ fn elimination_needs_its_pivots() {
         vec![1.0, 1.0, 1.0],
         vec![3.0, 0.0, -1.0],
     ];
-    let found = eliminate(matrix, vec![7.0, 6.0, 0.0]);
-    for (x, expected) in found.iter().zip([1.0, 2.0, 3.0]) {
-        assert!((x - expected).abs() < 1e-14, "{found:?}");
+    let solution = eliminate(matrix, vec![7.0, 6.0, 0.0]);
+    for (x, expected) in solution.iter().zip([1.0, 2.0, 3.0]) {
+        assert!((x - expected).abs() < 1e-14, "{solution:?}");
     }
 }
 
@@ -71,9 +71,9 @@ fn given_fluxes_give_temperatures() {
         .map(RowCondition::Flux)
         .collect::<Vec<_>>();
     mixed[1] = RowCondition::Temperature(700.0);
-    let found = duct.balance(&mixed).temperatures;
-    for (t, expected) in found.iter().zip(temperatures) {
-        assert!((t - expected).abs() < 1e-9, "{found:?}");
+    let solved = duct.balance(&mixed).temperatures;
+    for (t, expected) in solved.iter().zip(temperatures) {
+        assert!((t - expected).abs() < 1e-9, "{solved:?}");
     }
 }
 

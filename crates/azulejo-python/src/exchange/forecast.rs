@@ -25,8 +25,8 @@ pub fn check(
     };
     // Bands that are done keep conductances and errors.
     let kept = 2 * (bands as u64).saturating_sub(1);
-    let of_nodes = nodes.saturating_mul(OF_NODES + kept);
-    let numbers = nodes.saturating_mul(of_nodes.saturating_add(OF_ROWS * rows));
+    let numbers_per_node = nodes.saturating_mul(OF_NODES + kept);
+    let numbers = nodes.saturating_mul(numbers_per_node.saturating_add(OF_ROWS * rows));
     let bytes = numbers.saturating_mul(size_of::<f64>() as u64);
     if bytes <= memory {
         return Ok(());

@@ -46,8 +46,8 @@ impl CsrBuffers {
         let pieces = pieces.zip(cut(&mut error, &blocks));
         let columns = cut(&mut small, &blocks).into_par_iter();
         let columns = columns.zip(cut(&mut large, &blocks));
-        let all = pieces.zip(columns).zip(&blocks);
-        all.for_each(|(((data, error), (small, large)), (rows, _))| {
+        let parts = pieces.zip(columns).zip(&blocks);
+        parts.for_each(|(((data, error), (small, large)), (rows, _))| {
             let entries = factors.rows(rows.clone()).into_iter().flatten();
             for (k, (column, value, spread)) in entries.enumerate() {
                 (data[k], error[k]) = (value, spread);
@@ -96,14 +96,14 @@ pub fn order(factors: &FormFactors, order: usize) -> (Vec<f64>, Vec<f32>) {
     let (mut data, mut error) = (vec![0.0; count], vec![0.0; count]);
     let blocks = blocks(factors, &starts);
     let pieces = cut(&mut data, &blocks).into_par_iter();
-    let all = pieces.zip(cut(&mut error, &blocks)).zip(&blocks);
-    all.for_each(|((data, error), (rows, _))| {
+    let parts = pieces.zip(cut(&mut error, &blocks)).zip(&blocks);
+    parts.for_each(|((data, error), (rows, _))| {
         let whole = factors.exchange.rows(rows.clone());
         let parts = factors.rows_of_order(order, rows.clone());
         let entries = whole.iter().zip(&parts).flat_map(|(row, part)| {
             row.iter().map(|e| {
-                let found = part.binary_search_by_key(&e.column, |&(j, ..)| j);
-                found.map_or((0.0, 0.0), |k| (part[k].1, part[k].2))
+                let position = part.binary_search_by_key(&e.column, |&(j, ..)| j);
+                position.map_or((0.0, 0.0), |k| (part[k].1, part[k].2))
             })
         });
         for (k, (value, spread)) in entries.enumerate() {

@@ -45,8 +45,8 @@ impl<'a> Arguments<'a> {
     }
 
     fn value(&self, name: &str) -> Option<&'a Value> {
-        let found = self.given.iter().find(|(p, _)| p.name == name);
-        found.map(|(_, value)| *value)
+        let given = self.given.iter().find(|(p, _)| p.name == name);
+        given.map(|(_, value)| *value)
     }
 
     /// Whether it was given.

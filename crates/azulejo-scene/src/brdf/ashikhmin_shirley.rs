@@ -7,7 +7,7 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
@@ -29,10 +29,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "ashikhmin_shirley kd = 1 ks = 0.8 nu = 1 nv = 1",
         "ashikhmin_shirley ks = 1 nu = 400 nv = 50",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

@@ -20,7 +20,7 @@ use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{KD, ModelInfo, ParameterInfo};
+use super::models::{KD, ModelInfo, PLAIN, ParameterInfo};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
@@ -63,9 +63,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "beard_maxwell kd = (0.3, 0.1, 0.1) kv = 0.1 bias = 0.7 sigma = 0.05 eta = 1.4",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -177,8 +177,8 @@ mod tests {
             let (tan, cos) = (theta.to_radians().tan(), theta.to_radians().cos());
             let facets = (-0.5 * (tan / 0.3).powi(2)).exp() / (TAU * 0.09 * cos.powi(4));
             let expected = (0.65f64 / 2.65).powi(2) * facets / (4.0 * cos * cos);
-            let found = brdf.eval(direction(theta), direction(theta)).r;
-            assert!((found / expected - 1.0).abs() < 1e-9, "{theta}: {found}");
+            let value = brdf.eval(direction(theta), direction(theta)).r;
+            assert!((value / expected - 1.0).abs() < 1e-9, "{theta}: {value}");
         }
     }
 
@@ -189,8 +189,8 @@ mod tests {
         for theta in [0.0f64, 60.0, 85.0] {
             let cos = theta.to_radians().cos();
             let expected = 0.8 * (1.0 - cos * (1.0 + 1.0 / cos).ln());
-            let found = brdf.albedo(direction(theta)).r;
-            assert!((found - expected).abs() < 2e-3, "{theta}: {found}");
+            let albedo = brdf.albedo(direction(theta)).r;
+            assert!((albedo - expected).abs() < 2e-3, "{theta}: {albedo}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::arguments::Arguments;
 use super::beckmann::Beckmann;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{AX, AY, HalfVector, over_base, roughness};
-use super::models::{KD, KS, ModelInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
@@ -24,9 +24,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "beckmann_smith ax = 0.02",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

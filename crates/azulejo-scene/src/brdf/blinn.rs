@@ -9,7 +9,7 @@ use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, mirrored_by};
-use super::models::{EXPONENT, KD, KS, ModelInfo};
+use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -25,10 +25,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "blinn ks = 1 n = 0",
         "blinn kd = (0.1, 0.2, 0.3) ks = 0.5 n = 1000",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

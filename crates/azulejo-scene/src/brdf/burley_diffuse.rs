@@ -7,7 +7,7 @@ use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::Matt;
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use super::oren_nayar::RHO;
 use crate::Rgb;
 use glam::DVec3;
@@ -27,10 +27,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "burley_diffuse rho = 1 rough = 1",
         "burley_diffuse rho = 0.5 rough = 0",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

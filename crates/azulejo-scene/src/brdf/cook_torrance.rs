@@ -8,7 +8,7 @@ use super::arguments::Arguments;
 use super::beckmann::Beckmann;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, over_base, v_grooves};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
@@ -34,9 +34,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "cook_torrance m = 0.5",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

@@ -84,8 +84,8 @@ impl Model {
         let is = |given: &str| {
             given.eq_ignore_ascii_case(name) || known.is_some_and(|p| p.is_called(given))
         };
-        let found = self.parameters.iter().find(|p| is(&p.name));
-        found.map(|p| &p.value)
+        let parameter = self.parameters.iter().find(|p| is(&p.name));
+        parameter.map(|p| &p.value)
     }
 
     fn lobes(&self) -> Result<Vec<Lobe>, BrdfError> {
@@ -196,7 +196,7 @@ impl fmt::Display for Description {
 
 /// Splits `text` into words, numbers and lists; `=` and `,` are blanks beside them.
 fn tokens(text: &str) -> Vec<&str> {
-    let mut found = Vec::new();
+    let mut tokens = Vec::new();
     let mut rest = text.trim_start();
     while !rest.is_empty() {
         let end = match rest.as_bytes()[0] {
@@ -206,10 +206,10 @@ fn tokens(text: &str) -> Vec<&str> {
                 .find(|c: char| c.is_whitespace() || c == '=' || c == '(')
                 .unwrap_or(rest.len()),
         };
-        found.push(&rest[..end]);
+        tokens.push(&rest[..end]);
         rest = rest[end..].trim_start();
     }
-    found
+    tokens
 }
 
 impl FromStr for Value {
@@ -259,7 +259,7 @@ impl FromStr for Description {
     }
 }
 
-/// Parses the parameters of a model; stops at the first token that is none.
+/// Parses the parameters of a model; stops at the first token that is not one.
 fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a str]), BrdfError> {
     let mut model = Model {
         name: name.to_owned(),
@@ -279,10 +279,10 @@ fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a
 }
 
 fn parts(mut rest: &[&str]) -> Result<Vec<(f64, Model)>, BrdfError> {
-    let (mut found, mut weight) = (Vec::new(), 1.0);
+    let (mut parts, mut weight) = (Vec::new(), 1.0);
     loop {
         match rest {
-            [] => return Ok(found),
+            [] => return Ok(parts),
             [key, "=", value, behind @ ..] if key.eq_ignore_ascii_case("weight") => {
                 let Value::Number(number) = value.parse()? else {
                     return Err(BrdfError::WrongKind {
@@ -294,7 +294,7 @@ fn parts(mut rest: &[&str]) -> Result<Vec<(f64, Model)>, BrdfError> {
             }
             [name, behind @ ..] => {
                 let (part, behind) = model(name, behind)?;
-                found.push((weight, part));
+                parts.push((weight, part));
                 rest = behind;
             }
         }

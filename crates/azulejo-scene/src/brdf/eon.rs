@@ -8,7 +8,7 @@ use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::{Matt, across};
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use super::oren_nayar::RHO;
 use crate::Rgb;
 use glam::DVec3;
@@ -29,10 +29,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "eon rho = (0.8, 0.5, 0.2) r = 0.7",
         "eon rho = 0.5 r = 0",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

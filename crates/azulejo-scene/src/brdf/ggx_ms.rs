@@ -7,10 +7,11 @@
 use super::BrdfError;
 use super::arguments::Arguments;
 use super::ggx_smith::GgxSmith;
-use super::lobe::{Lobe, Reflect, Spread};
+use super::lobe::Lobe;
+use super::matt::Matt;
 use super::microfacet::{mirrored_by, over_base};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
-use super::quadrature::{cosine_hemisphere, gauss_legendre, midpoints};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
+use super::quadrature::{gauss_legendre, midpoints};
 use super::vndf::Ggx;
 use crate::Rgb;
 use glam::DVec3;
@@ -19,7 +20,6 @@ use std::sync::Arc;
 
 pub(super) const INFO: ModelInfo = ModelInfo {
     name: "ggx_ms",
-    aliases: &[],
     title: "GGX with multiple reflections",
     paper: "C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, SIGGRAPH 2017",
     parameters: &[
@@ -34,9 +34,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "ggx_ms kd = 0.4 ks = 0.6 ax = 0.2 eta = 1.5",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -87,21 +86,9 @@ impl GgxMultiple {
     }
 }
 
-impl Reflect for GgxMultiple {
+impl Matt for GgxMultiple {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         self.scale * (self.lost.at(wo.z) * self.lost.at(wi.z))
-    }
-
-    fn pdf(&self, _wo: DVec3, wi: DVec3) -> f64 {
-        wi.z * FRAC_1_PI
-    }
-
-    fn sample(&self, _wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
-        cosine_hemisphere(u1, u2)
-    }
-
-    fn spread(&self) -> Spread {
-        Spread::Matt
     }
 }
 

@@ -7,7 +7,7 @@
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{AX, AY, HalfVector, mirrored_by, over_base, roughness};
-use super::models::{KD, KS, ModelInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN};
 use super::vndf::Ggx;
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
@@ -26,9 +26,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "ggx_smith ax = 1 f0 = (0.9, 0.5, 0.2) tint = 0.7",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

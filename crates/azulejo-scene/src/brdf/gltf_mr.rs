@@ -8,7 +8,7 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use super::smooth::Smooth;
 use super::vndf::Ggx;
 use super::{BrdfError, Fresnel};
@@ -40,10 +40,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "gltf_mr base = (1, 0.77, 0.34) metallic = 1 roughness = 0.2",
         "gltf_mr base = 1 metallic = 0.5 roughness = 1",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Reflectance of a dielectric of index 1.5 along the normal.

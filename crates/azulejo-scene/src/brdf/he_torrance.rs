@@ -14,7 +14,7 @@ use super::beckmann::Beckmann;
 use super::facet_guide::FacetGuide;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, over_base};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::quadrature::cosine_hemisphere;
 use super::{BrdfError, Fresnel, WAVELENGTHS};
 use crate::Rgb;
@@ -52,8 +52,6 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "he_torrance sigma0 = 2 tau = 12 metal = gold",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make: |arguments| {
         let surface = RoughSurface::new(arguments)?;
         let lobes = vec![
@@ -62,6 +60,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         ];
         over_base(arguments, lobes)
     },
+    ..PLAIN
 };
 
 /// Only perfect specular reflection.

@@ -8,7 +8,7 @@ use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lewis::about;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::{BrdfError, NARROW};
 use crate::Rgb;
 use glam::DVec3;
@@ -39,10 +39,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5",
         "lafortune ks = 0.3 cx = 0 cy = 0 cz = 1 n = 0.5",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Largest reflectance of a lobe that a fit to a real surface may have.

@@ -2,9 +2,9 @@
 
 use super::BrdfError;
 use super::arguments::Arguments;
-use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{KD, ModelInfo};
-use super::quadrature::cosine_hemisphere;
+use super::lobe::Lobe;
+use super::matt::Matt;
+use super::models::{KD, ModelInfo, PLAIN};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
@@ -16,10 +16,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     paper: "J. H. Lambert, Photometria, 1760",
     parameters: &[KD],
     examples: &["diffuse kd = (0.8, 0.5, 0.3)"],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -34,20 +32,8 @@ pub(super) struct Lambert {
     pub albedo: Rgb,
 }
 
-impl Reflect for Lambert {
+impl Matt for Lambert {
     fn eval(&self, _wo: DVec3, _wi: DVec3) -> Rgb {
         self.albedo * FRAC_1_PI
-    }
-
-    fn pdf(&self, _wo: DVec3, wi: DVec3) -> f64 {
-        wi.z * FRAC_1_PI
-    }
-
-    fn sample(&self, _wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
-        cosine_hemisphere(u1, u2)
-    }
-
-    fn spread(&self) -> Spread {
-        Spread::Matt
     }
 }

@@ -8,7 +8,7 @@ use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{EXPONENT, KD, KS, ModelInfo};
+use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN};
 use crate::Rgb;
 use crate::math::Frame;
 use glam::DVec3;
@@ -25,10 +25,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "lewis ks = 1 n = 0",
         "lewis kd = (0.1, 0.2, 0.3) ks = 0.5 n = 1000",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

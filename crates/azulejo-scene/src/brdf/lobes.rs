@@ -1,5 +1,6 @@
 //! A sum of lobes, sampled in proportion to their albedos.
 
+use super::lewis::mirrored;
 use super::lobe::{Lobe, Reflect};
 use super::quadrature::{lattice, midpoints};
 use crate::Rgb;
@@ -173,7 +174,7 @@ fn from_cosine(cos: f64) -> DVec3 {
 /// near the normal, in radians.
 pub(super) fn median_angle(lobe: &impl Reflect) -> f64 {
     let wo = from_cosine(0.999);
-    let mirrored = DVec3::new(-wo.x, -wo.y, wo.z);
+    let mirrored = mirrored(wo);
     let weigh = |u: [f64; 3]| {
         let wi = lobe.sample(wo, u);
         let pdf = lobe.pdf(wo, wi);
@@ -182,15 +183,21 @@ pub(super) fn median_angle(lobe: &impl Reflect) -> f64 {
         let angle = mirrored.cross(wi).length().atan2(mirrored.dot(wi));
         (!is_lost).then_some((angle, weight))
     };
-    let mut found: Vec<(f64, f64)> = lattice(SAMPLES).filter_map(weigh).collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * found.iter().map(|(_, weight)| weight).sum::<f64>();
+    let median = weighted_median(lattice(SAMPLES).filter_map(weigh));
+    median.unwrap_or(std::f64::consts::FRAC_PI_2)
+}
+
+/// The value below which half of the weights lie; `None` without weights.
+pub(super) fn weighted_median(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let mut pairs: Vec<(f64, f64)> = pairs.collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * pairs.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut sum = 0.0;
-    let median = found.iter().find(|(_, weight)| {
+    let median = pairs.iter().find(|(_, weight)| {
         sum += weight;
         sum >= half
     });
-    median.map_or(std::f64::consts::FRAC_PI_2, |(angle, _)| *angle)
+    median.map(|(value, _)| *value)
 }
 
 /// Albedo of a lobe for `wo`, without its specular part, from the mean weight of its samples.

@@ -61,10 +61,10 @@ impl HalfVector {
         self.v.x.hypot(self.v.y).atan2(self.v.z)
     }
 
-    /// Converts the density `of_half` of half vectors to one over the solid angle of `wi`, by the
+    /// Converts the density `half_density` of half vectors to one over the solid angle of `wi`, by the
     /// Jacobian 1/(4 cos) of reflection.
-    pub fn reflected(&self, of_half: f64) -> f64 {
-        of_half / (4.0 * self.cos_d())
+    pub fn reflected(&self, half_density: f64) -> f64 {
+        half_density / (4.0 * self.cos_d())
     }
 }
 

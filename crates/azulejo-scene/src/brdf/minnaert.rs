@@ -6,14 +6,13 @@
 use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 pub(super) const INFO: ModelInfo = ModelInfo {
     name: "minnaert",
-    aliases: &[],
     title: "Minnaert",
     paper: "M. Minnaert, The reciprocity principle in lunar photometry, ApJ 93, 1941",
     parameters: &[
@@ -25,10 +24,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "minnaert kd = (0.9, 0.7, 0.5) k = 1.5",
         "minnaert kd = 1 k = 10",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Rejects surfaces that reflect more uniform light than they receive. Below k = 1 the reflectance

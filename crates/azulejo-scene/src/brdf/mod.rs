@@ -213,10 +213,10 @@ impl Brdf {
     /// Sampling probabilities of the diffuse part and of each group of lobes for `wo`.
     fn shares(&self, wo: DVec3) -> [f64; 4] {
         let [m, g, n] = self.groups().map(|l| l.likely(wo));
-        let all = [self.diffuse.mean(), m, g, n];
-        let sum: f64 = all.iter().sum();
+        let shares = [self.diffuse.mean(), m, g, n];
+        let sum: f64 = shares.iter().sum();
         if sum > 0.0 {
-            all.map(|x| x / sum)
+            shares.map(|x| x / sum)
         } else {
             [1.0, 0.0, 0.0, 0.0]
         }

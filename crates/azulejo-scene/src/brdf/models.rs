@@ -33,6 +33,21 @@ pub struct ModelInfo {
     pub(super) make: fn(&Arguments) -> Result<Vec<Lobe>, BrdfError>,
 }
 
+/// A model without Fresnel term that is reciprocal and conserves energy: what tables of a model do not say
+/// themselves.
+pub(super) const PLAIN: ModelInfo = ModelInfo {
+    name: "",
+    aliases: &[],
+    title: "",
+    paper: "",
+    parameters: &[],
+    examples: &[],
+    has_fresnel: false,
+    is_reciprocal: true,
+    is_energy_safe: true,
+    make: |_| Ok(Vec::new()),
+};
+
 /// A parameter of a model.
 pub struct ParameterInfo {
     /// Its name.

@@ -9,7 +9,7 @@ use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::{Matt, across};
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
@@ -33,10 +33,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "oren_nayar rho = 1 sigma = 90",
         "oren_nayar rho = (0.6, 0.4, 0.2) sigma = 0",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Reflectance of the facets.

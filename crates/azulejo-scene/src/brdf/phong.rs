@@ -9,7 +9,7 @@ use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lewis::{about, mirrored, power};
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{EXPONENT, KD, KS, ModelInfo};
+use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -24,10 +24,10 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "phong kd = 0.3 ks = 0.4 n = 10",
         "phong kd = (0.1, 0.2, 0.3) ks = 0.5 n = 200",
     ],
-    has_fresnel: false,
     is_reciprocal: false,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

@@ -9,16 +9,17 @@ mod profile;
 use super::BrdfError;
 use super::arguments::Arguments;
 use super::blinn::{half_pdf, normalization, sample_half};
+use super::lewis::about;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::lobes::median_angle;
 use super::microfacet::{HalfVector, mirrored_by};
-use super::models::{EXPONENT, KD, KS, ModelInfo, ParameterInfo};
+use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::quadrature::{cosine_hemisphere, gauss_legendre};
 use crate::Rgb;
 use crate::math::Frame;
 use glam::DVec3;
 use profile::{Profile, Range, VisibleSection};
-use std::f64::consts::{FRAC_1_PI, TAU};
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 pub(super) const INFO: ModelInfo = ModelInfo {
@@ -42,10 +43,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "poulin_fournier d = 3 h = 0.5 kd = (0.1, 0.2, 0.3) ks = 0.5 n = 200",
         "poulin_fournier d = 1.2 h = 0.2 kd = 0.5 ks = 0.3 n = 10",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -175,10 +174,7 @@ impl Reflect for ShinyCylinders {
     /// Samples a point that is visible from `wo`, and Blinn's half vector about its normal.
     fn sample(&self, wo: DVec3, [u1, u2, u3]: [f64; 3]) -> DVec3 {
         let normal = self.profile.seen(wo).normal(wo, u3);
-        let cos = sample_half(self.exponent, u1);
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (y, x) = (TAU * u2).sin_cos();
-        let h = Frame::from_normal(normal).to_world(DVec3::new(sin * x, sin * y, cos));
+        let h = about(normal, sample_half(self.exponent, u1), u2);
         if wo.dot(h) > 0.0 {
             mirrored_by(wo, h)
         } else {

@@ -14,7 +14,7 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use super::smooth::Smooth;
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
@@ -23,7 +23,6 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 pub(super) const INFO: ModelInfo = ModelInfo {
     name: "schlick",
-    aliases: &[],
     title: "Schlick",
     paper: "C. Schlick, An inexpensive BRDF model for physically-based rendering, CGF 13(3), 1994",
     parameters: &[
@@ -46,10 +45,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "schlick ks = 0.05 r = 0.8",
         "schlick ks = 0.9 r = 0.02 p = 0.5",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Below this roughness the surface is a perfect mirror.

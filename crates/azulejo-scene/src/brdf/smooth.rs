@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{KS, ModelInfo};
+use super::models::{KS, ModelInfo, PLAIN};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
@@ -14,10 +14,8 @@ pub(super) const SPECULAR: ModelInfo = ModelInfo {
     paper: "",
     parameters: &[KS],
     examples: &["specular ks = 0.9"],
-    has_fresnel: false,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make: |arguments| smooth(arguments.color("ks"), Fresnel::Constant(Rgb::WHITE)),
+    ..PLAIN
 };
 
 pub(super) const CONDUCTOR: ModelInfo = ModelInfo {
@@ -31,9 +29,8 @@ pub(super) const CONDUCTOR: ModelInfo = ModelInfo {
         "fresnel_conductor f0 = (0.95, 0.64, 0.54) tint = 0.8",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make: fresnel,
+    ..PLAIN
 };
 
 pub(super) const DIELECTRIC: ModelInfo = ModelInfo {

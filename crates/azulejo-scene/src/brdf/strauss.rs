@@ -14,14 +14,13 @@ use super::lambert::Lambert;
 use super::lewis::Lewis;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::half;
-use super::models::{ModelInfo, ParameterInfo};
+use super::models::{ModelInfo, PLAIN, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_2_PI;
 
 pub(super) const INFO: ModelInfo = ModelInfo {
     name: "strauss",
-    aliases: &[],
     title: "Strauss",
     paper: "P. S. Strauss, A realistic lighting model for computer animators, CG&A 10(6), 1990",
     parameters: &[
@@ -50,10 +49,9 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "strauss color = 1 smoothness = 0.3 metalness = 1",
         "strauss color = (0.2, 0.4, 0.9) smoothness = 0.8 transparency = 0.5",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     is_energy_safe: false,
     make,
+    ..PLAIN
 };
 
 /// Largest exponent of a highlight; 3/(1 − s) is unbounded.

@@ -6,7 +6,7 @@
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, mirrored_by, over_base, v_grooves};
-use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
 use super::quadrature::gauss_legendre;
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
@@ -33,9 +33,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
         "torrance_sparrow_gauss c = 10 metal = gold",
     ],
     has_fresnel: true,
-    is_reciprocal: true,
-    is_energy_safe: true,
     make,
+    ..PLAIN
 };
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {

@@ -10,14 +10,13 @@ use super::beckmann::Beckmann;
 use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{AX, AY, HalfVector, roughness};
-use super::models::{KD, KS, ModelInfo};
+use super::models::{KD, KS, ModelInfo, PLAIN};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub(super) const WARD: ModelInfo = ModelInfo {
     name: "ward",
-    aliases: &[],
     title: "Ward 1992",
     paper: "G. J. Ward, Measuring and modeling anisotropic reflection, SIGGRAPH 1992",
     parameters: &[KD, KS, AX, AY],
@@ -25,11 +24,10 @@ pub(super) const WARD: ModelInfo = ModelInfo {
         "ward kd = 0.1 ks = 0.5 ax = 0.1 ay = 0.3",
         "ward ks = (0.9, 0.6, 0.3) ax = 0.2",
     ],
-    has_fresnel: false,
-    is_reciprocal: true,
     // The albedo grows like 1/√cos θ towards the horizon and exceeds 1 beyond 89.9°.
     is_energy_safe: false,
     make: |arguments| make(arguments, Norm::Ward),
+    ..PLAIN
 };
 
 pub(super) const DUER: ModelInfo = ModelInfo {

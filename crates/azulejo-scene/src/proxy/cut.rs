@@ -76,11 +76,11 @@ impl CsgNode {
     }
 
     /// Whether a point is inside, given the bodies that contain it.
-    fn is_inside(&self, of_body: &impl Fn(u32) -> bool) -> bool {
+    fn is_inside(&self, is_in_body: &impl Fn(u32) -> bool) -> bool {
         match self {
-            CsgNode::Body(body) => of_body(*body),
+            CsgNode::Body(body) => is_in_body(*body),
             CsgNode::Csg(operation, [left, right]) => {
-                let any = |side: &[CsgNode]| side.iter().any(|n| n.is_inside(of_body));
+                let any = |side: &[CsgNode]| side.iter().any(|n| n.is_inside(is_in_body));
                 operation.is_inside(any(left), || any(right))
             }
         }
@@ -216,7 +216,7 @@ impl<'a> Arrangement<'a> {
             (0..self.triangles.len()).map(whole).collect(),
             self.triangles.iter().map(|t| t.corners).collect(),
         );
-        let mut found = 0;
+        let mut line_count = 0;
         let mut near = Vec::new();
         for t in 0..self.triangles.len() {
             let own = self.triangles[t];
@@ -238,8 +238,8 @@ impl<'a> Arrangement<'a> {
                     }
                     number
                 });
-                if line[0] != line[1] && found < MOST_LINES {
-                    found += 1;
+                if line[0] != line[1] && line_count < MOST_LINES {
+                    line_count += 1;
                     for k in [t, o] {
                         if self.lines[k].len() < MOST_LINES_EACH {
                             self.lines[k].push(line);

@@ -61,14 +61,14 @@ impl FlatFigureCache {
 pub(super) fn facets(leaf: Leaf, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
     let within = |size: f64| chord_error.clamp(FINEST * size, COARSEST * size);
     match leaf {
-        Leaf::Primitive(p) => of_primitive(p, within(p.bounds().diagonal())),
-        Leaf::Prism(p) => of_prism(p, chord_error, flats),
-        Leaf::Patch(p) => of_patch(p, within(p.bounds().diagonal())),
-        Leaf::Mesh(mesh) => of_mesh(mesh),
+        Leaf::Primitive(p) => primitive_facets(p, within(p.bounds().diagonal())),
+        Leaf::Prism(p) => prism_facets(p, chord_error, flats),
+        Leaf::Patch(p) => patch_facets(p, within(p.bounds().diagonal())),
+        Leaf::Mesh(mesh) => mesh_facets(mesh),
     }
 }
 
-fn of_primitive(primitive: &Primitive, chord_error: f64) -> Vec<Facet> {
+fn primitive_facets(primitive: &Primitive, chord_error: f64) -> Vec<Facet> {
     if !(chord_error > 0.0 && chord_error.is_finite()) {
         return Vec::new();
     }
@@ -81,7 +81,7 @@ fn of_primitive(primitive: &Primitive, chord_error: f64) -> Vec<Facet> {
     (0..mesh.faces.len()).map(facet).collect()
 }
 
-fn of_mesh(mesh: &Mesh) -> Vec<Facet> {
+fn mesh_facets(mesh: &Mesh) -> Vec<Facet> {
     let smooth = mesh.normals.is_none().then(|| smooth_normals(mesh));
     let facet = |face: usize| {
         let mut corners = corners(mesh, face);
@@ -119,7 +119,7 @@ fn smooth_normals(mesh: &Mesh) -> Vec<DVec3> {
     normals
 }
 
-fn of_patch(patch: &BicubicPatch, chord_error: f64) -> Vec<Facet> {
+fn patch_facets(patch: &BicubicPatch, chord_error: f64) -> Vec<Facet> {
     let p = &patch.points;
     let count = |bend: f64| {
         // As for curves; half of the error for each direction.
@@ -154,15 +154,15 @@ fn patch_normal(patch: &BicubicPatch, u: f64, v: f64) -> DVec3 {
     };
     let inward = |x: f64| x + 1e-3 * (0.5 - x);
     let exact = normal(u, v);
-    let found = if exact.length_squared() > 1e-12 {
+    let normal = if exact.length_squared() > 1e-12 {
         exact
     } else {
         normal(inward(u), inward(v))
     };
-    found.normalize_or(DVec3::Z)
+    normal.normalize_or(DVec3::Z)
 }
 
-fn of_prism(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
+fn prism_facets(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
     let map = &prism.world_from_figure;
     let m = map.matrix3;
     let stretch = m.x_axis.length().hypot(m.y_axis.length());

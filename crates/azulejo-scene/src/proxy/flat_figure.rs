@@ -183,8 +183,8 @@ impl FlattenedContours {
 
     /// The Delaunay triangulation of all corners.
     fn delaunay(&self) -> Delaunay {
-        let all = self.contours.iter().flatten();
-        let corners: Vec<_> = all.map(|p| Point2::new(p.x, p.y)).collect();
+        let points = self.contours.iter().flatten();
+        let corners: Vec<_> = points.map(|p| Point2::new(p.x, p.y)).collect();
         if corners.len() > MANY_CORNERS {
             // Inserting many corners in their order along a contour is the slowest order.
             return Delaunay::bulk_load(corners).unwrap_or_default();
@@ -358,14 +358,14 @@ fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
         }
     }
     let mut taken = vec![false; triangles.len()];
-    let mut found = Vec::new();
+    let mut tiles = Vec::new();
     for first in 0..triangles.len() {
         if !taken[first] {
             taken[first] = true;
-            found.push(grown(triangles, first, &across, &mut taken));
+            tiles.push(grown(triangles, first, &across, &mut taken));
         }
     }
-    found
+    tiles
 }
 
 /// The largest simple polygon that results from adding neighbours to a triangle.

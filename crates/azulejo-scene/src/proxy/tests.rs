@@ -21,7 +21,7 @@ fn p(x: f64, y: f64, z: f64) -> DVec3 {
 /// Volume by the divergence theorem, front outside.
 fn volume(mesh: &Mesh) -> f64 {
     let origin = mesh.bounds().centre();
-    let of_triangle =
+    let triangle_volume =
         |[a, b, c]: [DVec3; 3]| (a - origin).dot((b - origin).cross(c - origin)) / 6.0;
     let faces = (0..mesh.faces.len()).flat_map(|face| {
         let points = mesh.face_positions(face);
@@ -30,7 +30,7 @@ fn volume(mesh: &Mesh) -> f64 {
             .into_iter()
             .map(move |t| t.map(|k| points[k as usize]))
     });
-    faces.map(of_triangle).sum()
+    faces.map(triangle_volume).sum()
 }
 
 /// Every edge is used as often in one direction as in the other, by its vertices.

@@ -149,9 +149,9 @@ mod tests {
         let direction = direction_from(180f64.to_radians(), 45f64.to_radians());
         let sun = direction_from(0.0, 60f64.to_radians());
         let check = |number, expected: f64| {
-            let found = CieSky::new(number).unwrap();
-            let found = found.relative_to_zenith(direction, sun);
-            assert!((found - expected).abs() < 1e-7, "type {number}: {found}");
+            let sky = CieSky::new(number).unwrap();
+            let value = sky.relative_to_zenith(direction, sun);
+            assert!((value - expected).abs() < 1e-7, "type {number}: {value}");
         };
         check(1, 0.832_584_6);
         check(12, 0.454_452_4);
@@ -181,10 +181,10 @@ mod tests {
         let altitude = 40f64.to_radians();
         let check = |number, expected: f64| {
             let sky = CieSky::new(number).unwrap();
-            let found = sky.typical_zenith_luminance(altitude, 2.45) / 203.0;
+            let luminance = sky.typical_zenith_luminance(altitude, 2.45) / 203.0;
             assert!(
-                (found / expected - 1.0).abs() < 2e-4,
-                "type {number}: {found}"
+                (luminance / expected - 1.0).abs() < 2e-4,
+                "type {number}: {luminance}"
             );
         };
         check(16, 27.84);

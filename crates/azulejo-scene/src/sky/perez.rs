@@ -95,9 +95,6 @@ const DIRECT_EFFICACY: [[f64; 4]; 8] = [
 /// Irradiance of a surface facing the sun outside of the atmosphere, W/m², mean over the year.
 const SOLAR_CONSTANT: f64 = 1367.0;
 
-/// The same as illuminance, lx.
-const SOLAR_ILLUMINANCE: f64 = 127_500.0;
-
 /// An irradiance in W/m² up to which it is night, as in `gendaymtx`.
 const NIGHT: f64 = 1e-4;
 
@@ -121,13 +118,6 @@ impl PerezSky {
     pub fn relative(&self, direction: DVec3, toward_sun: DVec3) -> f64 {
         let [a, b, ..] = self.coefficients;
         let b = if a > 0.0 { b.min(0.0) } else { b };
-        gradation(a, b, direction.z).max(0.0) * self.indicatrix(direction, toward_sun)
-    }
-
-    /// The same without the limit to B: what `gendaymtx` takes at the centres of its patches. May
-    /// be infinite at the horizon.
-    pub fn relative_without_limit(&self, direction: DVec3, toward_sun: DVec3) -> f64 {
-        let [a, b, ..] = self.coefficients;
         gradation(a, b, direction.z).max(0.0) * self.indicatrix(direction, toward_sun)
     }
 
@@ -168,43 +158,6 @@ pub struct PerezWeather {
 }
 
 impl PerezWeather {
-    /// The weather in which the illuminances are these: direct normal and diffuse horizontal, lx.
-    ///
-    /// Divides by the efficacies again and again, five times at most, as `gendaymtx` does for
-    /// weather in lux: the result is near, not exact. Give the diffuse illuminance itself to
-    /// [`Self::sky`].
-    pub fn from_illuminance(
-        direct_normal: f64,
-        diffuse_horizontal: f64,
-        sun_altitude: f64,
-        day_of_year: u32,
-        dew_point: f64,
-    ) -> PerezWeather {
-        let mut weather = PerezWeather {
-            dni: direct_normal * SOLAR_CONSTANT / SOLAR_ILLUMINANCE,
-            dhi: diffuse_horizontal * SOLAR_CONSTANT / SOLAR_ILLUMINANCE,
-            sun_altitude,
-            day_of_year,
-            dew_point,
-        };
-        let mut before = [0.1; 2];
-        for _ in 0..5 {
-            if (weather.dni - before[0]).abs() <= 10.0 && (weather.dhi - before[1]).abs() <= 10.0 {
-                break;
-            }
-            before = [weather.dni, weather.dhi];
-            let (direct, diffuse) = (weather.direct_efficacy(), weather.diffuse_efficacy());
-            // Where the model expects no direct light, a low sun, there is none to divide by.
-            weather.dni = if direct > 0.1 {
-                direct_normal / direct
-            } else {
-                0.0
-            };
-            weather.dhi = diffuse_horizontal / diffuse.max(1.0);
-        }
-        weather
-    }
-
     /// Whether there is no light worth a sky: [`Self::sky`] is black then.
     pub fn is_night(&self) -> bool {
         self.dni.max(0.0) + self.dhi.max(0.0) <= NIGHT
@@ -246,13 +199,13 @@ impl PerezWeather {
         }
         let rows = &COEFFICIENTS[bin];
         let linear = |x: &[f64; 4]| x[0] + x[1] * z + delta * (x[2] + x[3] * z);
-        let mut found = [0, 1, 2, 3, 4].map(|i| linear(&rows[i]));
+        let mut coefficients = [0, 1, 2, 3, 4].map(|i| linear(&rows[i]));
         if bin == 0 {
             let (c, d) = (rows[2], rows[3]);
-            found[2] = (delta * (c[0] + c[1] * z)).powf(c[2]).exp() - c[3];
-            found[3] = -(delta * (d[0] + d[1] * z)).exp() + d[2] + delta * d[3];
+            coefficients[2] = (delta * (c[0] + c[1] * z)).powf(c[2]).exp() - c[3];
+            coefficients[3] = -(delta * (d[0] + d[1] * z)).exp() + d[2] + delta * d[3];
         }
-        found
+        coefficients
     }
 
     /// The sky of this weather with the given diffuse horizontal irradiance or illuminance.

@@ -1,8 +1,9 @@
 //! A closed box with a spherical lamp and five objects, modelled after a thesis on specular
 //! radiosity.
 
+use super::metres;
 use super::sheets::{Plate, Sheets, between, border, raised, steps};
-use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape, Units, Up};
+use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -87,11 +88,7 @@ fn surroundings() -> Scene {
             vertical_fov: 1.6,
             size: Some((512, 512)),
         }],
-        units: Units {
-            metres_per_unit: Some(1.0),
-            up: Up::Z,
-            ..Units::default()
-        },
+        units: metres(),
         ..Scene::default()
     }
 }
@@ -101,7 +98,7 @@ fn room(detail: &Detail) -> Sheets {
     let mut sheets = Sheets::default();
     let n = detail.of(36);
     let lines = steps(-1.0, 1.0, n);
-    let plate = Plate::of_lines(&lines, &lines);
+    let plate = Plate::from_lines(&lines, &lines);
     let mut ceiling = plate.at(2.0);
     ceiling.reverse();
     sheets.sheet(&plate.at(0.0), |_, _| Some(WHITE));
@@ -267,9 +264,9 @@ impl Ring {
 
 /// `n` steps between every two sections.
 fn divided(rings: &[Ring], n: usize) -> Vec<Ring> {
-    let mut all = vec![rings[0]];
+    let mut sections = vec![rings[0]];
     for pair in rings.windows(2) {
-        all.extend((1..=n).map(|k| {
+        sections.extend((1..=n).map(|k| {
             let t = k as f64 / n as f64;
             Ring::new(
                 pair[0].scale * (1.0 - t) + pair[1].scale * t,
@@ -277,7 +274,7 @@ fn divided(rings: &[Ring], n: usize) -> Vec<Ring> {
             )
         }));
     }
-    all
+    sections
 }
 
 /// A body between two poles, sections from bottom to top.

@@ -1,7 +1,8 @@
 //! A closed room of quadrilaterals, for form factors.
 
+use super::metres;
 use super::sheets::{Plate, Sheets, between, raised, steps};
-use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape, Units, Up};
+use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -115,7 +116,7 @@ impl Plan {
             let starts = &self.starts[axis];
             &self.lines[axis][starts[fields.start]..=starts[fields.end]]
         };
-        Plate::of_lines(lines(0, x), lines(1, y))
+        Plate::from_lines(lines(0, x), lines(1, y))
     }
 
     /// Rows of cells from the border of a pillar's field to the pillar.
@@ -167,11 +168,7 @@ impl Plan {
                 vertical_fov: 1.2,
                 size: Some((640, 480)),
             }],
-            units: Units {
-                metres_per_unit: Some(1.0),
-                up: Up::Z,
-                ..Units::default()
-            },
+            units: metres(),
             ..Scene::default()
         }
     }

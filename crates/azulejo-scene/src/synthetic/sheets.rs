@@ -55,7 +55,7 @@ pub(super) struct Plate(Vec<Vec<DVec2>>);
 
 impl Plate {
     /// The intersections of lines.
-    pub(super) fn of_lines(xs: &[f64], ys: &[f64]) -> Plate {
+    pub(super) fn from_lines(xs: &[f64], ys: &[f64]) -> Plate {
         let row = |&y: &f64| xs.iter().map(|&x| DVec2::new(x, y)).collect();
         Plate(ys.iter().map(row).collect())
     }

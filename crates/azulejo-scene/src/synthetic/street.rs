@@ -3,8 +3,9 @@
 mod dome;
 mod house;
 
+use super::metres;
 use super::sheets::{Plate, Sheets, steps};
-use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape, Units, Up};
+use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape};
 use dome::Dome;
 use glam::{DVec2, DVec3};
 use house::House;
@@ -85,11 +86,7 @@ fn surroundings() -> Scene {
             vertical_fov: 1.0,
             size: Some((800, 500)),
         }],
-        units: Units {
-            metres_per_unit: Some(1.0),
-            up: Up::Z,
-            ..Units::default()
-        },
+        units: metres(),
         ..Scene::default()
     }
 }
@@ -134,7 +131,7 @@ impl Site {
     }
 
     fn add_ground(&self, sheets: &mut Sheets) {
-        let plate = Plate::of_lines(&self.lines[0], &self.lines[1]);
+        let plate = Plate::from_lines(&self.lines[0], &self.lines[1]);
         sheets.sheet(&plate.at(0.0), |i, j| {
             let is_built = self.houses.iter().any(|h| h.covers(i, j));
             match (is_built, self.street.contains(&j)) {
@@ -147,7 +144,7 @@ impl Site {
 
     /// The rectangle's border from the middle of its right side, counter-clockwise, each point once.
     fn border(&self) -> Vec<DVec2> {
-        let mut border = Plate::of_lines(&self.lines[0], &self.lines[1]).border();
+        let mut border = Plate::from_lines(&self.lines[0], &self.lines[1]).border();
         border.pop();
         let [nx, ny] = [self.lines[0].len() - 1, self.lines[1].len() - 1];
         border.rotate_left(nx + ny / 2);

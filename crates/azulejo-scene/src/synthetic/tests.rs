@@ -116,8 +116,8 @@ fn facets(scene: &Scene) -> (usize, usize) {
         let faces = meshes(scene).flat_map(|m| m.faces.iter());
         faces.filter(|f| f.len() == n).count()
     };
-    let all: usize = meshes(scene).map(|m| m.faces.len()).sum();
-    assert_eq!(all, corners(3) + corners(4));
+    let count: usize = meshes(scene).map(|m| m.faces.len()).sum();
+    assert_eq!(count, corners(3) + corners(4));
     (corners(3), corners(4))
 }
 

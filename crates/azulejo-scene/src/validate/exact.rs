@@ -1,6 +1,6 @@
 //! Validation of exact shapes.
 
-use super::{Check, Invalid, ensure, validate_mesh, validate_primitive};
+use super::{Check, Invalid, ensure, ensure_material, inside, validate_mesh, validate_primitive};
 use crate::{BicubicPatch, Curve, Exact, Figure, MaterialId, Mesh, PrimitiveKind, Prism, Solid};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -13,14 +13,6 @@ pub(super) struct Checker {
     materials: usize,
     /// Figures already validated: a page of text shares a few.
     good: HashSet<*const Figure>,
-}
-
-/// The error of `check` with its path one level deeper.
-fn inside(level: impl FnOnce() -> String, check: Check) -> Check {
-    check.map_err(|e| Invalid {
-        place: format!("{}: {}", level(), e.place),
-        ..e
-    })
 }
 
 impl Checker {
@@ -108,10 +100,7 @@ impl Checker {
 
     fn validate_prism(&mut self, prism: &Prism) -> Check {
         let place = || "prism".to_string();
-        let materials = self.materials;
-        ensure((prism.material as usize) < materials, place, || {
-            format!("material {} of {materials}", prism.material)
-        })?;
+        ensure_material(prism.material, self.materials, place)?;
         let map = prism.world_from_figure;
         let size = map.matrix3.determinant();
         ensure(
@@ -142,9 +131,7 @@ fn is_finite(curve: &Curve) -> bool {
 
 fn validate_patch(patch: &BicubicPatch, materials: usize) -> Check {
     let place = || "patch".to_string();
-    ensure((patch.material as usize) < materials, place, || {
-        format!("material {} of {materials}", patch.material)
-    })?;
+    ensure_material(patch.material, materials, place)?;
     let finite = patch.points.iter().flatten().all(|p| p.is_finite());
     ensure(finite, place, || "a control point is not finite".into())
 }
@@ -230,8 +217,8 @@ mod tests {
     /// The invariant that one solid violates.
     fn check(solid: Solid, expected: &str) {
         let place = "objects[0] \"o\": solids[0]";
-        let said = validate(Exact::new(vec![solid])).unwrap_err();
-        assert_eq!(said, format!("{place}: {expected}"));
+        let message = validate(Exact::new(vec![solid])).unwrap_err();
+        assert_eq!(message, format!("{place}: {expected}"));
     }
 
     #[test]
@@ -281,8 +268,11 @@ mod tests {
         let mut shared = prism();
         shared.figure = Arc::new(Figure::polygon([start]));
         let solids = vec![Solid::Prism(prism()), Solid::Prism(shared.clone())];
-        let said = validate(Exact::new(solids)).unwrap_err();
-        assert!(said.contains("solids[1]: prism: its figure"), "{said}");
+        let message = validate(Exact::new(solids)).unwrap_err();
+        assert!(
+            message.contains("solids[1]: prism: its figure"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -307,8 +297,11 @@ mod tests {
             (0..depth).fold(primitive(PrimitiveKind::Sphere), shell)
         };
         assert_eq!(validate(Exact::new(vec![nested(256)])), Ok(()));
-        let said = validate(Exact::new(vec![nested(257)])).unwrap_err();
-        assert!(said.ends_with("solid: nested more than 256 deep"), "{said}");
+        let message = validate(Exact::new(vec![nested(257)])).unwrap_err();
+        assert!(
+            message.ends_with("solid: nested more than 256 deep"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -330,10 +323,10 @@ mod tests {
         );
         let mut dark = triangle(0);
         dark.irradiance = vec![Rgb::WHITE];
-        let said = with_proxy(dark);
+        let message = with_proxy(dark);
         assert!(
-            said.starts_with("objects[0] \"o\": proxy: mesh: "),
-            "{said}"
+            message.starts_with("objects[0] \"o\": proxy: mesh: "),
+            "{message}"
         );
     }
 }

@@ -1,11 +1,11 @@
 //! Validation of RTRACE's parameters.
 
-use super::{Check, ensure};
+use super::{Check, ensure, is_light};
 use crate::rtrace::{
     Rtrace, RtraceLight, RtraceLightKind, RtraceMaterial, RtraceSurface, RtraceTexture,
     RtraceTextureKind,
 };
-use crate::{Rgb, Scene, Shape};
+use crate::{Scene, Shape};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// RTRACE's own limit for the samples along a side of a light.
@@ -15,7 +15,7 @@ pub(super) fn validate(rtrace: &Rtrace, scene: &Scene) -> Check {
     validate_view(rtrace)?;
     for (i, light) in rtrace.lights.iter().enumerate() {
         ensure(
-            is_light(light),
+            is_lamp(light),
             || format!("rtrace: lights[{i}]"),
             || format!("{light:?}: expected finite numbers, brightness >= 0, unit directions"),
         )?;
@@ -42,17 +42,13 @@ fn validate_view(rtrace: &Rtrace) -> Check {
         || format!("{points:?} and half angles {angles:?} do not define a view"),
     )?;
     ensure(
-        is_light_color(rtrace.background) && is_light_color(rtrace.ambient),
+        is_light(rtrace.background) && is_light(rtrace.ambient),
         || "rtrace: colours".into(),
         || "background or ambient light is not a finite number >= 0".into(),
     )
 }
 
-fn is_light_color(c: Rgb) -> bool {
-    c.to_array().iter().all(|x| *x >= 0.0 && x.is_finite())
-}
-
-fn is_light(light: &RtraceLight) -> bool {
+fn is_lamp(light: &RtraceLight) -> bool {
     let kind = match light.kind {
         RtraceLightKind::Point => true,
         RtraceLightKind::Spot {
@@ -72,7 +68,7 @@ fn is_light(light: &RtraceLight) -> bool {
             edges.iter().all(|e| e.is_finite()) && samples.iter().all(|s| *s <= MOST_SAMPLES)
         }
     };
-    kind && light.position.is_finite() && is_light_color(light.brightness)
+    kind && light.position.is_finite() && is_light(light.brightness)
 }
 
 fn is_surface(s: &RtraceSurface) -> bool {
@@ -84,15 +80,15 @@ fn is_surface(s: &RtraceSurface) -> bool {
         s.transparency,
         s.diffuse_factor,
     ];
-    colors.into_iter().all(is_light_color) && s.phong >= 0.0 && s.phong.is_finite()
+    colors.into_iter().all(is_light) && s.phong >= 0.0 && s.phong.is_finite()
 }
 
 fn validate_materials(rtrace: &Rtrace, scene: &Scene) -> Check {
-    let (known, wanted) = (rtrace.materials.len(), scene.materials.len());
+    let (known, count) = (rtrace.materials.len(), scene.materials.len());
     ensure(
-        known <= wanted,
+        known <= count,
         || "rtrace: materials".into(),
-        || format!("{known}, more than the scene's {wanted}"),
+        || format!("{known}, more than the scene's {count}"),
     )?;
     for (i, material) in rtrace.materials.iter().enumerate() {
         ensure(
@@ -158,7 +154,7 @@ fn validate_corner_surfaces(rtrace: &Rtrace, scene: &Scene) -> Check {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Material, Scene};
+    use crate::{Material, Rgb, Scene};
     use glam::{DMat4, DVec3};
 
     fn scene(change: impl Fn(&mut Rtrace)) -> Scene {
@@ -183,8 +179,8 @@ mod tests {
     #[test]
     fn what_is_drawn_may_be_relied_on() {
         let check = |change: fn(&mut Rtrace), expected: Option<&str>| {
-            let found = scene(change).validate().err().map(|e| e.place);
-            assert_eq!(found.as_deref(), expected);
+            let place = scene(change).validate().err().map(|e| e.place);
+            assert_eq!(place.as_deref(), expected);
         };
         check(|_| {}, None);
         check(|r| r.up = DVec3::Z, Some("rtrace: view"));

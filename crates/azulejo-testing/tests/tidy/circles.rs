@@ -27,27 +27,6 @@ const KNOWN: [(&str, &[(&str, &str)]); 5] = [
         ],
     ),
     ("azulejo-render", &[("integrator", "pass")]),
-    // A scene's kinds of things know each other.
-    (
-        "azulejo-scene",
-        &[
-            ("brdf", "content"),
-            ("brdf", "material"),
-            ("environment", "scene"),
-            ("instance", "scene"),
-            ("instance", "shape"),
-            ("irradiance", "shape"),
-            ("coordinates", "shape"),
-            ("coordinates", "mesh"),
-            ("irradiance", "mesh"),
-            ("lightmap", "material"),
-            ("lightmap", "mesh"),
-            ("lightmap", "scene"),
-            ("lightmap", "shape"),
-            ("solid", "shape"),
-            ("surface_maps", "material"),
-        ],
-    ),
 ];
 
 /// For each module the modules that it uses.

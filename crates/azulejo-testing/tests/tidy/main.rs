@@ -16,16 +16,16 @@ fn root() -> PathBuf {
 
 /// All Rust files below a folder, with their text, sorted by path.
 fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     for entry in fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable entry").path();
         if path.is_dir() && !path.ends_with("target") {
-            found.extend(sources(&path));
+            files.extend(sources(&path));
         } else if path.extension().is_some_and(|e| e == "rs") {
             let text = fs::read_to_string(&path).expect("Rust sources are UTF-8");
-            found.push((path, text));
+            files.push((path, text));
         }
     }
-    found.sort();
-    found
+    files.sort();
+    files
 }

@@ -79,26 +79,31 @@ fn pages_quote_code_as_it_is() {
 }
 
 /// Pages for readers, in the root and under `docs`.
+fn all_pages() -> Vec<(PathBuf, String)> {
+    [root(), root().join("docs")]
+        .map(|folder| pages(&folder))
+        .concat()
+}
+
+/// The pages of a folder; of `docs`, also those below.
 fn pages(folder: &Path) -> Vec<(PathBuf, String)> {
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     for entry in fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable entry").path();
         if path.is_dir() && folder.ends_with("docs") {
-            found.extend(pages(&path));
+            files.extend(pages(&path));
         } else if path.extension().is_some_and(|e| e == "md") {
             let text = fs::read_to_string(&path).expect("a page of text");
-            found.push((path, text));
+            files.push((path, text));
         }
     }
-    found
+    files
 }
 
 #[test]
 fn benchmarks_that_pages_name_exist() {
-    let mut all = pages(&root());
-    all.extend(pages(&root().join("docs")));
     let mut checked = 0;
-    for (page, text) in all {
+    for (page, text) in all_pages() {
         for command in text.split("cargo bench ").skip(1) {
             let mut words = command.split(|c: char| c.is_whitespace() || c == '`');
             let (Some("-p"), Some(package)) = (words.next(), words.next()) else {
@@ -125,9 +130,7 @@ fn benchmarks_that_pages_name_exist() {
 
 #[test]
 fn links_of_pages_lead_somewhere() {
-    let mut all = pages(&root());
-    all.extend(pages(&root().join("docs")));
-    for (page, text) in all {
+    for (page, text) in all_pages() {
         for link in text.split("](").skip(1) {
             let target = link.split([')', '#']).next().unwrap_or("");
             if target.is_empty() || target.contains("://") {
@@ -144,16 +147,14 @@ const TO_BE_ADDED: [&str; 2] = ["mesh_grid", "plain.rs"];
 
 #[test]
 fn paths_of_pages_exist() {
-    let mut all = pages(&root());
-    all.extend(pages(&root().join("docs")));
     let crates = names(&root().join("crates"));
     let mut checked = 0;
-    for (page, text) in all
-        .iter()
-        .filter(|(page, _)| !page.ends_with("CHANGELOG.md"))
-    {
+    for (page, text) in all_pages() {
+        if page.ends_with("CHANGELOG.md") {
+            continue;
+        }
         let folder = page.parent().expect("a folder");
-        for path in spans(text).filter(|span| is_path(span, &crates)) {
+        for path in spans(&text).filter(|span| is_path(span, &crates)) {
             let is_to_be_added = TO_BE_ADDED.iter().any(|part| path.contains(part));
             let exists = is_to_be_added || stands(path, folder, &crates);
             assert!(exists, "{}: no {path}", page.display());

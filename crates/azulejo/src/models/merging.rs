@@ -106,8 +106,8 @@ mod tests {
     use azulejo_scene::{Object, synthetic::cube_room};
 
     fn check(from: Units, to: Units, expected: &[&str]) {
-        let said: Vec<String> = changes(from, to).iter().map(Change::to_string).collect();
-        assert_eq!(said, expected);
+        let message: Vec<String> = changes(from, to).iter().map(Change::to_string).collect();
+        assert_eq!(message, expected);
     }
 
     #[test]

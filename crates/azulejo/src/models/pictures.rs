@@ -59,7 +59,7 @@ impl Pictures {
                     self.new.push((file.clone(), bytes));
                     return file;
                 }
-                // Another file of this name, or what is none.
+                // Another file of this name, or something that is not a file.
                 _ => number += 1,
             }
         }

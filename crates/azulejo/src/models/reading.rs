@@ -61,7 +61,7 @@ pub struct VastFace {
 impl VastFace {
     /// The first in a scene.
     fn find(scene: &Scene, path: &Path) -> Option<VastFace> {
-        let of_object = |object: &Object| {
+        let vast_face = |object: &Object| {
             let mesh = object.shape.mesh()?;
             let corners = |w: &[u32]| (w[1] - w[0]) as usize;
             let mut counts = mesh.faces.starts.windows(2).map(corners).enumerate();
@@ -73,7 +73,7 @@ impl VastFace {
                 corners,
             })
         };
-        scene.objects.iter().find_map(of_object)
+        scene.objects.iter().find_map(vast_face)
     }
 }
 
@@ -287,10 +287,10 @@ mod tests {
             |source: &mut dyn Read, length, limit| limited(source, length, limit, &Progress::new());
         assert_eq!(read(&mut &b"1234"[..], 4, 4).unwrap(), b"1234");
         for (length, limit) in [(0, 3), (9, 3)] {
-            let said = read(&mut &b"1234"[..], length, limit)
+            let message = read(&mut &b"1234"[..], length, limit)
                 .unwrap_err()
                 .to_string();
-            assert!(said.contains("larger than 3 bytes"), "{said}");
+            assert!(message.contains("larger than 3 bytes"), "{message}");
         }
         assert!(read(&mut io::repeat(7), 0, 1000).is_err());
     }
@@ -334,9 +334,9 @@ mod tests {
             read(&model, &Reading::default(), &Progress::new())
         };
         assert!(read_with(MOST_FACE_CORNERS).is_ok());
-        let said = read_with(MOST_FACE_CORNERS + 1).unwrap_err().to_string();
+        let message = read_with(MOST_FACE_CORNERS + 1).unwrap_err().to_string();
         let expected = "object \"disc\", face 1: found 65537 corners, expected at most 65536";
-        assert!(said.contains(expected), "{said}");
+        assert!(message.contains(expected), "{message}");
         fs::remove_file(model).unwrap();
     }
 
@@ -347,13 +347,13 @@ mod tests {
         let picture = folder.join(format!("azulejo-picture-{}.obj", std::process::id()));
         fs::write(&picture, b"\x89PNG").unwrap();
         let reading = Reading::default();
-        for (path, said) in [
+        for (path, message) in [
             (&missing, "No such file or directory"),
             (&folder, "is a folder, expected a file"),
             (&picture, "found a PNG picture, expected a model in"),
         ] {
             let failure = read(path, &reading, &Progress::new()).unwrap_err();
-            assert!(failure.to_string().contains(said), "{failure}");
+            assert!(failure.to_string().contains(message), "{failure}");
         }
         let progress = Progress::new();
         progress.cancel();

@@ -16,13 +16,13 @@ pub(super) fn problem(scene: &Scene, is_single: bool) -> Option<String> {
 
 /// The largest number for light in a scene.
 fn brightest(scene: &Scene) -> f64 {
-    let all = |list: &[Rgb]| list.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
+    let largest = |list: &[Rgb]| list.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
     let light = |irradiance: &[Rgb], error: &[Rgb], back: Option<&BackIrradiance>| {
         let back = back.into_iter().flat_map(|b| {
             let lit = b.irradiance.iter().flatten();
             lit.chain(&b.error).map(|c| c.max_channel())
         });
-        let front = all(irradiance).max(all(error));
+        let front = largest(irradiance).max(largest(error));
         back.fold(front, f64::max)
     };
     let mesh = |m: &Mesh| light(&m.irradiance, &m.irradiance_error, m.back.as_deref());
@@ -32,7 +32,7 @@ fn brightest(scene: &Scene) -> f64 {
             .map(|l| light(&l.irradiance, &l.error, l.back.as_deref()))
             .fold(0.0, f64::max),
         Shape::Primitive(p) => (p.light.iter())
-            .map(|l| all(&l.irradiance).max(all(&l.error)))
+            .map(|l| largest(&l.irradiance).max(largest(&l.error)))
             .fold(0.0, f64::max),
         Shape::Exact(exact) => exact.proxy.iter().map(|m| mesh(m)).fold(0.0, f64::max),
     });

@@ -37,8 +37,8 @@ impl fmt::Display for WriteFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             WriteFailure::UnknownKind(path) => {
-                let (path, all) = (path.display(), extensions(|_| true));
-                write!(f, "{path}: unknown model format, expected {all}")
+                let (path, known) = (path.display(), extensions(|_| true));
+                write!(f, "{path}: unknown model format, expected {known}")
             }
             WriteFailure::NoPlaceForLight { path, format } => {
                 let (path, lit) = (path.display(), extensions(|f| f.keeps_light));
@@ -296,8 +296,8 @@ mod tests {
     }
 
     fn check(name: &str, expected: Option<&str>) {
-        let found = by_extension(Path::new(name)).map(|f| f.extension);
-        assert_eq!(found, expected, "{name}");
+        let extension = by_extension(Path::new(name)).map(|f| f.extension);
+        assert_eq!(extension, expected, "{name}");
     }
 
     #[test]
@@ -336,8 +336,8 @@ mod tests {
         let plain = ModelOutput::check_plain(&path).unwrap();
         plain.write(&room, &progress).unwrap();
         assert!(!fs::read_to_string(&path).unwrap().contains("ext "));
-        let said = ModelOutput::check_plain(&folder.join("a.glb")).unwrap_err();
-        assert!(said.to_string().contains("expected .grf or .grf.gz"));
+        let message = ModelOutput::check_plain(&folder.join("a.glb")).unwrap_err();
+        assert!(message.to_string().contains("expected .grf or .grf.gz"));
         fs::remove_dir_all(folder).unwrap();
     }
 
@@ -396,15 +396,19 @@ mod tests {
         };
         for format in &FORMATS {
             let path = folder.join(format!("room.{}", format.extension));
-            let said = |light: f64| write(&lit(light), &path, &Progress::new()).err();
-            assert!(said(1e30).is_none(), "{}", format.extension);
+            let failure = |light: f64| write(&lit(light), &path, &Progress::new()).err();
+            assert!(failure(1e30).is_none(), "{}", format.extension);
             let old = fs::read(&path).unwrap();
             for bad in [f64::INFINITY, f64::NAN] {
-                let said = said(bad).unwrap().to_string();
-                assert!(said.contains("finite"), "{}: {said}", format.extension);
+                let message = failure(bad).unwrap().to_string();
+                assert!(
+                    message.contains("finite"),
+                    "{}: {message}",
+                    format.extension
+                );
             }
             assert_eq!(
-                said(1e300).is_some(),
+                failure(1e300).is_some(),
                 format.is_single,
                 "{}",
                 format.extension
@@ -423,12 +427,15 @@ mod tests {
     fn what_cannot_be_written_says_what_can() {
         let folder = folder("unwritten");
         let unknown = ModelOutput::check(&folder.join("a.3ds")).unwrap_err();
-        let said = unknown.to_string();
-        assert!(said.contains("expected .grf, .obj, .glb"), "{said}");
+        let message = unknown.to_string();
+        assert!(message.contains("expected .grf, .obj, .glb"), "{message}");
         let unlit = ModelOutput::check_lit(&folder.join("a.obj")).unwrap_err();
-        let said = unlit.to_string();
-        assert!(said.contains("OBJ cannot store irradiance"), "{said}");
-        assert!(said.contains("expected .grf, .glb, .gltf, .ply"), "{said}");
+        let message = unlit.to_string();
+        assert!(message.contains("OBJ cannot store irradiance"), "{message}");
+        assert!(
+            message.contains("expected .grf, .glb, .gltf, .ply"),
+            "{message}"
+        );
         fs::remove_dir_all(folder).unwrap();
     }
 }

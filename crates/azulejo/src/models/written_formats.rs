@@ -1,5 +1,6 @@
 //! The formats that models are written in.
 
+use ModelWriter::{One, Pictured, Several, Two};
 use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, three_mf, view3d, vrml};
 use azulejo_scene::{Material, Scene};
 use std::io::{self, Write};
@@ -40,115 +41,73 @@ pub(super) type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// All formats; the first is that of standard output.
 pub static FORMATS: [WrittenFormat; 12] = [
-    WrittenFormat {
-        name: "GRF",
-        extension: "grf",
-        is_single: false,
-        writer: ModelWriter::Pictured(grf::write_with_pictures),
-        keeps_light: true,
-        losses: grf::losses,
-    },
-    WrittenFormat {
-        name: "OBJ",
-        extension: "obj",
-        is_single: false,
-        writer: ModelWriter::Two("mtl", obj::write),
-        keeps_light: false,
-        losses: obj::losses,
-    },
-    WrittenFormat {
-        name: "glTF",
-        extension: "glb",
-        is_single: true,
-        writer: ModelWriter::One(gltf::write),
-        keeps_light: true,
-        losses: gltf::losses,
-    },
-    WrittenFormat {
-        name: "glTF",
-        extension: "gltf",
-        is_single: true,
-        writer: ModelWriter::Two("bin", gltf::write_json),
-        keeps_light: true,
-        losses: gltf::losses,
-    },
-    WrittenFormat {
-        name: "PLY",
-        extension: "ply",
-        is_single: true,
-        writer: ModelWriter::One(ply::write),
-        keeps_light: true,
-        losses: ply::losses,
-    },
-    WrittenFormat {
-        name: "SFF",
-        extension: "sff",
-        is_single: false,
-        writer: ModelWriter::Several(sff::write),
-        keeps_light: false,
-        losses: sff::losses,
-    },
-    WrittenFormat {
-        name: "View3D",
-        extension: "vs3",
-        is_single: false,
-        writer: ModelWriter::One(view3d::write),
-        keeps_light: false,
-        losses: view3d::losses,
-    },
-    WrittenFormat {
-        name: "VRML97",
-        extension: "wrl",
-        is_single: false,
-        writer: ModelWriter::Pictured(vrml::write),
-        keeps_light: false,
-        losses: vrml::losses,
-    },
-    WrittenFormat {
-        name: "X3D",
-        extension: "x3d",
-        is_single: false,
-        writer: ModelWriter::Pictured(vrml::write_x3d),
-        keeps_light: false,
-        losses: vrml::losses,
-    },
-    WrittenFormat {
-        name: "STL",
-        extension: "stl",
-        is_single: true,
-        writer: ModelWriter::One(stl::write),
-        keeps_light: false,
-        losses: stl::losses,
-    },
-    WrittenFormat {
-        name: "DXF",
-        extension: "dxf",
-        is_single: false,
-        writer: ModelWriter::One(dxf::write),
-        keeps_light: false,
-        losses: dxf::losses,
-    },
-    WrittenFormat {
-        name: "3MF",
-        extension: "3mf",
-        is_single: false,
-        writer: ModelWriter::One(three_mf::write),
-        keeps_light: false,
-        losses: three_mf::losses,
-    },
+    format(
+        "GRF",
+        "grf",
+        Pictured(grf::write_with_pictures),
+        grf::losses,
+    )
+    .keeping_light(),
+    format("OBJ", "obj", Two("mtl", obj::write), obj::losses),
+    format("glTF", "glb", One(gltf::write), gltf::losses)
+        .keeping_light()
+        .single(),
+    format("glTF", "gltf", Two("bin", gltf::write_json), gltf::losses)
+        .keeping_light()
+        .single(),
+    format("PLY", "ply", One(ply::write), ply::losses)
+        .keeping_light()
+        .single(),
+    format("SFF", "sff", Several(sff::write), sff::losses),
+    format("View3D", "vs3", One(view3d::write), view3d::losses),
+    format("VRML97", "wrl", Pictured(vrml::write), vrml::losses),
+    format("X3D", "x3d", Pictured(vrml::write_x3d), vrml::losses),
+    format("STL", "stl", One(stl::write), stl::losses).single(),
+    format("DXF", "dxf", One(dxf::write), dxf::losses),
+    format("3MF", "3mf", One(three_mf::write), three_mf::losses),
 ];
 
+/// A format that keeps no light and has numbers of 64 bits.
+const fn format(
+    name: &'static str,
+    extension: &'static str,
+    writer: ModelWriter,
+    losses: fn(&Scene) -> Vec<String>,
+) -> WrittenFormat {
+    WrittenFormat {
+        name,
+        extension,
+        keeps_light: false,
+        is_single: false,
+        writer,
+        losses,
+    }
+}
+
 /// GRF without extensions.
-pub(super) static PLAIN_GRF: WrittenFormat = WrittenFormat {
-    name: "plain GRF",
-    extension: "grf",
-    is_single: false,
-    writer: ModelWriter::Pictured(grf::write_plain),
-    keeps_light: true,
-    losses: grf::plain_losses,
-};
+pub(super) static PLAIN_GRF: WrittenFormat = format(
+    "plain GRF",
+    "grf",
+    Pictured(grf::write_plain),
+    grf::plain_losses,
+)
+.keeping_light();
 
 impl WrittenFormat {
+    const fn keeping_light(self) -> WrittenFormat {
+        WrittenFormat {
+            keeps_light: true,
+            ..self
+        }
+    }
+
+    const fn single(self) -> WrittenFormat {
+        WrittenFormat {
+            is_single: true,
+            ..self
+        }
+    }
+
     /// Whether it is text, in which numbers may have fewer digits.
     pub fn is_text(&self) -> bool {
         !matches!(self.extension, "glb" | "gltf" | "ply" | "stl" | "3mf")
@@ -156,7 +115,7 @@ impl WrittenFormat {
 
     /// Whether a model is one file, which may be compressed.
     fn is_alone(&self) -> bool {
-        matches!(self.writer, ModelWriter::One(_) | ModelWriter::Pictured(_))
+        matches!(self.writer, One(_) | Pictured(_))
     }
 
     /// What of a scene the format cannot represent, as text; empty if nothing is lost.

@@ -31,7 +31,7 @@ fn note_path(model: &Path) -> PathBuf {
 /// note.
 ///
 /// # Errors
-/// [`RecipeError`]: the note cannot be read, or is none.
+/// [`RecipeError`]: the note cannot be read, or is not one.
 pub fn noted_recipes(model: &Path) -> Result<Vec<PathBuf>, RecipeError> {
     let path = note_path(model);
     let text = match fs::read_to_string(&path) {
@@ -107,8 +107,8 @@ mod tests {
         note_recipes(&model, &[]).unwrap();
         assert_eq!(noted_recipes(&model).unwrap(), [] as [PathBuf; 0]);
         fs::write(folder.join("room.obj.recipes.toml"), "recipes = 3").unwrap();
-        let said = noted_recipes(&model).unwrap_err().to_string();
-        assert!(said.contains("room.obj.recipes.toml: "), "{said}");
+        let message = noted_recipes(&model).unwrap_err().to_string();
+        assert!(message.contains("room.obj.recipes.toml: "), "{message}");
         fs::remove_dir_all(folder).unwrap();
     }
 }

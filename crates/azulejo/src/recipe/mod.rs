@@ -78,7 +78,7 @@ impl Recipe {
     /// Reads a recipe.
     ///
     /// # Errors
-    /// [`RecipeError`]: no such file, or what is in it is no recipe.
+    /// [`RecipeError`]: no such file, or its content is not a recipe.
     pub fn read(path: &Path) -> Result<Recipe, RecipeError> {
         let (tables, source) = RecipeSource::read(path)?;
         Ok(Recipe { tables, source })
@@ -128,7 +128,7 @@ impl Recipe {
             }
         }
         let valid = scene.validate();
-        valid.map_err(|e| RecipeError::Content(format!("{file}: no valid scene: {e}")))?;
+        valid.map_err(|e| RecipeError::Content(format!("{file}: not a valid scene: {e}")))?;
         Ok(outcome)
     }
 }

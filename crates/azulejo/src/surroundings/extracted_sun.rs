@@ -283,8 +283,8 @@ mod tests {
         let refuse = |half_angle: f64, radiance: f32, part: &str| {
             let mut image = picture(Projection::Equirectangular, DVec3::Z, half_angle, radiance);
             let given = image.clone();
-            let said = extract_sun(&mut image, Projection::Equirectangular).unwrap_err();
-            assert!(said.contains(part), "{said}");
+            let message = extract_sun(&mut image, Projection::Equirectangular).unwrap_err();
+            assert!(message.contains(part), "{message}");
             assert!(image == given);
         };
         refuse(0.02, 20.0, "times the median");

@@ -35,11 +35,11 @@ pub fn modelled_ground(scene: &Scene) -> Option<&str> {
         areas[0].max(areas[1]) > COVERED * footprint
     };
     let is_flat = height <= 1e-9 * size.max_element();
-    let found = scene.objects.iter().find(|object| match &object.shape {
+    let ground = scene.objects.iter().find(|object| match &object.shape {
         Shape::Mesh(mesh) => is_flat || covers(mesh),
         Shape::Instance(instance) => is_flat || covers(&instance.to_mesh()),
         Shape::Primitive(p) => covers(&p.tessellate(&p.grids(0.2, f64::INFINITY))),
         Shape::Exact(_) => false,
     });
-    found.map(|object| object.name.as_str())
+    ground.map(|object| object.name.as_str())
 }

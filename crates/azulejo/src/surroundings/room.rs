@@ -119,7 +119,7 @@ fn places(bounds: Aabb, up: DVec3) -> Vec<DVec3> {
     let (size, around) = (bounds.size(), Frame::from_normal(up));
     let half = |axis: DVec3| 0.5 * size.dot(axis.abs()) * axis;
     let (x, y, z) = (half(around.x), half(around.y), half(up));
-    let mut found = Vec::new();
+    let mut places = Vec::new();
     for reach in [0.0, 0.45] {
         for height in [0.0, -0.4, 0.35] {
             for (i, j) in [
@@ -136,28 +136,28 @@ fn places(bounds: Aabb, up: DVec3) -> Vec<DVec3> {
                 let is_middle = (i, j) == (0, 0);
                 if is_middle == (reach == 0.0) {
                     let level = f64::from(i) * x + f64::from(j) * y;
-                    found.push(bounds.centre() + reach * level + height * z);
+                    places.push(bounds.centre() + reach * level + height * z);
                 }
             }
         }
     }
-    found
+    places
 }
 
 /// Whether one sees mostly backs of the model from outside, from all around.
 fn shows_backs(tracer: &Tracer, up: DVec3) -> bool {
     let bounds = tracer.bounds();
     let away = bounds.diagonal();
-    let (mut backs, mut all) = (0, 0);
+    let (mut backs, mut hits) = (0, 0);
     for k in 0..DIRECTIONS {
         let direction = spread(k, up);
         let ray = Ray::new(bounds.centre() - away * direction, direction);
         if let Some(hit) = tracer.hit(&ray) {
-            all += 1;
+            hits += 1;
             backs += u32::from(!hit.entering);
         }
     }
-    f64::from(backs) > BACKS * f64::from(all)
+    f64::from(backs) > BACKS * f64::from(hits)
 }
 
 /// The share of directions in which a place sees fronts; 0 if it is not in a room, or if fewer than

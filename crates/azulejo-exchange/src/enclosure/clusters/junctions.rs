@@ -32,8 +32,8 @@ impl PointWeld {
         for (i, &point) in (0..).zip(points) {
             let place = (point - low) / (2.0 * tolerance);
             let is_same = |&&k: &&u32| points[k as usize].distance(point) <= tolerance;
-            let found = corners_of(place).find_map(|b| boxes.get(&b)?.iter().find(is_same));
-            let first = found.copied().unwrap_or(i);
+            let earlier = corners_of(place).find_map(|b| boxes.get(&b)?.iter().find(is_same));
+            let first = earlier.copied().unwrap_or(i);
             if first == i {
                 boxes.entry(in_whole(place)).or_default().push(i);
             }
@@ -81,10 +81,9 @@ pub(super) fn split_edges(outlines: &mut [(u32, Vec<u32>)], points: &[DVec3], to
         for (a, b) in edges(outline) {
             divided.push(a);
             if is_loose((a, b)) {
-                let found = tree.within(a, b, budget);
-                budget -= found.len();
-                let on_edge = found.into_iter();
-                divided.extend(on_edge.filter(|p| !outline.contains(p)));
+                let on_edge = tree.within(a, b, budget);
+                budget -= on_edge.len();
+                divided.extend(on_edge.into_iter().filter(|p| !outline.contains(p)));
             }
         }
         *outline = divided;
@@ -122,14 +121,14 @@ impl<'a> PointTree<'a> {
             tolerance: self.tolerance,
             most: most + 2,
         };
-        let mut found = Vec::new();
-        self.search(self.order, 0, &edge, (0.0, 1.0), &mut found);
-        found.retain(|&(_, p)| p != from && p != to);
-        if found.len() > most {
+        let mut points = Vec::new();
+        self.search(self.order, 0, &edge, (0.0, 1.0), &mut points);
+        points.retain(|&(_, p)| p != from && p != to);
+        if points.len() > most {
             return Vec::new();
         }
-        found.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        found.into_iter().map(|(_, p)| p).collect()
+        points.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        points.into_iter().map(|(_, p)| p).collect()
     }
 
     /// Searches the part of the edge between two parameters.
@@ -139,19 +138,19 @@ impl<'a> PointTree<'a> {
         axis: usize,
         edge: &SplitEdge,
         part: (f64, f64),
-        found: &mut Vec<(f64, u32)>,
+        points: &mut Vec<(f64, u32)>,
     ) {
         let middle = order.len() / 2;
-        let Some(&point) = order.get(middle).filter(|_| found.len() <= edge.most) else {
+        let Some(&point) = order.get(middle).filter(|_| points.len() <= edge.most) else {
             return;
         };
         let position = self.points[point as usize];
-        found.extend(edge.parameter(position).map(|t| (t, point)));
+        points.extend(edge.parameter(position).map(|t| (t, point)));
         let next = (axis + 1) % 3;
         let halves = [&order[..middle], &order[middle + 1..]];
         for (half, sign) in halves.into_iter().zip([1.0, -1.0]) {
             if let Some(part) = edge.part_below(sign, axis, position[axis], part) {
-                self.search(half, next, edge, part, found);
+                self.search(half, next, edge, part, points);
             }
         }
     }

@@ -20,7 +20,7 @@ use std::fmt;
 /// How rows become clusters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClusterOptions {
-    /// The number of clusters that are wanted.
+    /// The requested number of clusters.
     pub count: usize,
     /// Largest angle between the normals of a cluster and of any of its rows, in radians, 0..π. That
     /// of the cluster is the mean of its rows by area.
@@ -56,7 +56,7 @@ impl std::error::Error for ClusterError {}
 impl Enclosure {
     /// Groups of neighbouring rows of one object, side and material, numbered by first appearance and
     /// named `object/cluster`. There are more than `count` where more cannot be joined: parts that do
-    /// not touch, bends beyond the angle, and rings, which no cluster closes. Rows that are no simple
+    /// not touch, bends beyond the angle, and rings, which no cluster closes. Rows that are not simple
     /// polygons stay alone.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl Enclosure {
         for row in 0..self.len() {
             let has_same_face = |other: u32| faces[other as usize] == faces[row];
             loop {
-                let region = regions.of_row(row as u32);
+                let region = regions.region_of(row as u32);
                 let borders = regions.borders(region);
                 let mut others = borders.iter().filter(|b| b.is_one_line());
                 let Some(border) = others.find(|b| has_same_face(b.region)) else {
@@ -108,8 +108,8 @@ impl Enclosure {
     fn named(&self, regions: &mut ClusterRegions) -> Groups {
         let (mut numbers, mut names) = (HashMap::new(), Vec::new());
         let mut used = HashMap::new();
-        let of_row = |row: usize| {
-            let region = regions.of_row(row as u32);
+        let group = |row: usize| {
+            let region = regions.region_of(row as u32);
             let number = numbers.entry(region).or_insert_with(|| {
                 let (face, is_back) = (self.factors.faces[row], self.factors.is_back[row]);
                 let place = used.entry((face.object, is_back)).or_insert(0usize);
@@ -121,7 +121,7 @@ impl Enclosure {
             Some(*number)
         };
         Groups {
-            of_rows: (0..self.len()).map(of_row).collect(),
+            of_rows: (0..self.len()).map(group).collect(),
             names: unique(names),
         }
     }
@@ -131,14 +131,17 @@ impl Enclosure {
 fn agglomerate(regions: &mut ClusterRegions, count: usize) {
     let entry =
         |regions: &ClusterRegions, region: u32| Reverse((rank(regions.area(region)), region));
-    let mut smallest: BinaryHeap<_> = regions.all().map(|r| entry(&*regions, r)).collect();
+    let mut smallest: BinaryHeap<_> = regions
+        .rows_at_first()
+        .map(|r| entry(&*regions, r))
+        .collect();
     // Regions that no neighbour accepted, until one of these changes.
     let mut is_waiting = vec![false; smallest.len()];
     while regions.len() > count {
         let Some(Reverse((area, region))) = smallest.pop() else {
             break;
         };
-        let is_current = regions.of_row(region) == region
+        let is_current = regions.region_of(region) == region
             && rank(regions.area(region)) == area
             && !is_waiting[region as usize];
         if !is_current {

@@ -95,7 +95,7 @@ impl ClusterRegions {
     }
 
     /// The rows after which regions were named at first.
-    pub(super) fn all(&self) -> impl Iterator<Item = u32> + use<> {
+    pub(super) fn rows_at_first(&self) -> impl Iterator<Item = u32> + use<> {
         0..self.joined.len() as u32
     }
 
@@ -105,7 +105,7 @@ impl ClusterRegions {
     }
 
     /// The region of a row.
-    pub(super) fn of_row(&mut self, row: u32) -> u32 {
+    pub(super) fn region_of(&mut self, row: u32) -> u32 {
         let mut row = row as usize;
         while self.joined[row] as usize != row {
             let next = self.joined[row] as usize;
@@ -158,14 +158,16 @@ impl ClusterRegions {
     fn across(&mut self, edge: u32) -> u32 {
         match self.mesh.edges[edge as usize].twin {
             NONE => NONE,
-            twin => self.of_row(self.mesh.edges[twin as usize].row),
+            twin => self.region_of(self.mesh.edges[twin as usize].row),
         }
     }
 
     /// The regions around a point, each once.
     fn at_point(&mut self, point: u32) -> &[u32] {
         let mut around = std::mem::take(&mut self.mesh.around[point as usize]);
-        around.iter_mut().for_each(|row| *row = self.of_row(*row));
+        around
+            .iter_mut()
+            .for_each(|row| *row = self.region_of(*row));
         around.sort_unstable();
         around.dedup();
         let place = &mut self.mesh.around[point as usize];

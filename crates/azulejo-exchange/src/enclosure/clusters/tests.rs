@@ -145,8 +145,8 @@ fn a_grid_becomes_as_many_pieces_of_like_size() {
 fn no_cluster_closes_a_ring() {
     for (sides, rings) in [(12, 1), (3, 1), (12, 5), (8, 2)] {
         let ring = rows(tube(sides, rings));
-        let found = clusters(&ring, 1, 180.0).names.len();
-        assert!((2..4).contains(&found), "{sides} {rings} {found}");
+        let count = clusters(&ring, 1, 180.0).names.len();
+        assert!((2..4).contains(&count), "{sides} {rings} {count}");
     }
     assert_eq!(clusters(&rows(tube(12, 1)), 1, 180.0).names.len(), 2);
     // A box closes around what it holds.
@@ -162,8 +162,8 @@ fn no_cluster_closes_a_ring() {
 fn bends_end_clusters() {
     let ring = rows(tube(36, 4));
     // 36 sides of 10°: at most five lie within 20° of their mean.
-    let found = clusters(&ring, 1, 20.0);
-    assert!((8..=12).contains(&found.names.len()), "{:?}", found.names);
+    let groups = clusters(&ring, 1, 20.0);
+    assert!((8..=12).contains(&groups.names.len()), "{:?}", groups.names);
     // None of them is flat with another, but for those of one side.
     assert_eq!(clusters(&ring, 1, 0.0).names.len(), 36);
     // A fold of 90°: both halves are 45° off their mean.
@@ -334,8 +334,8 @@ proptest! {
         let polygons = corners.chunks_exact(sides).map(|c| c.iter().map(point).collect());
         let enclosure = rows(polygons.collect());
         for whole_faces in [false, true] {
-            let wanted = ClusterOptions { whole_faces, ..options(count, 180.0) };
-            let groups = enclosure.clusters(&wanted).unwrap();
+            let cluster_options = ClusterOptions { whole_faces, ..options(count, 180.0) };
+            let groups = enclosure.clusters(&cluster_options).unwrap();
             prop_assert!(groups.names.len() <= enclosure.len());
         }
     }

@@ -37,9 +37,8 @@ struct Lexer<'a> {
 /// [`ReadError`] with line and column: no list of dictionaries, or a patch without a number of faces.
 pub fn read_boundary(bytes: &[u8], file: &str) -> Result<Vec<BoundaryPatch>, ReadError> {
     let Ok(text) = std::str::from_utf8(bytes) else {
-        let found = "bytes that are not text";
         let expected = "a list of patches as text; unpack .gz files first";
-        return Err(ReadError::whole(file, found, expected));
+        return Err(ReadError::whole(file, "bytes that are not text", expected));
     };
     let mut lexer = Lexer {
         file,

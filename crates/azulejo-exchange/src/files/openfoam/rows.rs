@@ -94,11 +94,11 @@ impl CaseRows {
         let (mut rows, mut agglomeration) = (Vec::new(), Vec::new());
         for patch in &case.patches {
             let is_part = part.contains(patch.name.as_str());
-            let of_face = |f| row_of(&patch.name, f).filter(|_| is_part);
+            let row = |f| row_of(&patch.name, f).filter(|_| is_part);
             let mut numbers = HashMap::new();
             let mut clusters = Vec::new();
             for face in 0..patch.faces {
-                let Some(row) = of_face(face) else {
+                let Some(row) = row(face) else {
                     clusters.push(face as u32);
                     continue;
                 };
@@ -122,9 +122,9 @@ impl CaseRows {
 /// The faces of rows: of groups all that are known.
 fn row_faces(enclosure: &Enclosure) -> impl Iterator<Item = (FaceId, u32)> {
     let groups = &enclosure.rows.grouped_faces;
-    let of_patches = enclosure.factors.faces.iter().copied().zip(0..);
-    let of_patches = of_patches.filter(|_| groups.is_empty());
-    groups.iter().copied().chain(of_patches)
+    let patches = enclosure.factors.faces.iter().copied().zip(0..);
+    let patches = patches.filter(|_| groups.is_empty());
+    groups.iter().copied().chain(patches)
 }
 
 /// The patches that have rows and take no part; `None` if there are rows of what is no patch.

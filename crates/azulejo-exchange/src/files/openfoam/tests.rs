@@ -69,14 +69,14 @@ fn case(version: OpenFoamVersion) -> FileOptions {
 
 #[test]
 fn patches_are_read() {
-    let found = read_boundary(BOUNDARY.as_bytes(), "boundary").unwrap();
+    let patches = read_boundary(BOUNDARY.as_bytes(), "boundary").unwrap();
     let mut expected = [
         patch("cold", 1, &["wall", "viewFactorWall"]),
         patch("hot", 1, &["viewFactorWall"]),
         patch("sides", 4, &[]),
     ];
     (4..).zip(&mut expected).for_each(|(k, p)| p.start_face = k);
-    assert_eq!(found, expected);
+    assert_eq!(patches, expected);
     assert_eq!(read_boundary(b"()", "b").unwrap(), []);
     let quoted = read_boundary(b"1(\"a b\"{nFaces 2;})", "b").unwrap();
     assert_eq!(quoted, [patch("a b", 2, &[])]);
@@ -186,9 +186,9 @@ fn plates() -> Enclosure {
 fn check(version: OpenFoamVersion, expected: &[(&str, &str, &str)]) {
     let plates = plates();
     let options = case(version);
-    let (found, _) = files(&plates, FactorFormat::OpenFoam, &options);
-    assert_eq!(found.len(), expected.len());
-    for ((name, content), (expected_name, class, body)) in found.iter().zip(expected) {
+    let (written, _) = files(&plates, FactorFormat::OpenFoam, &options);
+    assert_eq!(written.len(), expected.len());
+    for ((name, content), (expected_name, class, body)) in written.iter().zip(expected) {
         let whole = format!(
             "FoamFile\n{{\n    version     2.0;\n    format      ascii;\n    class       {class};\n    \
              location    \"constant\";\n    object      {name};\n}}\n\n{body}\n"
@@ -237,9 +237,9 @@ fn binary_files_byte_by_byte() {
     // The second row sees nothing.
     let lonely = rows(&[1.0, 2.0], &["hot", "cold"], &[(0, 0, 0.25)]);
     let options = case(OpenFoamVersion::V1912);
-    let (found, _) = files(&lonely, FactorFormat::OpenFoamBinary, &options);
+    let (written, _) = files(&lonely, FactorFormat::OpenFoamBinary, &options);
     let body = |k: usize| {
-        let content = &found[k].1;
+        let content = &written[k].1;
         let start = content.windows(3).position(|w| w == b"}\n\n").unwrap() + 3;
         let header = std::str::from_utf8(&content[..start]).unwrap();
         (
@@ -264,8 +264,8 @@ fn rows_may_be_whole_patches_of_many_faces() {
     let mut options = case(OpenFoamVersion::V1912);
     let case = options.case.as_mut().unwrap();
     case.patches[0].faces = 3;
-    let (found, _) = files(&enclosure, FactorFormat::OpenFoam, &options);
-    let text = String::from_utf8_lossy(&found[2].1).into_owned();
+    let (written, _) = files(&enclosure, FactorFormat::OpenFoam, &options);
+    let text = String::from_utf8_lossy(&written[2].1).into_owned();
     assert!(
         text.ends_with("3\n(\n3(0 0 0)\n1(0)\n4(0 1 2 3)\n)\n"),
         "{text}"
@@ -291,10 +291,10 @@ fn faces_of_patches_are_rows_in_any_order() {
         version: OpenFoamVersion::V2312,
     };
     assert_eq!(case.location(), "constant/air");
-    let found = CaseRows::new(&enclosure, &case).unwrap();
-    assert_eq!(found.rows, [1, 0, 5, 4, 3, 2]);
-    assert_eq!(found.agglomeration, [vec![0, 1], vec![0, 1, 2, 3]]);
-    assert_eq!(found.taking_part, ["ends", "walls"]);
+    let rows = CaseRows::new(&enclosure, &case).unwrap();
+    assert_eq!(rows.rows, [1, 0, 5, 4, 3, 2]);
+    assert_eq!(rows.agglomeration, [vec![0, 1], vec![0, 1, 2, 3]]);
+    assert_eq!(rows.taking_part, ["ends", "walls"]);
 }
 
 fn refusal(enclosure: &Enclosure, options: &FileOptions) -> String {
@@ -306,23 +306,32 @@ fn refusal(enclosure: &Enclosure, options: &FileOptions) -> String {
 fn rows_that_are_not_the_faces_are_refused_with_both_counts() {
     let options = case(OpenFoamVersion::V1912);
     let three = rows(&[1.0; 3], &["hot", "cold", "lamp"], &[]);
-    let found = refusal(&three, &options);
-    assert!(found.contains("found 3 rows, 2 of them faces"), "{found}");
+    let message = refusal(&three, &options);
     assert!(
-        found.contains("(cold, hot), expected all 2 faces"),
-        "{found}"
+        message.contains("found 3 rows, 2 of them faces"),
+        "{message}"
+    );
+    assert!(
+        message.contains("(cold, hot), expected all 2 faces"),
+        "{message}"
     );
     let one = rows(&[1.0], &["hot"], &[]);
-    let found = refusal(&one, &options);
-    assert!(found.contains("found 1 rows, 1 of them faces"), "{found}");
+    let message = refusal(&one, &options);
+    assert!(
+        message.contains("found 1 rows, 1 of them faces"),
+        "{message}"
+    );
     let mut twice = plates();
     twice.factors.faces[1] = twice.factors.faces[0];
-    let found = refusal(&twice, &options);
-    assert!(found.contains("several rows of face 0 of hot"), "{found}");
+    let message = refusal(&twice, &options);
+    assert!(
+        message.contains("several rows of face 0 of hot"),
+        "{message}"
+    );
     let mut back = plates();
     back.factors.is_back[0] = true;
-    let found = refusal(&back, &options);
-    assert!(found.contains("back sides"), "{found}");
+    let message = refusal(&back, &options);
+    assert!(message.contains("back sides"), "{message}");
     let mut none = options.clone();
     none.case
         .as_mut()
@@ -330,13 +339,13 @@ fn rows_that_are_not_the_faces_are_refused_with_both_counts() {
         .patches
         .iter_mut()
         .for_each(|p| p.groups.clear());
-    let found = refusal(&plates(), &none);
+    let message = refusal(&plates(), &none);
     assert!(
-        found.contains("found no patch with inGroups (viewFactorWall)"),
-        "{found}"
+        message.contains("found no patch with inGroups (viewFactorWall)"),
+        "{message}"
     );
-    let found = refusal(&plates(), &FileOptions::default());
-    assert!(found.contains("no case"), "{found}");
+    let message = refusal(&plates(), &FileOptions::default());
+    assert!(message.contains("no case"), "{message}");
 }
 
 #[test]
@@ -344,8 +353,8 @@ fn patches_that_take_no_part_have_no_rows() {
     let pairs = [(0, 1, 0.5), (0, 2, 0.25), (1, 2, 0.25)];
     let three = rows(&[1.0; 3], &["sides", "hot", "cold"], &pairs);
     let options = case(OpenFoamVersion::V1912);
-    let (found, notes) = files(&three, FactorFormat::OpenFoam, &options);
-    let f = String::from_utf8_lossy(&found[0].1).into_owned();
+    let (written, notes) = files(&three, FactorFormat::OpenFoam, &options);
+    let f = String::from_utf8_lossy(&written[0].1).into_owned();
     assert!(f.ends_with("2\n(\n1(0.25)\n1(0.25)\n)\n"), "{f}");
     let expected = "without rows, as they take no part: sides; row sums are down to 0.25";
     assert!(notes.iter().any(|n| n == expected), "{notes:?}");
@@ -354,10 +363,10 @@ fn patches_that_take_no_part_have_no_rows() {
 #[test]
 fn bent_rows_and_openings() {
     let bent = rows(&[1.0, 2.0], &["hot", "cold"], &[(0, 0, 0.25)]);
-    let found = refusal(&bent, &case(OpenFoamVersion::V2312));
+    let message = refusal(&bent, &case(OpenFoamVersion::V2312));
     assert!(
-        found.contains("found 1 of 2 rows that see themselves, with a factor of up to 0.25"),
-        "{found}"
+        message.contains("found 1 of 2 rows that see themselves, with a factor of up to 0.25"),
+        "{message}"
     );
     let mut open = bent;
     open.factors.rest[1].sky = 1.0;
@@ -393,18 +402,18 @@ fn clusters() -> (Enclosure, OpenFoamCase) {
 #[test]
 fn clusters_are_numbered_by_first_appearance() {
     let (mut enclosure, case) = clusters();
-    let found = CaseRows::new(&enclosure, &case).unwrap();
-    assert_eq!(found.rows, [1, 2, 0]);
-    assert_eq!(found.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
+    let rows = CaseRows::new(&enclosure, &case).unwrap();
+    assert_eq!(rows.rows, [1, 2, 0]);
+    assert_eq!(rows.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
     // The same whatever the order of rows.
     enclosure.rows.grouped_faces.reverse();
     for (_, row) in &mut enclosure.rows.grouped_faces {
         *row = 2 - *row;
     }
     enclosure.factors.faces.reverse();
-    let found = CaseRows::new(&enclosure, &case).unwrap();
-    assert_eq!(found.rows, [1, 0, 2]);
-    assert_eq!(found.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
+    let rows = CaseRows::new(&enclosure, &case).unwrap();
+    assert_eq!(rows.rows, [1, 0, 2]);
+    assert_eq!(rows.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub(in crate::files) fn rows(
     names: &[&str],
     pairs: &[(u32, u32, f64)],
 ) -> Enclosure {
-    let of_row = |i: u32| -> Vec<Exchange> {
+    let row = |i: u32| -> Vec<Exchange> {
         let mut row: Vec<Exchange> = (pairs.iter().filter(|p| p.0 == i))
             .map(|&(_, column, value)| Exchange {
                 column,
@@ -27,7 +27,7 @@ pub(in crate::files) fn rows(
         row.sort_by_key(|e| e.column);
         row
     };
-    let exchange = (0..areas.len() as u32).map(of_row).collect();
+    let exchange = (0..areas.len() as u32).map(row).collect();
     let mut enclosure = fronts(areas.to_vec(), exchange);
     enclosure.rows.objects = names.iter().map(|n| (*n).to_owned()).collect();
     enclosure.rows.names = names.iter().map(|n| format!("{n}/0")).collect();
@@ -194,12 +194,12 @@ fn energyplus_refuses_names_that_it_cannot_read() {
     let check = |name: &str, expected: &str| {
         let mut enclosure = plates();
         enclosure.rows.objects[0] = name.to_owned();
-        let found = refusal(
+        let message = refusal(
             &enclosure,
             FactorFormat::EnergyPlus,
             &FileOptions::default(),
         );
-        assert!(found.contains(expected), "{found}");
+        assert!(message.contains(expected), "{message}");
     };
     check("a, b", "\"a, b\": it has a comma");
     check("COLD", "\"cold\": it has a twin");
@@ -255,8 +255,8 @@ fn diffuse_solvers_get_direct_factors() {
         FactorFormat::Moose,
         FactorFormat::Nastran,
     ] {
-        let found = refusal(&enclosure, format, &FileOptions::default());
-        assert!(found.contains("--separate"), "{found}");
+        let message = refusal(&enclosure, format, &FileOptions::default());
+        assert!(message.contains("--separate"), "{message}");
     }
     let exchange = &enclosure.factors.exchange;
     let mut direct = exchange.clone();

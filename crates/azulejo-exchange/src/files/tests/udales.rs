@@ -25,13 +25,13 @@ fn udales() {
     };
     enclosure.rows.cells =
         CellMesh::new([triangle(0.0), triangle(1.0).into_iter().rev().collect()]);
-    let (found, notes) = files(&enclosure, FactorFormat::Udales, &experiment());
-    let text = |k: usize| String::from_utf8_lossy(&found[k].1).into_owned();
-    let names: Vec<&str> = found.iter().map(|f| f.0.as_str()).collect();
+    let (written, notes) = files(&enclosure, FactorFormat::Udales, &experiment());
+    let text = |k: usize| String::from_utf8_lossy(&written[k].1).into_owned();
+    let names: Vec<&str> = written.iter().map(|f| f.0.as_str()).collect();
     let expected = ["vfsparse", "vf.nc", "svf", "facetarea", "facets"];
     assert_eq!(names, expected.map(|n| format!("{n}.inp.042")));
     assert_eq!(text(0), "1 2 0.20000000\n2 1 0.10000000\n2 2 0.25000000\n");
-    let matrix = &found[1].1;
+    let matrix = &written[1].1;
     // F_11, F_21, F_12, F_22.
     let expected: Vec<u8> = [0.0f32, 0.1, 0.2, 0.25]
         .iter()
@@ -58,21 +58,24 @@ fn udales() {
 fn udales_refuses_rows_that_are_no_facets() {
     let mut enclosure = plates();
     enclosure.factors.is_back[1] = true;
-    let found = refusal(&enclosure, FactorFormat::Udales, &experiment());
-    assert!(found.contains("found back sides"), "{found}");
+    let message = refusal(&enclosure, FactorFormat::Udales, &experiment());
+    assert!(message.contains("found back sides"), "{message}");
     let mut enclosure = plates();
     enclosure.factors.faces[1] = enclosure.factors.faces[0];
-    let found = refusal(&enclosure, FactorFormat::Udales, &experiment());
+    let message = refusal(&enclosure, FactorFormat::Udales, &experiment());
     assert!(
-        found.contains("found 2 rows, several of a facet"),
-        "{found}"
+        message.contains("found 2 rows, several of a facet"),
+        "{message}"
     );
     let mut enclosure = plates();
     enclosure.factors.faces[1].face = 1;
-    let found = refusal(&enclosure, FactorFormat::Udales, &experiment());
-    assert!(found.contains("facet 0 of \"cold\" has no row"), "{found}");
-    let found = refusal(&plates(), FactorFormat::Udales, &FileOptions::default());
-    assert!(found.contains("vfsparse.inp.NNN"), "{found}");
-    let found = refusal(&plates(), FactorFormat::Udales, &experiment());
-    assert!(found.contains("need a folder"), "{found}");
+    let message = refusal(&enclosure, FactorFormat::Udales, &experiment());
+    assert!(
+        message.contains("facet 0 of \"cold\" has no row"),
+        "{message}"
+    );
+    let message = refusal(&plates(), FactorFormat::Udales, &FileOptions::default());
+    assert!(message.contains("vfsparse.inp.NNN"), "{message}");
+    let message = refusal(&plates(), FactorFormat::Udales, &experiment());
+    assert!(message.contains("need a folder"), "{message}");
 }

@@ -104,24 +104,24 @@ fn vtu_has_cell_types_by_their_corners() {
 #[test]
 fn vtu_refuses_what_it_cannot_show() {
     let options = FileOptions::default();
-    let found = refusal(&plates(), FactorFormat::Vtu, &options);
-    assert!(found.contains("no polygons"), "{found}");
+    let message = refusal(&plates(), FactorFormat::Vtu, &options);
+    assert!(message.contains("no polygons"), "{message}");
     let options = FileOptions {
         shown_rows: vec!["x9".into()],
         ..FileOptions::default()
     };
-    let found = refusal(&cube(), FactorFormat::Vtu, &options);
+    let message = refusal(&cube(), FactorFormat::Vtu, &options);
     assert!(
-        found.contains("no row \"x9\", expected one of x0/0, x1/0,"),
-        "{found}"
+        message.contains("no row \"x9\", expected one of x0/0, x1/0,"),
+        "{message}"
     );
     let options = FileOptions {
         arrays: vec![("T".into(), vec![1.0])],
         ..FileOptions::default()
     };
-    let found = refusal(&cube(), FactorFormat::Vtu, &options);
+    let message = refusal(&cube(), FactorFormat::Vtu, &options);
     assert_eq!(
-        found,
+        message,
         "array T: found 1 values, expected 6, one for each row"
     );
 }

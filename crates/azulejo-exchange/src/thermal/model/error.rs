@@ -25,7 +25,7 @@ pub enum ModelError {
         /// The reflectance in the matrix.
         computed: f64,
         /// That of the band.
-        asked: f64,
+        expected: f64,
         /// The band.
         range: SpectralRange,
     },
@@ -58,7 +58,7 @@ impl fmt::Display for ModelError {
                 matrix,
                 row,
                 computed,
-                asked,
+                expected,
                 range,
             } => {
                 let band = match range {
@@ -66,11 +66,11 @@ impl fmt::Display for ModelError {
                     range => format!(" in the band {range}"),
                 };
                 // They are kept as differences from 1, whose last digits nobody wrote.
-                let [computed, asked] = [computed, asked].map(|x| (x * 1e6).round() / 1e6);
+                let [computed, expected] = [computed, expected].map(|x| (x * 1e6).round() / 1e6);
                 write!(
                     f,
                     "{matrix}: its factors were computed with mirror reflectance {computed} of \"{row}\", the \
-                     materials have {asked}{band}: compute factors with these materials"
+                     materials have {expected}{band}: compute factors with these materials"
                 )
             }
             ModelError::Uneven {

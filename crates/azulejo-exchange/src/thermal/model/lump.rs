@@ -14,12 +14,12 @@ pub fn lump(
 ) -> Result<Groups, ModelError> {
     let areas = model.matrices[0].1.factors.areas.clone();
     for (_, rows) in &mut model.bands {
-        let of = |property: fn(&Properties) -> f64, what| {
+        let lump_property = |property: fn(&Properties) -> f64, what| {
             let values: Vec<f64> = rows.iter().map(property).collect();
             lumped(&values, &areas, groups, what)
         };
-        let emissivities = of(|p| p.emissivity, "eps")?;
-        let mirrors = of(|p| p.mirror, "rho_s")?;
+        let emissivities = lump_property(|p| p.emissivity, "eps")?;
+        let mirrors = lump_property(|p| p.mirror, "rho_s")?;
         let pairs = emissivities.into_iter().zip(mirrors);
         *rows = pairs
             .map(|(emissivity, mirror)| Properties { emissivity, mirror })
@@ -46,12 +46,12 @@ fn lumped(
     groups: &Groups,
     what: &'static str,
 ) -> Result<Vec<f64>, ModelError> {
-    let mut of_nodes: Vec<Option<f64>> = vec![None; groups.names.len()];
+    let mut node_values: Vec<Option<f64>> = vec![None; groups.names.len()];
     for ((&value, &area), group) in values.iter().zip(areas).zip(&groups.of_rows) {
         let Some(group) = group.filter(|_| area > 0.0).map(|g| g as usize) else {
             continue;
         };
-        let known = *of_nodes[group].get_or_insert(value);
+        let known = *node_values[group].get_or_insert(value);
         if (known - value).abs() > SAME {
             return Err(ModelError::Uneven {
                 node: groups.names[group].clone(),
@@ -60,8 +60,8 @@ fn lumped(
             });
         }
     }
-    let of_nodes = of_nodes.into_iter().map(Option::unwrap_or_default);
-    Ok(of_nodes.collect())
+    let node_values = node_values.into_iter().map(Option::unwrap_or_default);
+    Ok(node_values.collect())
 }
 
 /// The one condition of each node, and the sunlight on its rows.

@@ -1,7 +1,7 @@
 //! Thermal models: factors with surface properties, temperatures and fluxes, solved and written.
 //!
 //! [`ThermalModel::solve`] chooses the matrix of each band by its mirrors, combines rows to nodes, and solves
-//! networks and heat balance; [`ThermalSolution::write`] writes what was found.
+//! networks and heat balance; [`ThermalSolution::write`] writes the result.
 
 mod error;
 mod lists;
@@ -155,14 +155,14 @@ impl ThermalModel {
         };
         let mut closest = None;
         for (k, (name, enclosure)) in self.matrices.iter().enumerate() {
-            let Some((i, computed, asked)) = differs(enclosure) else {
+            let Some((i, computed, expected)) = differs(enclosure) else {
                 return Ok(k);
             };
             closest.get_or_insert_with(|| ModelError::OtherMirrors {
                 matrix: name.clone(),
                 row: enclosure.rows.names[i].clone(),
                 computed,
-                asked,
+                expected,
                 range,
             });
         }
@@ -187,15 +187,15 @@ impl ThermalModel {
         conditions: &Conditions,
         notes: &mut Vec<String>,
     ) -> Vec<f64> {
-        let of_sun = bands.iter().find(|b| b.range == SpectralRange::Solar);
-        let lit = of_sun.map_or(&self.matrices[0].1, |band| band.enclosure);
+        let solar_band = bands.iter().find(|b| b.range == SpectralRange::Solar);
+        let lit = solar_band.map_or(&self.matrices[0].1, |band| band.enclosure);
         let outside = |i: usize| lit.outside.as_ref().map_or(0.0, |o| o[i].irradiance.mean());
         let rows = conditions.solar.iter().enumerate();
         let solar: Vec<f64> = rows.map(|(i, e)| e.unwrap_or_else(|| outside(i))).collect();
         if solar.iter().all(|&e| e <= 0.0) {
             return Vec::new();
         }
-        let Some(sun) = of_sun else {
+        let Some(sun) = solar_band else {
             notes.push(
                 "sunlight has no effect, because no absorptance of it (alpha) is given".into(),
             );
@@ -215,7 +215,7 @@ impl ThermalModel {
 
     /// The row whose factors lack most of 1, or have most too much, if heat does not balance by it.
     fn note_unbalanced(&self) -> Option<String> {
-        let of_matrix = |(name, enclosure): &(String, Enclosure)| {
+        let worst_row = |(name, enclosure): &(String, Enclosure)| {
             let residuals = enclosure.residuals();
             let noise = enclosure.noise_of_sums();
             let rows = residuals.iter().zip(&noise).enumerate();
@@ -226,8 +226,8 @@ impl ThermalModel {
             let title = enclosure.rows.names.get(row).cloned().unwrap_or_default();
             Some((name.clone(), title, *off))
         };
-        let found = self.matrices.iter().filter_map(of_matrix);
-        let (name, row, off) = found.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+        let worst = self.matrices.iter().filter_map(worst_row);
+        let (name, row, off) = worst.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
         (off.abs() > UNBALANCED).then(|| {
             let share = 100.0 * off.abs();
             let fault = if off > 0.0 {

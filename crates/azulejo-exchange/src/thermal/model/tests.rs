@@ -234,16 +234,16 @@ fn truncated_lists_keep_sums() {
             .map(|f| (format!("{}{}", f[0], f[1]), f[2].parse().unwrap()))
             .collect()
     };
-    let all = pairs(&text(&solution, SolutionFormat::Csv, None));
-    assert_eq!(all.len(), 6);
+    let every = pairs(&text(&solution, SolutionFormat::Csv, None));
+    assert_eq!(every.len(), 6);
     let kept = pairs(&text(&solution, SolutionFormat::Csv, Some(0.01)));
     assert_eq!(kept.len(), 4);
-    let of_a: f64 = kept
+    let sum_at_a: f64 = kept
         .iter()
         .filter(|(p, _)| p.contains('a'))
         .map(|p| p.1)
         .sum();
-    assert!((of_a - 1.0).abs() < 1e-9, "{of_a}");
+    assert!((sum_at_a - 1.0).abs() < 1e-9, "{sum_at_a}");
 }
 
 #[test]
@@ -350,10 +350,10 @@ fn factors_that_lose_heat_are_named() {
         pair.factors.exchange = ExchangeAreas::from_iter([vec![entry], vec![]]);
         solved(model(vec![pair], GREY, Some(boundary))).notes
     };
-    let said = &lossy(1e-4)[0];
+    let message = &lossy(1e-4)[0];
     assert!(
-        said.contains("of \"cold\" lack 50.00% of its light"),
-        "{said}"
+        message.contains("of \"cold\" lack 50.00% of its light"),
+        "{message}"
     );
     assert!(lossy(0.2)[0].starts_with("no temperature"), "noise");
 }

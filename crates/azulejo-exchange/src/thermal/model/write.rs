@@ -86,7 +86,7 @@ impl ThermalSolution {
     /// Those of writing, and a [refusal](SolutionFormat::refusal).
     ///
     /// # Panics
-    /// If a [part](SolutionPart::Network) is asked for that is not there.
+    /// If a [part](SolutionPart::Network) is requested that does not exist.
     pub fn write(
         &self,
         format: SolutionFormat,
@@ -167,8 +167,10 @@ impl ThermalSolution {
             npy::write_texts(&self.enclosure.rows.names, w)
         })?;
         let node = |node: &Option<u32>| node.map_or(-1, i64::from);
-        let of_rows: Vec<i64> = self.nodes.of_rows.iter().map(node).collect();
-        archive.add("row_node", |w| npy::write(&[of_rows.len()], &of_rows, w))?;
+        let row_nodes: Vec<i64> = self.nodes.of_rows.iter().map(node).collect();
+        archive.add("row_node", |w| {
+            npy::write(&[row_nodes.len()], &row_nodes, w)
+        })?;
         if let Some(heat) = heat {
             for (name, values) in self.arrays_of_rows() {
                 archive.add(&name, |w| npy::write(&[values.len()], &values, w))?;
@@ -208,8 +210,8 @@ fn write_network(
     })?;
     let mut add = |name: &str, of: &dyn Fn(usize, usize) -> f64| {
         archive.add(&format!("{name}{suffix}"), |w| {
-            let all: Vec<f64> = (0..n * n).map(|k| of(k / n, k % n)).collect();
-            npy::write(&[n, n], &all, w)
+            let values: Vec<f64> = (0..n * n).map(|k| of(k / n, k % n)).collect();
+            npy::write(&[n, n], &values, w)
         })
     };
     add("GR", &|a, b| network.conductance(a, b).0)?;

@@ -129,12 +129,12 @@ pub fn exchange_factors(
     let sources: Vec<Vec<f64>> = (0..work.nodes()).map(|b| work.source(b)).collect();
     let radiosities = reflections.solve(&sources, progress)?;
     let arriving = reflections.arriving(&radiosities);
-    let found: Vec<Vec<f64>> = (0..work.nodes())
+    let absorbed: Vec<Vec<f64>> = (0..work.nodes())
         .into_par_iter()
         .map(|b| work.absorbed(b, &radiosities[b], &arriving[b]))
         .collect();
     let variances = work.variances(&radiosities, progress)?;
-    Ok(work.finish(&found, &variances))
+    Ok(work.finish(&absorbed, &variances))
 }
 
 struct Work<'a> {
@@ -307,7 +307,7 @@ impl Work<'_> {
     }
 
     /// Means of both directions, in square metres.
-    fn finish(&self, found: &[Vec<f64>], variances: &[f64]) -> ExchangeFactors {
+    fn finish(&self, absorbed: &[Vec<f64>], variances: &[f64]) -> ExchangeFactors {
         let unit = self.band.enclosure.metres_per_unit().powi(2);
         let (count, factors) = (self.nodes(), &self.band.enclosure.factors);
         let (mut areas, mut emitting) = (vec![0.0; count], vec![0.0; count]);
@@ -325,7 +325,7 @@ impl Work<'_> {
         let mut asymmetry: f64 = 0.0;
         let mut mean = |k: usize| {
             let (a, b) = (k / count, k % count);
-            let [one, other] = [found[a][b], found[b][a]];
+            let [one, other] = [absorbed[a][b], absorbed[b][a]];
             let whole = emitting[a].min(emitting[b]);
             if whole > 0.0 {
                 asymmetry = asymmetry.max(unit * (one - other).abs() / whole);

@@ -441,11 +441,11 @@ struct Adjoint<'a> {
 impl Adjoint<'_> {
     /// For each node the error of the heat that its rows of given temperature absorb (per square
     /// scene unit), or of the mean emission of its rows of given fluxes.
-    fn errors(&self, of_emission: bool, progress: &Progress) -> Result<Vec<f64>, ExchangeError> {
+    fn errors(&self, is_emission: bool, progress: &Progress) -> Result<Vec<f64>, ExchangeError> {
         let factors = &self.band.enclosure.factors;
         let matrix = self.band.enclosure.operator();
         let sources: Vec<Vec<f64>> = (0..self.nodes.names.len())
-            .map(|a| self.source(a, of_emission))
+            .map(|a| self.source(a, is_emission))
             .collect();
         let solutions = self.reflections.solve(&sources, progress)?;
         let black = self
@@ -468,11 +468,11 @@ impl Adjoint<'_> {
         Ok(solutions.iter().map(error).collect())
     }
 
-    fn source(&self, node: usize, of_emission: bool) -> Vec<f64> {
+    fn source(&self, node: usize, is_emission: bool) -> Vec<f64> {
         let areas = &self.band.enclosure.factors.areas;
         let is_in = |i: usize| {
             let has_flux = matches!(self.problem.conditions[i], RowCondition::Flux(_));
-            self.nodes.of_rows[i] == Some(node as u32) && has_flux == of_emission
+            self.nodes.of_rows[i] == Some(node as u32) && has_flux == is_emission
         };
         let members: Vec<usize> = (0..areas.len()).filter(|&i| is_in(i)).collect();
         let whole: f64 = (0..areas.len())
@@ -481,7 +481,7 @@ impl Adjoint<'_> {
             .sum();
         let mut source = vec![0.0; areas.len()];
         for i in members {
-            source[i] = if of_emission {
+            source[i] = if is_emission {
                 whole.max(f64::MIN_POSITIVE).recip()
             } else {
                 self.band.emissivity[i]

@@ -182,17 +182,17 @@ impl<'a> NewtonWork<'a> {
         let rows = 0..self.targets.len();
         let temperature = |i: usize| self.temperature(i, &irradiations);
         let temperatures: Vec<f64> = rows.clone().into_par_iter().map(temperature).collect();
-        let of_bands = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| -> Vec<Vec<f64>> {
+        let per_band = |value: &(dyn Fn(usize, usize) -> f64 + Sync)| -> Vec<Vec<f64>> {
             let band = |k: usize| rows.clone().into_par_iter().map(|i| value(k, i)).collect();
             (0..self.bands.len()).map(band).collect()
         };
         RowState {
-            radiosities: of_bands(&|k, i| {
+            radiosities: per_band(&|k, i| {
                 let band = self.bands[k];
                 let emitted = band.emissivity[i] * band.range.emission(temperatures[i]);
                 emitted + self.diffuse[k][i] * irradiations[k][i]
             }),
-            slopes: of_bands(&|k, i| {
+            slopes: per_band(&|k, i| {
                 if self.unknown[i] {
                     self.bands[k].range.slope(temperatures[i])
                 } else {
@@ -397,9 +397,9 @@ fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> Radiosities {
     bands.map(band).collect()
 }
 
-fn largest(of: &[Vec<f64>]) -> f64 {
-    let all = of.iter().flatten();
-    all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
+fn largest(bands: &[Vec<f64>]) -> f64 {
+    let numbers = bands.iter().flatten();
+    numbers.fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
 #[cfg(test)]
@@ -410,8 +410,8 @@ mod tests {
     fn increasing_functions_are_inverted() {
         let (cube, slope) = (|t: f64| 3.0 * t.powi(3), |t: f64| 9.0 * t * t);
         for t in [1e-6, 0.3, 290.0, 1e5, 1e9] {
-            let found = solved_increasing(cube, slope, cube(t));
-            assert!((found - t).abs() <= 1e-14 * t, "{t} {found}");
+            let root = solved_increasing(cube, slope, cube(t));
+            assert!((root - t).abs() <= 1e-14 * t, "{t} {root}");
         }
         assert_eq!(solved_increasing(cube, slope, 0.0), 0.0);
         assert_eq!(solved_increasing(cube, slope, -1.0), 0.0);

@@ -215,16 +215,19 @@ impl<'a> Reflections<'a> {
 
 /// Σ_j S_ij x_j of each row, for each x.
 pub(super) fn arriving(factors: &dyn FactorOperator, vectors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    fn of_few<const L: usize>(factors: &dyn FactorOperator, few: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    fn exchanged_few<const L: usize>(
+        factors: &dyn FactorOperator,
+        few: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
         let x: Lanes<L> = lanes(few);
         let sums: Lanes<L> = from_flat(factors.exchanged_lanes(x.as_flattened(), L));
         (0..few.len()).map(|lane| column(&sums, lane)).collect()
     }
     let few = |few: &[Vec<f64>]| match few.len() {
-        1 => of_few::<1>(factors, few),
-        2 => of_few::<2>(factors, few),
-        3 | 4 => of_few::<4>(factors, few),
-        _ => of_few::<LANES>(factors, few),
+        1 => exchanged_few::<1>(factors, few),
+        2 => exchanged_few::<2>(factors, few),
+        3 | 4 => exchanged_few::<4>(factors, few),
+        _ => exchanged_few::<LANES>(factors, few),
     };
     vectors.chunks(LANES).flat_map(few).collect()
 }

@@ -134,14 +134,14 @@ proptest! {
         let ends = &enclosure.factors.ends;
         let emissivity: Vec<f64> = ends.iter().map(|e| e * (0.02 + 0.98 * next())).collect();
         let band = grey(&enclosure, &emissivity);
-        let found = exchange_factors(&band, &each_row(n), &Progress::new()).unwrap();
-        prop_assert!(found.asymmetry < 1e-11, "{}", found.asymmetry);
-        for sum in found.row_sums() {
+        let network = exchange_factors(&band, &each_row(n), &Progress::new()).unwrap();
+        prop_assert!(network.asymmetry < 1e-11, "{}", network.asymmetry);
+        for sum in network.row_sums() {
             prop_assert!((sum - 1.0).abs() < 1e-10, "{sum}");
         }
         for a in 0..n {
             for b in 0..n {
-                prop_assert_eq!(found.conductance(a, b), found.conductance(b, a));
+                prop_assert_eq!(network.conductance(a, b), network.conductance(b, a));
             }
         }
     }
@@ -191,10 +191,10 @@ fn plates_exchange_as_the_textbook_says_however_they_reflect() {
     ] {
         let enclosure = plates(mirrors);
         let band = grey(&enclosure, &emissivity);
-        let found = exchange_factors(&band, &each_row(2), &Progress::new()).unwrap();
-        let (conductance, _) = found.conductance(0, 1);
+        let network = exchange_factors(&band, &each_row(2), &Progress::new()).unwrap();
+        let (conductance, _) = network.conductance(0, 1);
         assert!((conductance - expected).abs() < 1e-14, "{conductance}");
-        let (b, script_f) = (found.gebhart(0, 1).0, found.script_f(1, 0).0);
+        let (b, script_f) = (network.gebhart(0, 1).0, network.script_f(1, 0).0);
         assert!((b * emissivity[0] - expected).abs() < 1e-14);
         assert!((script_f - expected).abs() < 1e-14);
     }
@@ -205,9 +205,9 @@ fn units_are_square_metres() {
     let mut enclosure = plates([0.0, 0.0]);
     enclosure.rows.metres_per_unit = Some(0.1);
     let band = grey(&enclosure, &[0.8, 0.3]);
-    let found = exchange_factors(&band, &each_row(2), &Progress::new()).unwrap();
-    assert!((found.conductance(0, 1).0 - 0.002_790_697_674_418).abs() < 1e-15);
-    assert_eq!(found.areas[0], 0.1f64.powi(2));
+    let network = exchange_factors(&band, &each_row(2), &Progress::new()).unwrap();
+    assert!((network.conductance(0, 1).0 - 0.002_790_697_674_418).abs() < 1e-15);
+    assert_eq!(network.areas[0], 0.1f64.powi(2));
 }
 
 #[test]
@@ -268,22 +268,22 @@ fn the_sun_heats_a_plate_in_space() {
 fn what_cannot_be_solved_is_refused_in_sentences() {
     let enclosure = plates([0.0, 0.0]);
     let flux = |q: f64| RowCondition::Flux(q);
-    let said = |emissivity: &[f64], conditions: &[RowCondition]| {
+    let refusal = |emissivity: &[f64], conditions: &[RowCondition]| {
         let bands = [grey(&enclosure, emissivity)];
         solve_heat(&bands, conditions, &each_row(2)).unwrap_err()
     };
-    let floating = said(&[0.5, 0.5], &[flux(1.0), flux(-1.0)]);
+    let floating = refusal(&[0.5, 0.5], &[flux(1.0), flux(-1.0)]);
     assert!(
         matches!(&floating, ExchangeError::Floating { rows: 2, .. }),
         "{floating}"
     );
     let given = RowCondition::Temperature(300.0);
-    let mirror = said(&[0.5, 0.0], &[given, flux(7.0)]);
+    let mirror = refusal(&[0.5, 0.0], &[given, flux(7.0)]);
     assert!(
         mirror.to_string().contains("\"row 1\" has emissivity 0"),
         "{mirror}"
     );
-    let cold = said(&[0.5, 0.5], &[given, flux(-9_000.0)]);
+    let cold = refusal(&[0.5, 0.5], &[given, flux(-9_000.0)]);
     assert!(cold.to_string().contains("absolute zero"), "{cold}");
     // Without emission and without flux it reradiates.
     let bands = [grey(&enclosure, &[0.5, 0.0])];
@@ -414,10 +414,10 @@ fn blocks_exchange_what_the_matrix_does() {
                 ..grey.clone()
             };
             let bands = [range(0.0, 6.0), range(6.0, f64::INFINITY)];
-            let found = exchange_factors(&grey, &nodes, &Progress::new()).unwrap();
+            let network = exchange_factors(&grey, &nodes, &Progress::new()).unwrap();
             let heat = solve_heat(&[grey], &conditions, &nodes).unwrap();
             (
-                found,
+                network,
                 heat,
                 solve_heat(&bands, &conditions, &nodes).unwrap(),
             )

@@ -85,9 +85,8 @@ impl BoundaryTable {
     /// # Errors
     /// The names of rows that have no record.
     pub fn of_rows(&self, enclosure: &Enclosure) -> Result<Conditions, TableError> {
-        let records = self
-            .names
-            .of_rows(enclosure, "temperature or flux (T, or q)")?;
+        let needed = "temperature or flux (T, or q)";
+        let records = self.names.required_records(enclosure, needed)?;
         let records = || records.iter().map(|&k| &self.records[k]);
         Ok(Conditions {
             rows: records().map(|r| r.condition).collect(),
@@ -115,8 +114,8 @@ fn temperature(record: &NamedRecord) -> Result<Option<f64>, TableError> {
         (None, _) => ("T_C", ZERO_CELSIUS),
     };
     match record.number(column)?.map(|t| (t, t + zero)) {
-        Some((found, kelvin)) if kelvin < 0.0 => {
-            Err(record.wrong(column, found, format_args!("at least {}", 0.0 - zero)))
+        Some((given, kelvin)) if kelvin < 0.0 => {
+            Err(record.wrong(column, given, format_args!("at least {}", 0.0 - zero)))
         }
         known => Ok(known.map(|(_, kelvin)| kelvin)),
     }

@@ -82,7 +82,7 @@ impl MaterialTable {
     /// # Errors
     /// The names of rows that have no record.
     pub fn of_rows(&self, enclosure: &Enclosure) -> Result<Vec<Vec<Properties>>, TableError> {
-        let records = self.names.of_rows(enclosure, "the emissivity")?;
+        let records = self.names.required_records(enclosure, "the emissivity")?;
         let band = |band: &TableBand| records.iter().map(|&k| band.records[k]).collect();
         Ok(self.bands.iter().map(band).collect())
     }
@@ -208,7 +208,7 @@ fn properties(record: &NamedRecord, range: SpectralRange) -> Result<Properties, 
     let share = |column: &str| -> Result<Option<f64>, TableError> {
         match record.number(&own_column(record, column, range))? {
             Some(x) if !(0.0..=1.0).contains(&x) => Err(record.wrong(column, x, "0 to 1")),
-            found => Ok(found),
+            share => Ok(share),
         }
     };
     let emissivity = share(&column)?;

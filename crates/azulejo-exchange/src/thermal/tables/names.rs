@@ -42,10 +42,14 @@ impl RecordNames {
     }
 
     /// The record of each row. `what` is what rows need, in a message about those without.
-    pub fn of_rows(&self, enclosure: &Enclosure, what: &str) -> Result<Vec<usize>, TableError> {
-        let (found, missing) = self.find(enclosure);
+    pub fn required_records(
+        &self,
+        enclosure: &Enclosure,
+        what: &str,
+    ) -> Result<Vec<usize>, TableError> {
+        let (records, missing) = self.find(enclosure);
         if missing.is_empty() {
-            return Ok(found.into_iter().flatten().collect());
+            return Ok(records.into_iter().flatten().collect());
         }
         Err(TableError::without_record(&missing, what))
     }
@@ -57,8 +61,8 @@ impl RecordNames {
 
     /// Records that no row has, without `*`, which may be there for none.
     pub fn unused(&self, enclosure: &Enclosure) -> Vec<&str> {
-        let (found, _) = self.find(enclosure);
-        let used: BTreeSet<usize> = found.into_iter().flatten().collect();
+        let (records, _) = self.find(enclosure);
+        let used: BTreeSet<usize> = records.into_iter().flatten().collect();
         let names = self.names.iter().enumerate();
         names
             .filter(|(k, name)| !used.contains(k) && *name != "*")
@@ -82,8 +86,8 @@ impl RecordNames {
                 let material = factors.materials.get(i);
                 names.extend(material.and_then(|&m| rows.materials.get(m as usize).cloned()));
             }
-            let found = self.record(&names);
-            if found.is_none() {
+            let record = self.record(&names);
+            if record.is_none() {
                 let object = if rows.are_groups {
                     0
                 } else {
@@ -91,10 +95,10 @@ impl RecordNames {
                 };
                 missing.insert(names[object].clone());
             }
-            found
+            record
         };
-        let found = (0..enclosure.len()).map(&mut row).collect();
-        (found, missing)
+        let records = (0..enclosure.len()).map(&mut row).collect();
+        (records, missing)
     }
 
     /// The record for a surface that has these names, the narrowest first.

@@ -15,13 +15,7 @@ impl MaterialTable {
     /// # Panics
     /// If there is no such band.
     pub fn paint(&self, scene: &mut Scene, band: usize) -> Result<(), TableError> {
-        if scene
-            .objects
-            .iter()
-            .any(|o| matches!(o.shape, Shape::Instance(_)))
-        {
-            *scene = scene.unfolded().into_owned();
-        }
+        scene.unfold();
         let records = &self.bands[band].records;
         let old = std::mem::take(&mut scene.materials);
         let mut painter = Painter {
@@ -34,12 +28,9 @@ impl MaterialTable {
         for object in &mut scene.objects {
             let name = &object.name;
             let mut material = |face: Option<usize>, id: MaterialId| {
-                let of_face = face.map(|face| format!("{name}/{face}"));
-                let of_material = old[id as usize].name.clone();
-                let names: Vec<String> = of_face
-                    .into_iter()
-                    .chain([name.clone(), of_material])
-                    .collect();
+                let mut names: Vec<String> = Vec::new();
+                names.extend(face.map(|face| format!("{name}/{face}")));
+                names.extend([name.clone(), old[id as usize].name.clone()]);
                 match self.names.record(&names) {
                     Some(record) => painter.paint(id, record),
                     None => {

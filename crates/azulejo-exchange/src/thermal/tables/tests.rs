@@ -38,9 +38,9 @@ fn a_grey_table_in_three_formats() {
 fn the_narrowest_name_counts() {
     let enclosure = two_squares();
     let table = materials("name,eps\n*,0.1\ngrey,0.2\nfl*,0.3\nlid/0 (back),0.4\nnobody,0.5\n");
-    let found = table.of_rows(&enclosure).unwrap();
+    let records = table.of_rows(&enclosure).unwrap();
     // An exact name of the material comes before a pattern of the object.
-    let emissivities: Vec<f64> = found[0].iter().map(|p| p.emissivity).collect();
+    let emissivities: Vec<f64> = records[0].iter().map(|p| p.emissivity).collect();
     assert_eq!(emissivities, [0.2, 0.4]);
     assert_eq!(table.unused(&enclosure), ["fl*", "nobody"]);
 }
@@ -57,8 +57,8 @@ fn bands_are_sorted_and_the_sun_is_last() {
         SpectralRange::Solar,
     ];
     assert_eq!(ranges, expected);
-    let found = table.of_rows(&two_squares()).unwrap();
-    let first: Vec<[f64; 2]> = found
+    let records = table.of_rows(&two_squares()).unwrap();
+    let first: Vec<[f64; 2]> = records
         .iter()
         .map(|b| [b[0].emissivity, b[0].mirror])
         .collect();
@@ -69,8 +69,8 @@ fn bands_are_sorted_and_the_sun_is_last() {
 fn bands_are_numbers_however_they_are_written() {
     let table = materials("name,eps@0.0-4,eps@ 4.0 - inf,rho_s@0-4.00\n*,0.1,0.8,0.5\n");
     assert_eq!(table.bands.len(), 2);
-    let found = table.of_rows(&two_squares()).unwrap();
-    let first: Vec<[f64; 2]> = (found.iter())
+    let records = table.of_rows(&two_squares()).unwrap();
+    let first: Vec<[f64; 2]> = (records.iter())
         .map(|b| [b[0].emissivity, b[0].mirror])
         .collect();
     assert_eq!(first, [[0.1, 0.5], [0.8, 0.0]]);
@@ -85,8 +85,11 @@ fn numbers_of_programs_make_the_same_tables() {
     let same = materials("name,eps\n*,0.3\nlid,0.9\n");
     assert_eq!(table.of_rows(&enclosure), same.of_rows(&enclosure));
     let wrong = MaterialTable::from_numbers(&[number("lid", "eps", f64::NAN)]);
-    let said = wrong.unwrap_err().to_string();
-    assert!(said.contains("materials: eps of \"lid\" is NaN"), "{said}");
+    let message = wrong.unwrap_err().to_string();
+    assert!(
+        message.contains("materials: eps of \"lid\" is NaN"),
+        "{message}"
+    );
 
     // A surface may be called as the surroundings are.
     let numbers = [number("*", "T", 300.0), number("ground", "q", 0.0)];
@@ -105,8 +108,8 @@ fn named_values_are_for_some_rows() {
     let twice = NamedValues::new(&[value("lid", 2.0), value("lid", 1.0)], "solar");
     assert!(twice.unwrap_err().to_string().contains("is there already"));
     let wrong = NamedValues::new(&[value("lid", f64::INFINITY)], "solar");
-    let said = wrong.unwrap_err().to_string();
-    assert!(said.contains("solar of \"lid\" is inf"), "{said}");
+    let message = wrong.unwrap_err().to_string();
+    assert!(message.contains("solar of \"lid\" is inf"), "{message}");
 }
 
 #[test]
@@ -139,14 +142,14 @@ fn bad_materials_say_where_and_what() {
         ("name,eps@0-4\n*,1\n", "bands end at 4 µm"),
         ("[a\neps=1", "TOML"),
     ] {
-        let said = MaterialTable::read(text).unwrap_err().to_string();
-        assert!(said.contains(expected), "{text}: {said}");
+        let message = MaterialTable::read(text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{text}: {message}");
     }
-    let said = materials("name,eps\nlid,1\n").of_rows(&two_squares());
-    let said = said.unwrap_err().to_string();
+    let records = materials("name,eps\nlid,1\n").of_rows(&two_squares());
+    let message = records.unwrap_err().to_string();
     assert!(
-        said.contains("nothing says the emissivity of \"floor\""),
-        "{said}"
+        message.contains("nothing says the emissivity of \"floor\""),
+        "{message}"
     );
 }
 
@@ -155,16 +158,16 @@ fn boundaries_and_surroundings() {
     let table = "name,T,T_C,q,solar\nfloor,,20,,500\n*,,,0,\nspace,3,,,\nground,,10,,\n";
     let table = BoundaryTable::read(table).unwrap();
     assert_eq!(table.surroundings, [Some(3.0), Some(283.15)]);
-    let found = table.of_rows(&two_squares()).unwrap();
+    let records = table.of_rows(&two_squares()).unwrap();
     let expected = [RowCondition::Temperature(293.15), RowCondition::Flux(0.0)];
-    assert_eq!(found.rows, expected);
-    assert_eq!(found.solar, [Some(500.0), None]);
+    assert_eq!(records.rows, expected);
+    assert_eq!(records.solar, [Some(500.0), None]);
     let toml = "[sky]\nT = 250\n[floor]\nadiabatic = true\n[lid]\nq = -5\n";
     let table = BoundaryTable::read(toml).unwrap();
     assert_eq!(table.surroundings, [Some(250.0), None]);
-    let found = table.of_rows(&two_squares()).unwrap();
+    let records = table.of_rows(&two_squares()).unwrap();
     assert_eq!(
-        found.rows,
+        records.rows,
         [RowCondition::Flux(0.0), RowCondition::Flux(-5.0)]
     );
 }
@@ -190,7 +193,7 @@ fn bad_boundaries_say_where_and_what() {
         ("name,T,solar\na,300,-1\n", "0 or more"),
         ("name,T,c\na,300,1\n", "there is no column \"c\""),
     ] {
-        let said = BoundaryTable::read(text).unwrap_err().to_string();
-        assert!(said.contains(expected), "{text}: {said}");
+        let message = BoundaryTable::read(text).unwrap_err().to_string();
+        assert!(message.contains(expected), "{text}: {message}");
     }
 }

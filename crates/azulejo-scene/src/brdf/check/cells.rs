@@ -133,8 +133,8 @@ mod tests {
     fn integrals_are_those_in_closed_form() {
         let check = |of: &dyn Fn(DVec3) -> f64, expected: f64| {
             let wo = direction(30.0, 20.0);
-            let found = Cell::HEMISPHERE.integral(wo, &|w| Rgb::grey(of(w))).r;
-            assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+            let integral = Cell::HEMISPHERE.integral(wo, &|w| Rgb::grey(of(w))).r;
+            assert!((integral - expected).abs() < 1e-4, "{integral} {expected}");
         };
         check(&|_| 1.0, TAU);
         check(&|w| w.z, PI);

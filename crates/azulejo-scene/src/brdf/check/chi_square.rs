@@ -56,8 +56,8 @@ pub fn chi_square(brdf: &Brdf, wo: DVec3, samples: u32) -> ChiSquare {
     }
     let mut cells = Vec::new();
     tree.collect(&mut cells);
-    let all: f64 = cells.iter().map(|(expected, _)| expected).sum();
-    let lost_expected = (1.0 - all).max(0.0);
+    let sum: f64 = cells.iter().map(|(expected, _)| expected).sum();
+    let lost_expected = (1.0 - sum).max(0.0);
     cells.push((lost_expected, lost));
     let (statistic, degrees) = compare(&cells, f64::from(samples));
     ChiSquare {
@@ -162,8 +162,11 @@ mod tests {
     #[test]
     fn probabilities_are_those_of_the_tables() {
         let check = |statistic: f64, degrees: u32, expected: f64| {
-            let found = exceeded(statistic, degrees);
-            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            let probability = exceeded(statistic, degrees);
+            assert!(
+                (probability - expected).abs() < 1e-6,
+                "{probability} {expected}"
+            );
         };
         // For two degrees of freedom it is exp(−χ²/2), for four (1 + χ²/2) exp(−χ²/2).
         check(3.0, 2, (-1.5f64).exp());

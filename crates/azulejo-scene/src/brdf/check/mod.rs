@@ -72,11 +72,11 @@ pub struct Angle {
 impl Report {
     /// The angle with the largest albedo, and that albedo, of the largest channel.
     pub fn largest_albedo(&self) -> (f64, f64) {
-        let all = self
-            .angles
-            .iter()
-            .map(|a| (a.theta, a.albedo.max_channel()));
-        all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0))
+        let albedo = |a: &Angle| (a.theta, a.albedo.max_channel());
+        let albedos = self.angles.iter().map(albedo);
+        albedos
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or_default()
     }
 }
 
@@ -150,7 +150,7 @@ pub fn check(brdf: &Brdf, effort: Effort) -> Report {
 /// specular direction, where lobes are steep.
 pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
     let mut random = Random::new(1);
-    let mut found = Reciprocity {
+    let mut worst = Reciprocity {
         pairs,
         largest: 0.0,
         wo: DVec3::Z,
@@ -167,17 +167,17 @@ pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
         for channel in 0..3 {
             let (a, b) = (there[channel], back[channel]);
             let difference = (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE);
-            if difference > found.largest {
-                found = Reciprocity {
+            if difference > worst.largest {
+                worst = Reciprocity {
                     largest: difference,
                     wo,
                     wi,
-                    ..found
+                    ..worst
                 };
             }
         }
     }
-    found
+    worst
 }
 
 /// The specular direction, moved a tenth of the way towards another.

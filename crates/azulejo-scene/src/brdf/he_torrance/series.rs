@@ -109,12 +109,12 @@ mod tests {
     #[test]
     fn sums_are_those_of_all_terms() {
         let check = |g: f64, x: f64| {
-            let (found, expected) = (sum(g, x), plain(g, x));
+            let (value, expected) = (sum(g, x), plain(g, x));
             // log Γ of large numbers has few digits after the decimal point.
             let tolerance = 1e-12 * (10.0 + g);
             assert!(
-                (found - expected).abs() <= tolerance * expected,
-                "g = {g}, x = {x}: {found:e} instead of {expected:e}"
+                (value - expected).abs() <= tolerance * expected,
+                "g = {g}, x = {x}: {value:e} instead of {expected:e}"
             );
         };
         for g in [1e-9, 0.3, 7.0, 59.9, 60.1, 150.0, 400.0, 5000.0] {
@@ -128,10 +128,10 @@ mod tests {
     fn extremes_are_numbers() {
         for g in [0.0, 1e-300, 1.0, 1e3, 1e12, 1e300] {
             for x in [0.0, 1e-300, 1e3, 1e12, 1e300] {
-                let found = sum(g, x);
+                let value = sum(g, x);
                 assert!(
-                    found >= 0.0 && found.is_finite(),
-                    "g = {g}, x = {x}: {found}"
+                    value >= 0.0 && value.is_finite(),
+                    "g = {g}, x = {x}: {value}"
                 );
             }
         }

@@ -6,7 +6,7 @@ use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
 use crate::Rgb;
-use crate::content::{ContentBytes, ContentSink};
+use crate::content_bytes::{ContentBytes, ContentSink, content_of_fields};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
@@ -34,18 +34,8 @@ pub struct HalfAngles {
     pub phi_d: f64,
 }
 
-impl ContentBytes for Merl {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        // The density is derived from the values.
-        let Merl {
-            sizes,
-            values,
-            density: _,
-        } = self;
-        sizes.feed(sink);
-        values.feed(sink);
-    }
-}
+// The density is derived from the values.
+content_of_fields! { Merl { sizes, values; density } }
 
 impl HalfAngles {
     /// The angles of two directions, in any order.
@@ -144,7 +134,7 @@ impl Merl {
     /// The value at half angles, 1/sr.
     pub fn at(&self, at: &HalfAngles) -> Rgb {
         let [h, d, p] = self.sizes;
-        let theta_h = edged(square::of_polar(at.theta_h), h);
+        let theta_h = edged(square::polar_coordinate(at.theta_h), h);
         let theta_d = edged(at.theta_d / FRAC_PI_2, d);
         let phi_d = around(at.phi_d / PI, p);
         let mut sum = Rgb::BLACK;
@@ -269,10 +259,10 @@ mod tests {
                 phi_d,
             };
             let [wo, wi] = angles.directions();
-            for found in [HalfAngles::new(wo, wi), HalfAngles::new(wi, wo)] {
-                assert!((found.theta_h - theta_h).abs() < 1e-9, "{found:?}");
-                assert!((found.theta_d - theta_d).abs() < 1e-9, "{found:?}");
-                assert!((found.phi_d - phi_d).abs() < 1e-9, "{found:?}");
+            for angles in [HalfAngles::new(wo, wi), HalfAngles::new(wi, wo)] {
+                assert!((angles.theta_h - theta_h).abs() < 1e-9, "{angles:?}");
+                assert!((angles.theta_d - theta_d).abs() < 1e-9, "{angles:?}");
+                assert!((angles.phi_d - phi_d).abs() < 1e-9, "{angles:?}");
             }
         };
         check(0.3, 0.4, 1.0);

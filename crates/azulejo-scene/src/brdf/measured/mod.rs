@@ -10,6 +10,7 @@ pub use rgl::{Grid, Rgl, RglTensors};
 
 use super::NARROW;
 use super::lobe::{Reflect, Spread};
+use super::lobes::weighted_median;
 use super::quadrature::lattice;
 use crate::Rgb;
 use glam::DVec3;
@@ -82,17 +83,11 @@ fn spread(model: &dyn Reflect) -> Spread {
         let wi = model.sample(wo, u);
         let pdf = model.pdf(wo, wi);
         let seen = wi.z > 0.0 && pdf > 0.0;
-        seen.then(|| (wi.z, model.eval(wo, wi).mean() * wi.z / pdf))
+        // Negative cosines rise with the angle.
+        seen.then(|| (-wi.z, model.eval(wo, wi).mean() * wi.z / pdf))
     };
-    let mut found: Vec<(f64, f64)> = lattice(1024).filter_map(weighed).collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let half = 0.5 * found.iter().map(|(_, weight)| weight).sum::<f64>();
-    let mut sum = 0.0;
-    let middle = found.iter().find(|(_, weight)| {
-        sum += weight;
-        sum >= half
-    });
-    let angle = middle.map_or(90.0, |(cos, _)| cos.min(1.0).acos().to_degrees());
+    let median = weighted_median(lattice(1024).filter_map(weighed));
+    let angle = median.map_or(90.0, |cos| (-cos).min(1.0).acos().to_degrees());
     if angle >= WIDE {
         Spread::Matt
     } else {

@@ -7,7 +7,7 @@ use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
 use crate::Rgb;
-use crate::content::{ContentBytes, ContentSink, content_of_fields};
+use crate::content_bytes::{ContentBytes, ContentSink, content_of_fields};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -29,15 +29,7 @@ pub struct Rgl {
     rgb: Tables,
 }
 
-content_of_fields!(Rgl {
-    theta,
-    phi,
-    parts,
-    facets,
-    visible,
-    luminance,
-    rgb
-});
+content_of_fields! { Rgl { theta, phi, parts, facets, visible, luminance, rgb } }
 
 /// The content of a file of the RGL database, tensors row by row.
 #[derive(Clone, Debug, Default)]
@@ -196,8 +188,8 @@ impl Reflect for Rgl {
         let whole = [(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
         let facets = self.facets.as_ref().map_or(1.0, |[ndf, sigma]| {
             let viewer = [
-                square::of_polar(square::polar(wo)),
-                square::of_azimuth(square::azimuth(wo)),
+                square::polar_coordinate(square::polar(wo)),
+                square::azimuth_coordinate(square::azimuth(wo)),
             ];
             ndf.at(&whole, place) / (4.0 * sigma.at(&whole, viewer).max(GRAZING))
         });

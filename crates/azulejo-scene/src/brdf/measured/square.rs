@@ -5,12 +5,12 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// An angle to the normal in 0..1: √(2θ/π).
-pub(super) fn of_polar(theta: f64) -> f64 {
+pub(super) fn polar_coordinate(theta: f64) -> f64 {
     (theta / FRAC_PI_2).sqrt()
 }
 
 /// An angle around the normal in 0..1, starting at −π.
-pub(super) fn of_azimuth(phi: f64) -> f64 {
+pub(super) fn azimuth_coordinate(phi: f64) -> f64 {
     let turn = (phi + PI) / TAU;
     turn - turn.floor()
 }
@@ -27,7 +27,10 @@ pub(super) fn polar(w: DVec3) -> f64 {
 
 /// Position of the half vector of two directions, rotated back by `turn`.
 pub(super) fn place(half: &HalfVector, turn: f64) -> [f64; 2] {
-    [of_polar(half.theta_h()), of_azimuth(azimuth(half.v) - turn)]
+    [
+        polar_coordinate(half.theta_h()),
+        azimuth_coordinate(azimuth(half.v) - turn),
+    ]
 }
 
 /// The direction to which the facet of a position reflects `wo`.
@@ -41,6 +44,6 @@ pub(super) fn mirrored_at([x, y]: [f64; 2], turn: f64, wo: DVec3) -> DVec3 {
 pub(super) fn solid_angle(half: &HalfVector) -> f64 {
     let theta = half.theta_h();
     // dω of the half vector is sin θ dθ dφ, and θ = x² π/2.
-    let of_half = 2.0 * PI * PI * of_polar(theta) * theta.sin();
-    (of_half * 4.0 * half.cos_d()).max(1e-12)
+    let half_angle = 2.0 * PI * PI * polar_coordinate(theta) * theta.sin();
+    (half_angle * 4.0 * half.cos_d()).max(1e-12)
 }

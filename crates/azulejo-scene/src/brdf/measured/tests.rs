@@ -32,17 +32,17 @@ fn merl_tables_are_near_their_models() {
         let (model, table) = merl(text);
         for (o, i) in [((30.0, 10.0), (40.0, 170.0)), ((0.0, 0.0), (10.0, 77.0))] {
             let (wo, wi) = (direction(o.0, o.1), direction(i.0, i.1));
-            let (found, expected) = (table.eval(wo, wi).g, model.eval(wo, wi).g);
-            let off = (found / expected - 1.0).abs();
-            assert!(off < tolerance, "{text}: {found}, expected {expected}");
+            let (value, expected) = (table.eval(wo, wi).g, model.eval(wo, wi).g);
+            let off = (value / expected - 1.0).abs();
+            assert!(off < tolerance, "{text}: {value}, expected {expected}");
             let back = table.eval(wi, wo).g;
-            assert!((found / back - 1.0).abs() < 1e-12, "{text}: reciprocity");
+            assert!((value / back - 1.0).abs() < 1e-12, "{text}: reciprocity");
         }
         for theta in [0.0, 30.0, 60.0] {
             let wo = direction(theta, 50.0);
-            let (found, expected) = (table.albedo(wo).g, model.albedo(wo).g);
-            let off = (found / expected - 1.0).abs();
-            assert!(off < tolerance, "{text} at {theta}°: {found}, {expected}");
+            let (value, expected) = (table.albedo(wo).g, model.albedo(wo).g);
+            let off = (value / expected - 1.0).abs();
+            assert!(off < tolerance, "{text} at {theta}°: {value}, {expected}");
         }
     };
     check("diffuse kd = 0.6", 0.01);
@@ -125,9 +125,9 @@ fn rgl_tables_are_near_their_models() {
             ((50.0, 300.0), (45.0, 110.0)),
         ] {
             let (wo, wi) = (direction(o.0, o.1), direction(i.0, i.1));
-            let (found, expected) = (table.eval(wo, wi).g, ggx(&facets, wo, wi));
-            let off = (found / expected - 1.0).abs();
-            assert!(off < 0.1, "{phi:?} {o:?}: {found}, expected {expected}");
+            let (value, expected) = (table.eval(wo, wi).g, ggx(&facets, wo, wi));
+            let off = (value / expected - 1.0).abs();
+            assert!(off < 0.1, "{phi:?} {o:?}: {value}, expected {expected}");
         }
     };
     let whole: Vec<f32> = (0..17)
@@ -168,7 +168,7 @@ fn deviation(brdf: &Brdf, wo: DVec3) -> f64 {
     let (rows, columns) = (8, 16);
     let cell = |wi: DVec3| {
         let row = ((wi.z * rows as f64) as usize).min(rows - 1);
-        let turn = square::of_azimuth(square::azimuth(wi));
+        let turn = square::azimuth_coordinate(square::azimuth(wi));
         row * columns + ((turn * columns as f64) as usize).min(columns - 1)
     };
     let mut counts = vec![0.0; rows * columns];

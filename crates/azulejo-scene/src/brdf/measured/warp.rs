@@ -1,6 +1,6 @@
 //! Functions tabulated on the unit square, and densities of them that can be sampled.
 
-use crate::content::{ContentBytes, ContentSink, content_of_fields};
+use crate::content_bytes::{ContentBytes, ContentSink, content_of_fields};
 
 /// Tables of the same size, each linear between its nodes, which lie on the edges too.
 #[derive(Clone, PartialEq)]
@@ -30,6 +30,13 @@ pub(super) fn mix(nodes: [&[f32]; 2], at: [f64; 2]) -> Mix {
     ]
 }
 
+/// The weighted sum of a value of four tables.
+fn mixed(mix: &Mix, value: impl Fn(usize) -> f64) -> f64 {
+    mix.iter()
+        .map(|&(table, weight)| weight * value(table))
+        .sum()
+}
+
 /// The last node at or before `x` that has a next one, and how far `x` is towards that.
 fn between(nodes: &[f32], x: f64) -> (usize, f64) {
     if nodes.len() < 2 {
@@ -45,22 +52,10 @@ fn lerp(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
 
-content_of_fields!(Tables {
-    width,
-    height,
-    values
-});
-
-/// Its tables, of which all else is derived.
-impl ContentBytes for Warp {
-    fn feed(&self, sink: &mut ContentSink<'_>) {
-        let Warp {
-            tables,
-            in_row: _,
-            below: _,
-        } = self;
-        tables.feed(sink);
-    }
+// All else of a warp is derived from its tables.
+content_of_fields! {
+    Tables { width, height, values }
+    Warp { tables; in_row, below }
 }
 
 impl Tables {
@@ -83,7 +78,7 @@ impl Tables {
     fn node(&self, mix: &Mix, x: usize, y: usize) -> f64 {
         let size = self.width * self.height;
         let at = |table: usize| f64::from(self.values[table * size + y * self.width + x]);
-        mix.iter().map(|&(table, weight)| weight * at(table)).sum()
+        mixed(mix, at)
     }
 
     /// The cell of a position, and the position within it.
@@ -146,13 +141,13 @@ impl Warp {
 
     fn below(&self, mix: &Mix, row: usize) -> f64 {
         let at = |table: usize| self.below[table * self.tables.height + row];
-        mix.iter().map(|&(table, weight)| weight * at(table)).sum()
+        mixed(mix, at)
     }
 
     fn in_row(&self, mix: &Mix, column: usize, row: usize) -> f64 {
         let (w, h) = (self.tables.width, self.tables.height);
         let at = |table: usize| self.in_row[(table * h + row) * w + column];
-        mix.iter().map(|&(table, weight)| weight * at(table)).sum()
+        mixed(mix, at)
     }
 
     /// Cumulative integral before a column, interpolated between two rows.
@@ -164,13 +159,13 @@ impl Warp {
         )
     }
 
-    fn all(&self, mix: &Mix) -> f64 {
+    fn whole(&self, mix: &Mix) -> f64 {
         self.below(mix, self.tables.height - 1)
     }
 
     /// From the mean over a cell's area to a density on the unit square.
     fn scale(&self, mix: &Mix) -> f64 {
-        ((self.tables.width - 1) * (self.tables.height - 1)) as f64 / self.all(mix)
+        ((self.tables.width - 1) * (self.tables.height - 1)) as f64 / self.whole(mix)
     }
 
     /// The density at a position.
@@ -181,15 +176,15 @@ impl Warp {
     /// Samples a position from two numbers in 0..1.
     pub fn sample(&self, mix: &Mix, [u, v]: [f64; 2]) -> [f64; 2] {
         let (w, h) = (self.tables.width, self.tables.height);
-        let wanted = v.clamp(0.0, 1.0) * self.all(mix);
-        let row = last(h - 1, |row| self.below(mix, row) <= wanted);
+        let target = v.clamp(0.0, 1.0) * self.whole(mix);
+        let row = last(h - 1, |row| self.below(mix, row) <= target);
         let [low, high] = [row, row + 1].map(|row| self.in_row(mix, w - 1, row));
-        let t = part(low, high, wanted - self.below(mix, row));
+        let t = part(low, high, target - self.below(mix, row));
 
-        let wanted = u.clamp(0.0, 1.0) * lerp(low, high, t);
-        let column = last(w - 1, |column| self.before(mix, column, row, t) <= wanted);
+        let target = u.clamp(0.0, 1.0) * lerp(low, high, t);
+        let column = last(w - 1, |column| self.before(mix, column, row, t) <= target);
         let [left, right] = self.tables.sides(mix, [column, row], t);
-        let s = part(left, right, wanted - self.before(mix, column, row, t));
+        let s = part(left, right, target - self.before(mix, column, row, t));
         [
             (column as f64 + s) / (w - 1) as f64,
             (row as f64 + t) / (h - 1) as f64,
@@ -203,7 +198,7 @@ impl Warp {
         let [left, right] = self.tables.sides(mix, [column, row], t);
         let [low, high] = [row, row + 1].map(|row| self.in_row(mix, w - 1, row));
         let u = (self.before(mix, column, row, t) + until(left, right, s)) / lerp(low, high, t);
-        let v = (self.below(mix, row) + until(low, high, t)) / self.all(mix);
+        let v = (self.below(mix, row) + until(low, high, t)) / self.whole(mix);
         // A row without any density is never sampled: any number will do.
         [u, v].map(|x| if x.is_nan() { 0.5 } else { x.clamp(0.0, 1.0) })
     }

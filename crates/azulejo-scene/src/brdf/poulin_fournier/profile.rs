@@ -147,12 +147,12 @@ impl VisibleSection {
 
     /// The normal at a random point, with probability by projected width from `w`.
     pub fn normal(&self, w: DVec3, u: f64) -> DVec3 {
-        let wanted = u * self.projected(w);
-        if wanted >= self.arc_projected(w) {
+        let target = u * self.projected(w);
+        if target >= self.arc_projected(w) {
             return DVec3::Z;
         }
         let e = elevation(w);
-        let cos = (self.arc.0 + e).cos() - wanted / w.y.hypot(w.z);
+        let cos = (self.arc.0 + e).cos() - target / w.y.hypot(w.z);
         normal((cos.clamp(-1.0, 1.0).acos() - e).clamp(self.arc.0, self.arc.1))
     }
 }

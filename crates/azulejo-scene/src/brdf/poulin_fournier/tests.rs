@@ -69,12 +69,12 @@ fn cylinders_are_those_of_brute_force() {
             profile,
         };
         let shiny = ShinyCylinders::new(Rgb::grey(ks), n, profile);
-        let found = matt.eval(wo, wi).r + shiny.eval(wo, wi).r;
+        let reflected = matt.eval(wo, wi).r + shiny.eval(wo, wi).r;
         let expected = brute_force(d, h, (kd, ks, n), wo, wi);
         // The error comes from shadow edges between samples.
         assert!(
-            (found - expected).abs() < 5e-4 * expected + 1e-6,
-            "d = {d}, h = {h}, {wo} {wi}: {found} instead of {expected}"
+            (reflected - expected).abs() < 5e-4 * expected + 1e-6,
+            "d = {d}, h = {h}, {wo} {wi}: {reflected} instead of {expected}"
         );
     };
     let directions = [
@@ -120,10 +120,10 @@ fn what_is_seen_fills_the_view() {
             (89.99, 90.0),
         ] {
             let w = direction(theta, phi);
-            let found = Profile::new(d, h).seen(w).projected(w) / (d * w.z);
+            let width = Profile::new(d, h).seen(w).projected(w) / (d * w.z);
             assert!(
-                (found - 1.0).abs() < 1e-9,
-                "d = {d}, h = {h}, {theta}°: {found}"
+                (width - 1.0).abs() < 1e-9,
+                "d = {d}, h = {h}, {theta}°: {width}"
             );
         }
     }

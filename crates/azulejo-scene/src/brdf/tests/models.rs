@@ -30,19 +30,22 @@ fn examples_are_of_their_models_and_say_what_they_are() {
             find(text.split(' ').next().unwrap()).unwrap().name,
             info.name
         );
-        let said = made.description().to_string();
-        assert_eq!(brdf(&said), *made, "{text}: {said}");
+        let message = made.description().to_string();
+        assert_eq!(brdf(&message), *made, "{text}: {message}");
     });
 }
 
 #[test]
 fn light_may_be_exchanged() {
     each(|info, text, made| {
-        let found = check::reciprocity(made, 2000);
+        let reciprocity = check::reciprocity(made, 2000);
         if info.is_reciprocal {
-            assert!(found.largest < 1e-12, "{text}: {found:?}");
+            assert!(reciprocity.largest < 1e-12, "{text}: {reciprocity:?}");
         } else {
-            assert!(found.largest > 0.01, "{text} is reciprocal: {found:?}");
+            assert!(
+                reciprocity.largest > 0.01,
+                "{text} is reciprocal: {reciprocity:?}"
+            );
         }
     });
 }

@@ -17,16 +17,16 @@ fn check(row: &str) {
         direction(angles[2], angles[3]),
     );
     let is_mirror = model.starts_with("fresnel") || model.ends_with("rho_s");
-    let found = if is_mirror {
+    let value = if is_mirror {
         made.mirror(wi.z)
     } else {
         made.eval(wo, wi)
     };
     let tolerance = if *model == "ggx_ms" { 1e-5 } else { 1e-6 };
     assert!(
-        (found.r / expected - 1.0).abs() < tolerance,
+        (value.r / expected - 1.0).abs() < tolerance,
         "{id} {text}: {} instead of {expected}",
-        found.r
+        value.r
     );
 }
 

@@ -54,7 +54,7 @@ impl House {
             let start = self.corner[axis];
             &lines[axis][start..=start + self.size[axis]]
         });
-        let plate = Plate::of_lines(xs, ys);
+        let plate = Plate::from_lines(xs, ys);
         let roof = self.roof(&plate, ys);
         let foot = raised(&plate.border(), 0.0);
         let eaves = border(&roof);
