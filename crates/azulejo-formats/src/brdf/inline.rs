@@ -213,12 +213,12 @@ fn of_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
         let known = known.and_then(|i| i.all_parameters().find(|p| p.name == name));
         parameter.name == name || known.is_some_and(|p| p.is_called(&parameter.name))
     };
-    let mut all = part.model.parameters.iter();
+    let mut parameters = part.model.parameters.iter();
     let at = match problem {
-        BrdfError::Twice { name } => all.rposition(|p| is_called(p, name)),
-        BrdfError::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        BrdfError::Twice { name } => parameters.rposition(|p| is_called(p, name)),
+        BrdfError::UnknownParameter { name, .. } => parameters.position(|p| is_called(p, name)),
         BrdfError::WrongKind { name, .. } | BrdfError::Range { name, .. } => {
-            all.position(|p| is_called(p, name))
+            parameters.position(|p| is_called(p, name))
         }
         _ => None,
     };

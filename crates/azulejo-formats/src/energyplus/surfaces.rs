@@ -78,7 +78,7 @@ impl<'o> InputSurfaces<'o> {
         file: InputText<'_>,
         warnings: &mut Warnings,
     ) -> Result<InputSurfaces<'o>, ReadError> {
-        let mut found = InputSurfaces::default();
+        let mut surfaces = InputSurfaces::default();
         let mut reader = SurfaceReader {
             places,
             file,
@@ -91,17 +91,17 @@ impl<'o> InputSurfaces<'o> {
                 if is_first == is_late {
                     continue;
                 }
-                if let Some(surface) = reader.surface(object, &found)? {
-                    let number = found.list.len();
-                    found.numbers.entry(key(&object.name)).or_insert(number);
-                    found.list.push(surface);
+                if let Some(surface) = reader.surface(object, &surfaces)? {
+                    let number = surfaces.list.len();
+                    surfaces.numbers.entry(key(&object.name)).or_insert(number);
+                    surfaces.list.push(surface);
                 }
             }
         }
         for object in objects {
-            reader.opening(object, &mut found)?;
+            reader.opening(object, &mut surfaces)?;
         }
-        Ok(found)
+        Ok(surfaces)
     }
 
     /// The surface that a field names.

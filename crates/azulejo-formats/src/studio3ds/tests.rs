@@ -67,9 +67,9 @@ fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
 
 /// Checks the warnings and their counts.
 fn check_warnings(loaded: &Loaded, expected: &[(&str, usize)]) {
-    let found = loaded.warnings.iter();
-    let found: Vec<_> = found.map(|w| (w.message.as_str(), w.count)).collect();
-    assert_eq!(found, expected);
+    let warnings = loaded.warnings.iter();
+    let warnings: Vec<_> = warnings.map(|w| (w.message.as_str(), w.count)).collect();
+    assert_eq!(warnings, expected);
 }
 
 fn check_error(bytes: &[u8], expected: &str) {
@@ -268,8 +268,8 @@ fn gloss_glass_and_maps_are_said() {
         &[painted(&[of_material("glossy", &[0, 1])]), glossy],
         &[],
     ));
-    let found = Highlight::of(&loaded.scene.materials[0]);
-    assert_eq!(found, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
+    let highlight = Highlight::of(&loaded.scene.materials[0]);
+    assert_eq!(highlight, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
     check_warnings(&loaded, &[("bump map (chunk A230): skipped", 1)]);
     let opacity = loaded.scene.materials[0].opacity.unwrap();
     assert!((opacity.constant - 0.7).abs() < 1e-12 && opacity.picture.is_none());

@@ -567,9 +567,9 @@ mod tests {
         assert_eq!(build(&set).face_values, [2]);
         let normals: Vec<DVec3> = (1..=8).map(|x| DVec3::new(x.into(), 1.0, 0.0)).collect();
         set.normals = Some(bound(&normals, None, Binding::PerVertex));
-        let found = build(&set).mesh.normals.unwrap();
-        assert_eq!(found.at(0, 1), normals[5].normalize());
-        assert_eq!(found.at(2, 5), normals[7].normalize());
+        let actual = build(&set).mesh.normals.unwrap();
+        assert_eq!(actual.at(0, 1), normals[5].normalize());
+        assert_eq!(actual.at(2, 5), normals[7].normalize());
     }
 
     #[test]
@@ -623,9 +623,9 @@ mod tests {
         set.uvs = Some(bound(&uvs, None, Binding::PerVertexIndexed));
         let mesh = build(&set).mesh;
         assert_eq!(mesh.normals.unwrap().corners, None);
-        let found = mesh.uvs.unwrap();
+        let actual = mesh.uvs.unwrap();
         assert_eq!(
-            (found.corners, found.values[6]),
+            (actual.corners, actual.values[6]),
             (None, DVec2::new(2.0, 1.0))
         );
         set.uvs = Some(bound(&uvs[..6], None, Binding::PerVertexIndexed));
@@ -653,8 +653,8 @@ mod tests {
 
     #[test]
     fn boxes_are_mapped_along_their_longest_sides() {
-        let found = box_mapping(&[DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 5.0, 3.0)]);
-        assert_eq!(found, [DVec2::ZERO, DVec2::new(1.0, 0.75)]);
+        let uvs = box_mapping(&[DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 5.0, 3.0)]);
+        assert_eq!(uvs, [DVec2::ZERO, DVec2::new(1.0, 0.75)]);
         assert_eq!(box_mapping(&[DVec3::ONE]), [DVec2::ZERO]);
         assert!(box_mapping(&[]).is_empty());
     }

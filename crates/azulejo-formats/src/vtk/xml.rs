@@ -274,8 +274,8 @@ impl<'a> XmlReader<'a, '_> {
             }
             Some(stream)
         };
-        let found: Option<Vec<Vec<i64>>> = (0..cells.len()).map(&mut cell).collect();
-        found.ok_or_else(|| {
+        let streams: Option<Vec<Vec<i64>>> = (0..cells.len()).map(&mut cell).collect();
+        streams.ok_or_else(|| {
             let expected = "faces and points that exist";
             self.arrays
                 .error(list, "a polyhedron whose faces do not exist", expected)
