@@ -159,9 +159,9 @@ fn divide_in_shared_meshes(scene: &mut Scene) -> usize {
     }
     let mut count = 0;
     for instance in instances {
-        if let Some((of_mesh, mesh)) = divided.get(&Arc::as_ptr(&instance.mesh)) {
+        if let Some((mesh_count, mesh)) = divided.get(&Arc::as_ptr(&instance.mesh)) {
             instance.mesh = mesh.clone();
-            count += of_mesh;
+            count += mesh_count;
         }
     }
     count

@@ -3,7 +3,7 @@
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::text::text;
 
-/// A line that is no comment and not empty.
+/// A line that is neither a comment nor empty.
 #[derive(Clone, Copy)]
 pub(super) struct InputLine<'a> {
     /// The line without the blanks around it.

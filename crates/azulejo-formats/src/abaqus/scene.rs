@@ -176,8 +176,8 @@ impl<'a> AbaqusAssembly<'a> {
     fn all(&self) -> impl Iterator<Item = PlacedElement> + use<'a> {
         let counts = self.instances.iter().map(|i| i.part.elements.len() as u32);
         let counts: Vec<u32> = counts.collect();
-        let of_instance = |(i, count): (usize, u32)| (0..count).map(move |e| (i as u32, e));
-        counts.into_iter().enumerate().flat_map(of_instance)
+        let instance_elements = |(i, count): (usize, u32)| (0..count).map(move |e| (i as u32, e));
+        counts.into_iter().enumerate().flat_map(instance_elements)
     }
 
     /// Counts the shells that no surface has.

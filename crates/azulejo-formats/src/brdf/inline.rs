@@ -190,7 +190,7 @@ pub(crate) fn made(description: &Description, parts: &[WeightedModel]) -> Inline
 pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
     parts.iter().try_for_each(|part| {
         let alone = Brdf::new(Description::Model(part.model.clone()));
-        alone.map(drop).map_err(|p| of_part(&p, part))
+        alone.map(drop).map_err(|p| locate_in_part(&p, part))
     })
 }
 
@@ -206,7 +206,7 @@ fn locate_problem(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
     }
 }
 
-fn of_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
+fn locate_in_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();

@@ -207,7 +207,7 @@ impl<'a> CityDocument<'a> {
         Ok(document)
     }
 
-    /// Reads a line of a sequence behind the first one.
+    /// Reads a line of a sequence after the first one.
     ///
     /// # Errors
     /// Anything but a feature, and the errors of [`CityDocument::read`].

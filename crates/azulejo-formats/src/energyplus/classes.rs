@@ -52,12 +52,12 @@ pub(super) struct ClassLayout {
 /// A version of EnergyPlus: major and minor number.
 pub(super) type InputVersion = (u32, u32);
 
-/// The versions from which on walls may belong to spaces, and shading controls list their windows.
+/// The first versions in which walls may belong to spaces, and in which shading controls list their windows.
 const SPACES: InputVersion = (9, 6);
 const NO_CONTROLS: InputVersion = (9, 0);
 
 impl ClassLayout {
-    /// The fields of a version behind the name, in their order.
+    /// The fields of a version after the name, in their order.
     pub fn fields(&self, version: InputVersion) -> Vec<&'static str> {
         let known = self.fields.split_whitespace();
         known

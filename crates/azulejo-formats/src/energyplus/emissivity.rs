@@ -32,7 +32,7 @@ impl InputConstructions {
     /// Collects them from all objects.
     ///
     /// # Errors
-    /// Numbers that are none.
+    /// Malformed numbers.
     pub fn read(
         objects: &[InputObject<'_>],
         file: InputText<'_>,
@@ -96,8 +96,8 @@ impl InputConstructions {
 /// The emissivity of a layer, of glass that of its inner side.
 fn emissivity(layer: &InputObject<'_>, file: InputText<'_>) -> Result<f64, ReadError> {
     let opaque = layer.number_or("thermal_absorptance", OPAQUE, file)?;
-    let of_glass = "back_side_infrared_hemispherical_emissivity";
-    let emissivity = match layer.layout.field(of_glass) {
+    let glass_field = "back_side_infrared_hemispherical_emissivity";
+    let emissivity = match layer.layout.field(glass_field) {
         Some(field) => layer.number_or(field, GLASS, file)?,
         None => opaque,
     };

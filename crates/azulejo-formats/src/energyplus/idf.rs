@@ -11,7 +11,7 @@ use std::borrow::Cow;
 struct IdfRecord<'a> {
     layout: ClassLayout,
     at: usize,
-    /// The fields behind the class, the last ones not blank.
+    /// The fields after the class, the last ones not blank.
     fields: Vec<InputValue<'a>>,
 }
 
@@ -226,7 +226,7 @@ fn names(record: &IdfRecord<'_>, version: Option<InputVersion>) -> Vec<&'static 
     others.find(suits).unwrap_or(by_version)
 }
 
-/// Whether the number of vertices, the last of so many fields behind the name, is that of the
+/// Whether the number of vertices, the last of `fields` fields after the name, is that of the
 /// coordinates behind it.
 fn vertices_suit(record: &IdfRecord<'_>, fields: usize) -> bool {
     let Some(stated) = record.fields.get(fields) else {

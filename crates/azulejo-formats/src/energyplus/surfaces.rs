@@ -40,7 +40,7 @@ pub(super) struct InputSurfaces<'o> {
     pub numbers: HashMap<String, usize>,
 }
 
-/// A sine of the slope from which on a roof faces down, or a floor up: ten degrees from upright.
+/// Sine of the slope beyond which a roof faces down, or a floor up: ten degrees from upright.
 const TURNED: f64 = 0.17;
 
 impl ZoneSurface<'_> {

@@ -7,7 +7,7 @@ use crate::surface::boundary::CellKind;
 pub(super) enum MshShape {
     /// A point or a line, which has no area.
     Line,
-    /// A polygon of so many corners.
+    /// A polygon with this number of corners.
     Polygon(usize),
     /// A volume.
     Cell(CellKind),

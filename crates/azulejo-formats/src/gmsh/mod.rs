@@ -120,7 +120,7 @@ impl MshReader<'_> {
         self.source.end(section)
     }
 
-    /// Passes a section that is no part of the surface, with a warning unless nothing is lost by it.
+    /// Passes a section that is not part of the surface, with a warning unless nothing is lost by it.
     fn skip(&mut self, at: usize, section: &str) -> Result<(), ReadError> {
         const HARMLESS: [&str; 5] = [
             "Comments",

@@ -52,7 +52,7 @@ pub(super) struct BackplateBlock {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// The rest of a background that is no single colour.
+    /// The rest of a background that is not a single colour.
     pub(super) fn background(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<BlockKind> {
         let Some(fit) = self.take_choice(entries, "fit", &FITS)? else {
             return self.environment(entries, None);

@@ -174,7 +174,7 @@ impl BulkCard {
         });
     }
 
-    /// A field by its number, where 1 is the one behind the name, and each further line adds eight, or four
+    /// A field by its number, where 1 is the one after the name, and each further line adds eight, or four
     /// if it is wide. Blank beyond the last.
     pub fn field(&self, number: usize) -> &[u8] {
         let field = self.fields.get(number - 1);

@@ -207,7 +207,7 @@ impl<'a> BulkReader<'a> {
     }
 }
 
-/// Where bulk data begin: behind the first line `BEGIN BULK`, or at the start.
+/// Where bulk data begin: after the first line `BEGIN BULK`, or at the start.
 fn start_of_bulk(bytes: &[u8]) -> usize {
     let mut lines = BulkLines {
         text: TextCursor::new(bytes),

@@ -398,7 +398,7 @@ fn value(field: &str, text: &str) -> FieldValue {
 
 /// The default container fields, ISO/IEC 19776-1, 6.2, each with the nodes that it is for; it is `children`
 /// for all others.
-const CONTAINERS: [(&str, &str); 14] = [
+const CONTAINERS: [(&str, &str); 16] = [
     ("appearance", "Appearance"),
     (
         "material",
@@ -434,17 +434,18 @@ const CONTAINERS: [(&str, &str); 14] = [
          NurbsTrimmedSurface NurbsCurve PointSet Polyline2D Polypoint2D QuadSet Rectangle2D Sphere Text \
          TriangleFanSet TriangleSet TriangleSet2D TriangleStripSet",
     ),
+    ("shaders", "ComposedShader PackagedShader ProgramShader"),
+    (
+        "metadata",
+        "MetadataBoolean MetadataDouble MetadataFloat MetadataInteger MetadataSet MetadataString",
+    ),
 ];
 
 /// The default container field of a node.
 fn container(kind: &str) -> &'static str {
     let holds = |nodes: &str| nodes.split(' ').any(|node| node == kind);
     let field = CONTAINERS.iter().find(|(_, nodes)| holds(nodes));
-    match kind {
-        "ComposedShader" | "PackagedShader" | "ProgramShader" => "shaders",
-        _ if kind.starts_with("Metadata") => "metadata",
-        _ => field.map_or("children", |(field, _)| field),
-    }
+    field.map_or("children", |(field, _)| field)
 }
 
 /// A truncated text without its incomplete last tag and with the open elements closed. `None` if

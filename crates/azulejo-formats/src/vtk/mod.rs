@@ -156,7 +156,7 @@ impl VtkBuilder<'_> {
         }
     }
 
-    /// Counts a cell that is no surface.
+    /// Counts a cell that is not a surface.
     fn is_kept(&mut self, piece: &VtkPiece, cell: usize, class: CellClass) -> bool {
         let counts = &mut self.counts;
         let count = match class {

@@ -34,7 +34,7 @@ const ROWS: &str = "object group surface name physicalids gmsh:physical cellenti
      material patchid regionid groupids boundary cell_tags medit:ref gmsh:geometrical \
      geometryids";
 
-/// Which cells are no part of a piece: duplicates of another's, and hidden ones.
+/// Which cells are not part of a piece: duplicates of another's, and hidden ones.
 const GHOST_ARRAY: &str = "vtkghosttype";
 
 /// What a cell array is used for.

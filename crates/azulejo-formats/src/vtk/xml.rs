@@ -231,7 +231,7 @@ impl<'a> XmlReader<'a, '_> {
         let mut start = 0;
         let mut cells = Vec::new();
         for &end in ends.iter().take(kinds.len()) {
-            // Cells that are no polyhedra have −1.
+            // Cells that are not polyhedra have −1.
             let Ok(end) = usize::try_from(end) else {
                 cells.push(Vec::new());
                 continue;

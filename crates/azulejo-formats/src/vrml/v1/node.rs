@@ -154,7 +154,7 @@ impl V1NodeKind {
         })
     }
 
-    /// The kind of that name, [`V1NodeKind::Unknown`] if it is none.
+    /// The kind of that name, [`V1NodeKind::Unknown`] if there is none.
     pub fn named(name: &[u8]) -> V1NodeKind {
         let known = TYPES.iter().find(|known| known.0.as_bytes() == name);
         known.map_or(V1NodeKind::Unknown, |known| known.1)
