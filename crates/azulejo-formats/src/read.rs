@@ -159,9 +159,9 @@ fn divide_in_shared_meshes(scene: &mut Scene) -> usize {
     }
     let mut count = 0;
     for instance in instances {
-        if let Some((of_mesh, mesh)) = divided.get(&Arc::as_ptr(&instance.mesh)) {
+        if let Some((mesh_count, mesh)) = divided.get(&Arc::as_ptr(&instance.mesh)) {
             instance.mesh = mesh.clone();
-            count += of_mesh;
+            count += mesh_count;
         }
     }
     count
@@ -390,9 +390,9 @@ mod tests {
         for (name, write, scene) in files {
             let mut bytes = Vec::new();
             write(scene, &mut bytes).unwrap();
-            let found = read(&bytes, name, &Memory::new()).unwrap().scene;
-            found.validate().unwrap();
-            let Shape::Mesh(read) = &found.objects[0].shape else {
+            let again = read(&bytes, name, &Memory::new()).unwrap().scene;
+            again.validate().unwrap();
+            let Shape::Mesh(read) = &again.objects[0].shape else {
                 panic!("{name}: a mesh")
             };
             assert!(
@@ -414,7 +414,7 @@ mod tests {
             if name != "a.ply" {
                 let of = |face: usize| {
                     let id = read.face_materials[face];
-                    found.materials[id as usize].sidedness
+                    again.materials[id as usize].sidedness
                 };
                 let double = (0..read.faces.len()).filter(|&f| read.has_back(f));
                 assert!(double.map(of).all(|s| s == Sidedness::Two), "{name}");

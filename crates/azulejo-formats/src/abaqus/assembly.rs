@@ -149,7 +149,7 @@ impl<'a> AbaqusAssembly<'a> {
         instance: u32,
         item: &'a ElementItem,
     ) -> Result<Vec<PlacedElement>, ReadError> {
-        let mut found = Vec::new();
+        let mut members = Vec::new();
         let mut known: HashSet<(u32, *const ElementItem)> = HashSet::new();
         // Sets of sets may be nested as deeply as the file is long.
         let mut work = vec![(instance, item)];
@@ -158,10 +158,10 @@ impl<'a> AbaqusAssembly<'a> {
             match item {
                 &ElementItem::Indices(first, end) => {
                     self.spend(u64::from(end - first))?;
-                    found.extend((first..end).map(|e| (instance, e)));
+                    members.extend((first..end).map(|e| (instance, e)));
                 }
                 ElementItem::Numbers(numbers, of) => match self.instance(instance, of) {
-                    Some(instance) => self.numbered(instance, *numbers, &mut found)?,
+                    Some(instance) => self.numbered(instance, *numbers, &mut members)?,
                     None => self.missing(of),
                 },
                 ElementItem::Set(name, of) => {
@@ -178,14 +178,14 @@ impl<'a> AbaqusAssembly<'a> {
                         }
                         // `left.12`: an element of another instance.
                         (None, Some(instance), Some(number)) => {
-                            self.numbered(instance, [number, number, 1], &mut found)?;
+                            self.numbered(instance, [number, number, 1], &mut members)?;
                         }
                         (None, ..) => self.missing(&Some(name.clone())),
                     }
                 }
             }
         }
-        Ok(found)
+        Ok(members)
     }
 
     fn instance(&self, current: u32, name: &Option<String>) -> Option<u32> {

@@ -255,7 +255,7 @@ impl AbaqusReader<'_> {
     }
 }
 
-/// Elements by number or the set of a name, maybe behind the name of an instance and a dot.
+/// Elements by number or the set of a name, possibly after the name of an instance and a dot.
 fn item(field: InputField, instance: &Option<String>) -> ElementItem {
     let whole = text(field.text);
     let whole = unquoted(&whole);

@@ -150,12 +150,12 @@ mod tests {
     fn types_by_their_names() {
         use CellKind::*;
         let check = |name: &str, shape: FiniteShape, nodes: usize| {
-            let found = ElementType::named(name).unwrap();
-            assert_eq!((found.shape, found.nodes), (shape, nodes), "{name}");
+            let element = ElementType::named(name).unwrap();
+            assert_eq!((element.shape, element.nodes), (shape, nodes), "{name}");
             let is_plane = ["CP", "CA", "DC2", "DCA"]
                 .iter()
                 .any(|p| name.starts_with(p));
-            assert_eq!(found.is_plane, is_plane, "{name}");
+            assert_eq!(element.is_plane, is_plane, "{name}");
         };
         for name in [
             "S3", "S3R", "S3RS", "STRI3", "DS3", "R3D3", "M3D3", "SFM3D3",

@@ -3,7 +3,7 @@
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::text::text;
 
-/// A line that is no comment and not empty.
+/// A line that is neither a comment nor empty.
 #[derive(Clone, Copy)]
 pub(super) struct InputLine<'a> {
     /// The line without the blanks around it.
@@ -55,12 +55,12 @@ impl<'a> InputLine<'a> {
         let text = self.text.strip_suffix(b",").unwrap_or(self.text);
         text.split(|&b| b == b',').map(move |field| {
             let blanks = field.len() - field.trim_ascii_start().len();
-            let found = InputField {
+            let trimmed = InputField {
                 text: field.trim_ascii(),
                 at: at + blanks,
             };
             at += field.len() + 1;
-            found
+            trimmed
         })
     }
 }
@@ -78,19 +78,19 @@ pub(super) struct KeywordLine {
 impl KeywordLine {
     /// Reads a keyword; a comma at the end of a line continues it on the next.
     pub fn read(first: InputLine, lines: &mut InputLines) -> KeywordLine {
-        let mut all = first.text.to_vec();
-        while all.last() == Some(&b',') {
+        let mut whole = first.text.to_vec();
+        while whole.last() == Some(&b',') {
             let mut ahead = *lines;
             match ahead.next() {
                 Some(line) if !line.is_keyword() => {
-                    all.extend_from_slice(line.text);
+                    whole.extend_from_slice(line.text);
                     *lines = ahead;
                 }
                 _ => break,
             }
         }
-        let all = text(&all[1..]).into_owned();
-        let mut parts = all.split(',');
+        let whole = text(&whole[1..]).into_owned();
+        let mut parts = whole.split(',');
         let name = capitals(parts.next().unwrap_or_default());
         let parameters = parts.filter(|p| !p.trim().is_empty()).map(|part| {
             let (name, value) = part.split_once('=').unwrap_or((part, ""));
@@ -106,8 +106,8 @@ impl KeywordLine {
     /// The value of a parameter, empty if it has none; `None` if it is absent.
     pub fn parameter(&self, name: &str) -> Option<&str> {
         let mut known = self.parameters.iter();
-        let found = known.find(|(known, _)| known == name);
-        found.map(|(_, value)| value.as_str())
+        let parameter = known.find(|(known, _)| known == name);
+        parameter.map(|(_, value)| value.as_str())
     }
 
     /// The value of a parameter that has one.

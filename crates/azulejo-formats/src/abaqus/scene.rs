@@ -7,7 +7,7 @@ use crate::surface::boundary::VolumeBoundary;
 use crate::surface::finite::{FiniteMesh, FiniteShape, face_key};
 use crate::surface::named::NamedSurfaces;
 use crate::{Position, ReadError};
-use azulejo_scene::{Scene, Units, Up};
+use azulejo_scene::Scene;
 use std::collections::{HashMap, HashSet};
 
 /// What is known of the faces that named surfaces have.
@@ -23,15 +23,8 @@ struct SurfaceFaces {
 impl<'a> AbaqusAssembly<'a> {
     /// The scene: named surfaces if there are any, else shells and the boundary of solids by their sets.
     pub fn scene(mut self) -> Result<Scene, ReadError> {
-        let mut scene = Scene {
-            units: Units {
-                up: Up::Z,
-                ..Units::default()
-            },
-            ..Scene::default()
-        };
         if !self.budget.keeps() {
-            return Ok(scene);
+            return Ok(Scene::default());
         }
         let mut faces = SurfaceFaces::default();
         for (instance, surface) in self.chosen_surfaces() {
@@ -43,10 +36,7 @@ impl<'a> AbaqusAssembly<'a> {
             self.count_others(&faces);
         }
         let file = &self.model.files[0];
-        faces
-            .surfaces
-            .finish(&self.positions, &mut scene, file, self.warnings);
-        Ok(scene)
+        Ok((faces.surfaces).scene(&self.positions, file, self.warnings))
     }
 
     /// The surfaces of all instances; if there are cavities, those that they consist of.
@@ -139,9 +129,9 @@ impl<'a> AbaqusAssembly<'a> {
                 vec![self.corners(placed, corners).ok_or(NO_NODE)?]
             }
             _ => {
-                let all = [0, 1, 2, 3];
+                let corner_numbers = [0, 1, 2, 3];
                 let mut corners = self
-                    .corners(placed, &all[..shape.corner_count().min(4)])
+                    .corners(placed, &corner_numbers[..shape.corner_count().min(4)])
                     .ok_or(NO_NODE)?;
                 if face == ElementFace::Back {
                     corners.reverse();
@@ -186,8 +176,8 @@ impl<'a> AbaqusAssembly<'a> {
     fn all(&self) -> impl Iterator<Item = PlacedElement> + use<'a> {
         let counts = self.instances.iter().map(|i| i.part.elements.len() as u32);
         let counts: Vec<u32> = counts.collect();
-        let of_instance = |(i, count): (usize, u32)| (0..count).map(move |e| (i as u32, e));
-        counts.into_iter().enumerate().flat_map(of_instance)
+        let instance_elements = |(i, count): (usize, u32)| (0..count).map(move |e| (i as u32, e));
+        counts.into_iter().enumerate().flat_map(instance_elements)
     }
 
     /// Counts the shells that no surface has.
@@ -225,8 +215,8 @@ impl<'a> AbaqusAssembly<'a> {
                     mesh.surface(if name.is_empty() { "elements" } else { &name })
                 });
                 let shape = part.elements[index].kind.shape;
-                let all = [0, 1, 2, 3, 4, 5, 6, 7];
-                match self.corners(placed, &all[..shape.corner_count()]) {
+                let corner_numbers = [0, 1, 2, 3, 4, 5, 6, 7];
+                match self.corners(placed, &corner_numbers[..shape.corner_count()]) {
                     Some(corners) => mesh.add(shape, &corners, number),
                     None => self.warnings.add_whole(&self.model.files[0], NO_NODE),
                 }
@@ -248,9 +238,9 @@ impl<'a> AbaqusAssembly<'a> {
             .iter()
             .filter_map(|s| part.known_set(s))
             .collect();
-        let all = 0..part.sets.len() as u32;
+        let sets = 0..part.sets.len() as u32;
         let order = (sections.iter().copied().filter(|&s| is_named(s)))
-            .chain(all.filter(|&s| is_named(s)))
+            .chain(sets.filter(|&s| is_named(s)))
             .chain(sections.iter().copied().filter(|&s| !is_named(s)));
         let mut left = owners.iter().filter(|&&o| o == NO_SET).count();
         for set in order {

@@ -20,8 +20,8 @@ fn check_error(text: &str, expected: &str) {
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
+    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(messages, expected);
 }
 
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
@@ -233,8 +233,8 @@ fn solids_have_a_boundary() {
         let loaded = load(&text);
         assert_eq!(mesh(&loaded, 0).faces.len(), faces, "{kind}");
         assert_eq!(loaded.warnings.len(), 1);
-        let said = format!("the {faces} faces of their boundary");
-        assert!(loaded.warnings[0].message.contains(&said));
+        let message = format!("the {faces} faces of their boundary");
+        assert!(loaded.warnings[0].message.contains(&message));
     }
 }
 
@@ -254,10 +254,10 @@ fn faces_of_solids() {
         let (solid, named) = (load(&text), load(&[text, surfaces].concat()));
         check_warnings(&named, &[]);
         let mut expected: Vec<_> = areas(mesh(&solid, 0));
-        let mut found: Vec<_> = (0..faces).flat_map(|k| areas(mesh(&named, k))).collect();
+        let mut actual: Vec<_> = (0..faces).flat_map(|k| areas(mesh(&named, k))).collect();
         expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        found.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        assert_eq!(found, expected, "{kind}");
+        actual.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(actual, expected, "{kind}");
     }
 }
 
@@ -460,10 +460,10 @@ fn what_is_skipped_is_counted() {
 #[test]
 fn damaged_files_are_no_danger() {
     let surface = "*ELSET, ELSET=g, GENERATE\n1, 9, 2\n*SURFACE, NAME=s\ng, SPOS\nleft.all, S1\n";
-    let all = assembly(surface);
-    for end in 0..all.len() {
+    let text = assembly(surface);
+    for end in 0..text.len() {
         let _ = read(
-            &all.as_bytes()[..end],
+            &text.as_bytes()[..end],
             "a.inp",
             &Memory::new(),
             &ReadOptions::default(),

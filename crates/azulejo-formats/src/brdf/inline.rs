@@ -190,7 +190,7 @@ pub(crate) fn made(description: &Description, parts: &[WeightedModel]) -> Inline
 pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
     parts.iter().try_for_each(|part| {
         let alone = Brdf::new(Description::Model(part.model.clone()));
-        alone.map(drop).map_err(|p| of_part(&p, part))
+        alone.map(drop).map_err(|p| locate_in_part(&p, part))
     })
 }
 
@@ -206,19 +206,19 @@ fn locate_problem(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
     }
 }
 
-fn of_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
+fn locate_in_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();
         let known = known.and_then(|i| i.all_parameters().find(|p| p.name == name));
         parameter.name == name || known.is_some_and(|p| p.is_called(&parameter.name))
     };
-    let mut all = part.model.parameters.iter();
+    let mut parameters = part.model.parameters.iter();
     let at = match problem {
-        BrdfError::Twice { name } => all.rposition(|p| is_called(p, name)),
-        BrdfError::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        BrdfError::Twice { name } => parameters.rposition(|p| is_called(p, name)),
+        BrdfError::UnknownParameter { name, .. } => parameters.position(|p| is_called(p, name)),
         BrdfError::WrongKind { name, .. } | BrdfError::Range { name, .. } => {
-            all.position(|p| is_called(p, name))
+            parameters.position(|p| is_called(p, name))
         }
         _ => None,
     };

@@ -32,8 +32,8 @@ mod tests {
     #[test]
     fn forms_are_known_by_their_content() {
         let bytes = rgl::tests::file(&rgl::tests::fields());
-        let found = measured(&bytes, "a.binary").unwrap().unwrap();
-        assert!(matches!(found.content, Content::Measured(_)));
+        let read = measured(&bytes, "a.binary").unwrap().unwrap();
+        assert!(matches!(read.content, Content::Measured(_)));
 
         // A table whose size is not that of the database is recognized, and rejected.
         let bytes = merl::tests::file([6, 5, 8], "diffuse kd = 0.5");
@@ -56,11 +56,11 @@ mod tests {
             .flat_map(|n| n.to_le_bytes())
             .collect();
         let bytes = [header, 150.0f64.to_le_bytes().repeat(3 * 90 * 90 * 180)].concat();
-        let found = measured(&bytes, "m").unwrap().unwrap();
-        let Content::Measured(measured) = &found.content else {
-            panic!("{:?}", found.content);
+        let read = measured(&bytes, "m").unwrap().unwrap();
+        let Content::Measured(measured) = &read.content else {
+            panic!("{:?}", read.content);
         };
         assert_eq!(format!("{measured:?}"), "Merl [90, 90, 180]");
-        assert!(found.warnings.is_empty());
+        assert!(read.warnings.is_empty());
     }
 }

@@ -153,9 +153,9 @@ pub(super) mod tests {
             theta_d: 0.3,
             phi_d: 1.0,
         };
-        let found = merl.at(&angles) * std::f64::consts::PI;
-        for (found, expected) in found.to_array().into_iter().zip([0.9, 0.5, 0.1]) {
-            assert!((found - expected).abs() < 1e-6, "{found}");
+        let reflectance = merl.at(&angles) * std::f64::consts::PI;
+        for (reflectance, expected) in reflectance.to_array().into_iter().zip([0.9, 0.5, 0.1]) {
+            assert!((reflectance - expected).abs() < 1e-6, "{reflectance}");
         }
         assert!(warnings.is_empty());
     }

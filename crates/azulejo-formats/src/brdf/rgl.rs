@@ -46,8 +46,8 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Rgl, Vec<Warning>), ReadError> 
 
 impl<'a> RglReader<'a> {
     fn find(&self, name: &str) -> Option<&Tensor<'a>> {
-        let found = self.tensors.iter().find(|(known, _)| known == name);
-        found.map(|(_, tensor)| tensor)
+        let tensor = self.tensors.iter().find(|(known, _)| known == name);
+        tensor.map(|(_, tensor)| tensor)
     }
 
     fn tensor(&self, name: &str) -> Result<&Tensor<'a>, ReadError> {
@@ -239,10 +239,10 @@ pub(super) mod tests {
     #[test]
     fn spectra_become_colours() {
         let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 0.8, 0.6));
-        let found = brdf(&file(&fields())).eval(wo, wi);
+        let value = brdf(&file(&fields())).eval(wo, wi);
         // 0.125 × ndf/(4 sigma)/cos θi
-        for value in found.to_array() {
-            assert!((value - 0.125 / 0.6).abs() < 1e-5, "{found:?}");
+        for value in value.to_array() {
+            assert!((value - 0.125 / 0.6).abs() < 1e-5, "{value:?}");
         }
     }
 
@@ -252,10 +252,10 @@ pub(super) mod tests {
         fields.truncate(6);
         let rgb = (0..150).map(|k| [0.3, 0.2, 0.1][k / 25 % 3]).collect();
         fields.push(("rgb", vec![1, 2, 3, 5, 5], rgb));
-        let found = brdf(&file(&fields)).eval(DVec3::Z, DVec3::Z);
+        let value = brdf(&file(&fields)).eval(DVec3::Z, DVec3::Z);
         assert!(
-            (found.r - 0.3).abs() < 1e-6 && (found.b - 0.1).abs() < 1e-6,
-            "{found:?}"
+            (value.r - 0.3).abs() < 1e-6 && (value.b - 0.1).abs() < 1e-6,
+            "{value:?}"
         );
     }
 

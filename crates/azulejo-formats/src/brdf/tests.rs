@@ -19,8 +19,8 @@ fn check(file: &str, expected: &str) {
 #[track_caller]
 fn must_fail(file: &str, expected: &str) {
     let error = read(file.as_bytes(), "a.brdf", &Memory::new()).map(|r| r.content);
-    let said = error.expect_err(file).to_string();
-    assert!(said.contains(expected), "{file}: {said}");
+    let message = error.expect_err(file).to_string();
+    assert!(message.contains(expected), "{file}: {message}");
 }
 
 fn written(description: &Description) -> String {
@@ -62,9 +62,9 @@ fn what_a_model_does_not_use_is_said() {
     let file = "begin brdf\nmodel lewis param n 3\nfresnel dielectric eta 1.5\n\
                 wavelengths (0.61, 0.55, 0.465)\nend brdf";
     let read = read(file.as_bytes(), "a.brdf", &Memory::new()).unwrap();
-    let said: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
     assert_eq!(
-        said,
+        messages,
         [
             "a.brdf:3:9: `lewis` has no Fresnel term: ignored",
             "a.brdf:4:1: `lewis` has no wavelengths: ignored",
@@ -135,9 +135,9 @@ fn measured_files_are_found_or_named() {
 #[test]
 fn every_model_is_written_and_read_back() {
     for example in MODELS.iter().flat_map(|m| m.examples) {
-        let said: Description = example.parse().unwrap();
-        assert_eq!(description(&written(&said)), said, "{example}");
-        assert_eq!(description(example), said, "{example}");
+        let parsed: Description = example.parse().unwrap();
+        assert_eq!(description(&written(&parsed)), parsed, "{example}");
+        assert_eq!(description(example), parsed, "{example}");
     }
     let sum: Description = "combination weight = 0.1 lewis n = 3 weight = 1e-7 diffuse kd = 1"
         .parse()

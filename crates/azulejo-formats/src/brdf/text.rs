@@ -278,13 +278,13 @@ impl BrdfTextReader<'_> {
                 return Err(inline::unexpected(before, kinds));
             }
         };
-        let mut found = 0;
+        let mut count = 0;
         while let Some(name) = self.one_of(names) {
             let value = inline::value(&mut self.lexer)?;
             self.push(block, name, value, offset)?;
-            found += 1;
+            count += 1;
         }
-        match found {
+        match count {
             0 => Err(inline::unexpected(self.lexer, format!("`{}`", names[0]))),
             _ => Ok(()),
         }

@@ -169,13 +169,13 @@ fn positions(
     if !list.is_array() {
         return Err(file.error(list, "a list of vertices"));
     }
-    let mut found = Vec::new();
+    let mut vertices = Vec::new();
     for vertex in list.elements() {
         let numbers = vertex.triple().map(|p| map(p.into()));
         let finite = numbers.filter(|p| p.is_finite());
-        found.push(finite.ok_or_else(|| file.error(vertex, "three coordinates"))?);
+        vertices.push(finite.ok_or_else(|| file.error(vertex, "three coordinates"))?);
     }
-    Ok(found)
+    Ok(vertices)
 }
 
 impl<'a> CityDocument<'a> {
@@ -207,7 +207,7 @@ impl<'a> CityDocument<'a> {
         Ok(document)
     }
 
-    /// Reads a line of a sequence behind the first one.
+    /// Reads a line of a sequence after the first one.
     ///
     /// # Errors
     /// Anything but a feature, and the errors of [`CityDocument::read`].

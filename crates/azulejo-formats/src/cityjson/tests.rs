@@ -130,18 +130,18 @@ fn levels(levels: &[&str]) -> String {
 fn one_level_of_detail() {
     let check = |given: &[&str], lod: Lod, area: f64| {
         let loaded = load_with(&levels(given), lod).unwrap();
-        let found = mesh(&loaded.scene, "a").area();
-        assert!((found - area).abs() < 1e-9, "{given:?} {lod:?}: {found}");
+        let actual = mesh(&loaded.scene, "a").area();
+        assert!((actual - area).abs() < 1e-9, "{given:?} {lod:?}: {actual}");
     };
-    let all = ["\"0.1\"", "\"1.3\"", "\"2.2\"", "\"3\""];
-    check(&all, Lod::Finest, 3.0);
-    check(&all, Lod::Distance(100.0), 3.0);
-    check(&all, Lod::Coarsest, 1.0);
-    check(&all, Lod::All, 10.0);
-    check(&all, Lod::Numbered(1.3), 2.0);
-    check(&all, Lod::Numbered(3.3), 4.0);
-    check(&all, Lod::Numbered(2.0), 2.0);
-    check(&all, Lod::Numbered(0.0), 1.0);
+    let levels = ["\"0.1\"", "\"1.3\"", "\"2.2\"", "\"3\""];
+    check(&levels, Lod::Finest, 3.0);
+    check(&levels, Lod::Distance(100.0), 3.0);
+    check(&levels, Lod::Coarsest, 1.0);
+    check(&levels, Lod::All, 10.0);
+    check(&levels, Lod::Numbered(1.3), 2.0);
+    check(&levels, Lod::Numbered(3.3), 4.0);
+    check(&levels, Lod::Numbered(2.0), 2.0);
+    check(&levels, Lod::Numbered(0.0), 1.0);
     // Numbers, as in version 1.0; and level 3 rather than a footprint.
     check(&["2", "1", "2.1"], Lod::Finest, 3.0);
     check(&["0", "3.2", "3.1"], Lod::Finest, 3.0);
@@ -321,7 +321,7 @@ fn what_is_skipped_and_what_is_refused() {
     };
     let square = "[[0,0,0],[4,0,0],[4,4,0],[0,4,0],[9,9,0],[10,9,0],[9,10,0]]";
     let text = with("[[[0,1,1,0]],[],[[0,1,2,3],[5,5,5],[4,5,6]]]", square);
-    let found: Vec<String> = load(&text)
+    let actual: Vec<String> = load(&text)
         .warnings
         .into_iter()
         .map(|w| w.message)
@@ -332,7 +332,7 @@ fn what_is_skipped_and_what_is_refused() {
         "hole with fewer than three corners: filled",
         "hole outside of its surface: filled",
     ];
-    assert_eq!(found, expected);
+    assert_eq!(actual, expected);
     let refuse = |text: &str, column: usize, expected: &str| {
         let error = load_with(text, Lod::Finest).unwrap_err();
         assert!(error.expected.contains(expected), "{error}");

@@ -344,23 +344,23 @@ mod tests {
     /// All groups, and position and count of damage.
     fn all(bytes: &[u8]) -> (Groups, Option<(usize, usize)>) {
         let mut pairs = Pairs::new(bytes);
-        let mut found = Vec::new();
+        let mut read = Vec::new();
         while let Some(pair) = pairs.next() {
             let value = match pair.value {
                 Value::Text(text) => text.escape_ascii().to_string(),
                 Value::Real(value) => format!("{value}r"),
                 Value::Integer(value) => format!("{value}i"),
             };
-            found.push((pair.code, value));
+            read.push((pair.code, value));
         }
-        (found, pairs.damage.map(|d| (d.offset, d.count)))
+        (read, pairs.damage.map(|d| (d.offset, d.count)))
     }
 
     fn check(bytes: &[u8], expected: &[(i16, &str)]) {
-        let (found, damage) = all(bytes);
-        let found: Vec<(i16, &str)> = found.iter().map(|(c, v)| (*c, v.as_str())).collect();
+        let (read, damage) = all(bytes);
+        let pairs: Vec<(i16, &str)> = read.iter().map(|(c, v)| (*c, v.as_str())).collect();
         assert_eq!(
-            (&*found, damage),
+            (&*pairs, damage),
             (expected, None),
             "{}",
             bytes.escape_ascii()

@@ -68,7 +68,7 @@ struct Extent {
 
 impl Extent {
     /// Of a block without its inserted blocks.
-    fn of_surfaces(drawing: &DxfDrawing, block: &DxfBlock) -> Extent {
+    fn surface_extent(drawing: &DxfDrawing, block: &DxfBlock) -> Extent {
         let mut extent = Extent {
             elements: block.lights.len() as u64 * COST_OF_NODE,
             ..Extent::default()
@@ -213,7 +213,7 @@ impl ProjectReader<'_, '_> {
         };
         self.project.extents.insert(node, open);
         let (drawing, block) = self.project.get(node);
-        let mut extent = Extent::of_surfaces(drawing, block);
+        let mut extent = Extent::surface_extent(drawing, block);
         for i in 0..block.inserts.len() {
             match self.inserted(node, i, depth) {
                 Ok(inner) if inner.elements > 0 => {

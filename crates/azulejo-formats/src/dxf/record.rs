@@ -207,12 +207,12 @@ mod tests {
 
     fn records(text: &str) -> Vec<(String, Vec<i16>)> {
         let (mut records, mut record) = (Records::new(text.as_bytes()), Record::default());
-        let mut found = Vec::new();
+        let mut read = Vec::new();
         while records.read(&mut record) {
             let codes = record.pairs.iter().map(|pair| pair.code).collect();
-            found.push((decoded(record.kind).into_owned(), codes));
+            read.push((decoded(record.kind).into_owned(), codes));
         }
-        found
+        read
     }
 
     #[test]

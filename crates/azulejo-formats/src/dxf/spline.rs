@@ -128,8 +128,8 @@ mod tests {
     #[test]
     fn a_single_piece_has_its_own_points() {
         let controls = [[0.0, 0.0], [1.0, 2.0], [-1.0, 2.0], [0.0, 0.0]];
-        let found = spline(3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], &controls).unwrap();
-        assert_eq!(found, [controls.map(DVec2::from)]);
+        let curves = spline(3, &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], &controls).unwrap();
+        assert_eq!(curves, [controls.map(DVec2::from)]);
     }
 
     #[test]
@@ -138,18 +138,18 @@ mod tests {
         let square = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let controls: Vec<[f64; 2]> = square.iter().chain(&square[..3]).copied().collect();
         let knots: Vec<f64> = (0..11).map(f64::from).collect();
-        let found = spline(3, &knots, &controls).unwrap();
-        assert_eq!(found.len(), 4);
+        let curves = spline(3, &knots, &controls).unwrap();
+        assert_eq!(curves.len(), 4);
         let expected = DVec2::new(0.0, 4.0 / 6.0);
-        assert!(found[0][0].distance(expected) < 1e-15, "{}", found[0][0]);
-        assert!(found.windows(2).all(|w| w[0][3].distance(w[1][0]) < 1e-15));
+        assert!(curves[0][0].distance(expected) < 1e-15, "{}", curves[0][0]);
+        assert!(curves.windows(2).all(|w| w[0][3].distance(w[1][0]) < 1e-15));
         // Quadratic: the middle of a side.
         let controls: Vec<[f64; 2]> = square.iter().chain(&square[..2]).copied().collect();
-        let found = spline(2, &knots[..9], &controls).unwrap();
-        assert!(found[0][0].distance(DVec2::new(0.5, 0.5)) < 1e-15);
+        let curves = spline(2, &knots[..9], &controls).unwrap();
+        assert!(curves[0][0].distance(DVec2::new(0.5, 0.5)) < 1e-15);
         let controls: Vec<[f64; 2]> = square.iter().chain(&square[..1]).copied().collect();
-        let found = spline(1, &knots[..7], &controls).unwrap();
-        assert_eq!((found.len(), found[0][0]), (4, DVec2::new(1.0, 0.0)));
+        let curves = spline(1, &knots[..7], &controls).unwrap();
+        assert_eq!((curves.len(), curves[0][0]), (4, DVec2::new(1.0, 0.0)));
     }
 
     #[test]

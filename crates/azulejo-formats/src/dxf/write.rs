@@ -170,9 +170,9 @@ impl std::fmt::Display for Coordinates {
 /// The colour index whose surface is nearest to a reflectance, by displayed colours.
 fn nearest(color: Rgb) -> u8 {
     let shown = |c: Rgb| c.map(|x| x.max(0.0).powf(1.0 / 2.2));
-    let wanted = shown(color);
+    let target = shown(color);
     let distance = |index: u8| {
-        let difference = shown(Paint::Index(index).reflectance()) - wanted;
+        let difference = shown(Paint::Index(index).reflectance()) - target;
         difference.to_array().iter().map(|x| x * x).sum::<f64>()
     };
     let by_distance = |a: &u8, b: &u8| distance(*a).total_cmp(&distance(*b));

@@ -39,11 +39,12 @@ pub(super) enum InputClass {
 ///
 /// In IDF files the fields precede the vertices, if it has any. `+` precedes a field that files before
 /// version 9.6 lack, `-` one that ended with version 8.9.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ClassLayout {
     pub name: &'static str,
     pub class: InputClass,
-    fields: &'static [&'static str],
+    /// Separated by blanks.
+    fields: &'static str,
     /// The type of the surfaces, where the class says it.
     pub surface_type: &'static str,
 }
@@ -51,33 +52,33 @@ pub(super) struct ClassLayout {
 /// A version of EnergyPlus: major and minor number.
 pub(super) type InputVersion = (u32, u32);
 
-/// The versions from which on walls may belong to spaces, and shading controls list their windows.
+/// The first versions in which walls may belong to spaces, and in which shading controls list their windows.
 const SPACES: InputVersion = (9, 6);
 const NO_CONTROLS: InputVersion = (9, 0);
 
 impl ClassLayout {
-    /// The fields of a version behind the name, in their order.
+    /// The fields of a version after the name, in their order.
     pub fn fields(&self, version: InputVersion) -> Vec<&'static str> {
-        let known = self.fields.iter();
+        let known = self.fields.split_whitespace();
         known
             .filter(|field| match field.as_bytes()[0] {
                 b'+' => version >= SPACES,
                 b'-' => version < NO_CONTROLS,
                 _ => true,
             })
-            .map(|field| bare(field))
+            .map(bare)
             .collect()
     }
 
     /// The field of any version that a name means.
     pub fn field(&self, name: &str) -> Option<&'static str> {
-        let mut known = self.fields.iter().map(|field| bare(field));
+        let mut known = self.fields.split_whitespace().map(bare);
         known.find(|field| name.eq_ignore_ascii_case(field))
     }
 
     /// Whether vertices follow the fields.
     pub fn has_vertices(&self) -> bool {
-        self.fields.last() == Some(&"number_of_vertices")
+        self.fields.ends_with("number_of_vertices")
     }
 }
 
@@ -86,318 +87,138 @@ fn bare(field: &'static str) -> &'static str {
 }
 
 /// The class with a name, in any case.
-pub(super) fn class(name: &str) -> Option<&'static ClassLayout> {
+pub(super) fn class(name: &str) -> Option<ClassLayout> {
     let mut known = CLASSES.iter();
-    known.find(|layout| layout.name.eq_ignore_ascii_case(name))
-}
-
-const fn of(
-    name: &'static str,
-    class: InputClass,
-    fields: &'static [&'static str],
-    surface_type: &'static str,
-) -> ClassLayout {
-    ClassLayout {
+    let &(name, class, fields, surface_type) = known.find(|c| c.0.eq_ignore_ascii_case(name))?;
+    Some(ClassLayout {
         name,
         class,
         fields,
         surface_type,
-    }
+    })
 }
 
-const SURFACE: &[&str] = &[
-    "surface_type",
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "outside_boundary_condition",
-    "outside_boundary_condition_object",
-    "sun_exposure",
-    "wind_exposure",
-    "view_factor_to_ground",
-    "number_of_vertices",
-];
-
-const TYPED_SURFACE: &[&str] = &[
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "outside_boundary_condition",
-    "outside_boundary_condition_object",
-    "sun_exposure",
-    "wind_exposure",
-    "view_factor_to_ground",
-    "number_of_vertices",
-];
-
+const SURFACE: &str = "surface_type construction_name zone_name +space_name outside_boundary_condition \
+     outside_boundary_condition_object sun_exposure wind_exposure view_factor_to_ground \
+     number_of_vertices";
+const TYPED_SURFACE: &str = "construction_name zone_name +space_name outside_boundary_condition \
+     outside_boundary_condition_object sun_exposure wind_exposure view_factor_to_ground \
+     number_of_vertices";
 /// Walls have a height, roofs and floors a width; both names are looked for.
-const RECTANGLE: &[&str] = &[
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "azimuth_angle",
-    "tilt_angle",
-    "starting_x_coordinate",
-    "starting_y_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const FLAT_RECTANGLE: &[&str] = &[
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "azimuth_angle",
-    "tilt_angle",
-    "starting_x_coordinate",
-    "starting_y_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "width",
-];
-
-const INTERZONE: &[&str] = &[
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "outside_boundary_condition_object",
-    "azimuth_angle",
-    "tilt_angle",
-    "starting_x_coordinate",
-    "starting_y_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const FLAT_INTERZONE: &[&str] = &[
-    "construction_name",
-    "zone_name",
-    "+space_name",
-    "outside_boundary_condition_object",
-    "azimuth_angle",
-    "tilt_angle",
-    "starting_x_coordinate",
-    "starting_y_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "width",
-];
-
-const WINDOW: &[&str] = &[
-    "construction_name",
-    "building_surface_name",
-    "-shading_control_name",
-    "frame_and_divider_name",
-    "multiplier",
-    "starting_x_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const DOOR: &[&str] = &[
-    "construction_name",
-    "building_surface_name",
-    "multiplier",
-    "starting_x_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const INTERZONE_OPENING: &[&str] = &[
-    "construction_name",
-    "building_surface_name",
-    "outside_boundary_condition_object",
-    "multiplier",
-    "starting_x_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const FENESTRATION: &[&str] = &[
-    "surface_type",
-    "construction_name",
-    "building_surface_name",
-    "outside_boundary_condition_object",
-    "view_factor_to_ground",
-    "-shading_control_name",
-    "frame_and_divider_name",
-    "multiplier",
-    "number_of_vertices",
-];
-
-const SHADING: &[&str] = &["transmittance_schedule_name", "number_of_vertices"];
-
-const SHADING_RECTANGLE: &[&str] = &[
-    "azimuth_angle",
-    "tilt_angle",
-    "starting_x_coordinate",
-    "starting_y_coordinate",
-    "starting_z_coordinate",
-    "length",
-    "height",
-];
-
-const LAYERS: &[&str] = &[
-    "outside_layer",
-    "layer_2",
-    "layer_3",
-    "layer_4",
-    "layer_5",
-    "layer_6",
-    "layer_7",
-    "layer_8",
-    "layer_9",
-    "layer_10",
-];
+const RECTANGLE: &str = "construction_name zone_name +space_name azimuth_angle tilt_angle starting_x_coordinate \
+     starting_y_coordinate starting_z_coordinate length height";
+const FLAT_RECTANGLE: &str = "construction_name zone_name +space_name azimuth_angle tilt_angle starting_x_coordinate \
+     starting_y_coordinate starting_z_coordinate length width";
+const INTERZONE: &str = "construction_name zone_name +space_name outside_boundary_condition_object azimuth_angle \
+     tilt_angle starting_x_coordinate starting_y_coordinate starting_z_coordinate length \
+     height";
+const FLAT_INTERZONE: &str = "construction_name zone_name +space_name outside_boundary_condition_object azimuth_angle \
+     tilt_angle starting_x_coordinate starting_y_coordinate starting_z_coordinate length \
+     width";
+const WINDOW: &str = "construction_name building_surface_name -shading_control_name frame_and_divider_name \
+     multiplier starting_x_coordinate starting_z_coordinate length height";
+const DOOR: &str = "construction_name building_surface_name multiplier starting_x_coordinate \
+     starting_z_coordinate length height";
+const INTERZONE_OPENING: &str = "construction_name building_surface_name outside_boundary_condition_object multiplier \
+     starting_x_coordinate starting_z_coordinate length height";
+const FENESTRATION: &str = "surface_type construction_name building_surface_name outside_boundary_condition_object \
+     view_factor_to_ground -shading_control_name frame_and_divider_name multiplier \
+     number_of_vertices";
+const SHADING: &str = "transmittance_schedule_name number_of_vertices";
+const SHADING_RECTANGLE: &str = "azimuth_angle tilt_angle starting_x_coordinate starting_y_coordinate \
+     starting_z_coordinate length height";
+const LAYERS: &str =
+    "outside_layer layer_2 layer_3 layer_4 layer_5 layer_6 layer_7 layer_8 layer_9 layer_10";
+const RULES: &str = "starting_vertex_position vertex_entry_direction coordinate_system \
+     daylighting_reference_point_coordinate_system rectangular_surface_coordinate_system";
+const BUILDING: &str = "north_axis";
+const ZONE: &str = "direction_of_relative_north x_origin y_origin z_origin type multiplier";
+const OPAQUE_LAYER: &str =
+    "roughness thickness conductivity density specific_heat thermal_absorptance";
+const NO_MASS: &str = "roughness thermal_resistance thermal_absorptance";
+const GLAZING: &str = "optical_data_type window_glass_spectral_data_set_name thickness \
+     solar_transmittance_at_normal_incidence front_side_solar_reflectance_at_normal_incidence \
+     back_side_solar_reflectance_at_normal_incidence \
+     visible_transmittance_at_normal_incidence \
+     front_side_visible_reflectance_at_normal_incidence \
+     back_side_visible_reflectance_at_normal_incidence \
+     infrared_transmittance_at_normal_incidence front_side_infrared_hemispherical_emissivity \
+     back_side_infrared_hemispherical_emissivity";
+const ZONE_SHADING: &str = "base_surface_name transmittance_schedule_name number_of_vertices";
+const TRANSFORM: &str = "another aspect ratio of the building: not applied";
 
 const NO_PLACE: &str = "internal mass, which has no place: not in the scene";
 const PROJECTION: &str = "overhang or fin given by its window: not in the scene";
 
-const CLASSES: &[ClassLayout] = {
+/// The classes: their names, what they are, their fields, and the type of their surfaces.
+const CLASSES: &[(&str, InputClass, &str, &str)] = {
     use InputClass::*;
     &[
-        of("Version", Version, &[], ""),
-        of(
-            "GlobalGeometryRules",
-            Rules,
-            &[
-                "starting_vertex_position",
-                "vertex_entry_direction",
-                "coordinate_system",
-                "daylighting_reference_point_coordinate_system",
-                "rectangular_surface_coordinate_system",
-            ],
-            "",
-        ),
-        of("Building", Building, &["north_axis"], ""),
-        of(
-            "Zone",
-            Zone,
-            &[
-                "direction_of_relative_north",
-                "x_origin",
-                "y_origin",
-                "z_origin",
-                "type",
-                "multiplier",
-            ],
-            "",
-        ),
-        of("Construction", Construction, LAYERS, ""),
-        of("Construction:AirBoundary", AirBoundary, &[], ""),
-        of(
-            "Material",
-            Material,
-            &[
-                "roughness",
-                "thickness",
-                "conductivity",
-                "density",
-                "specific_heat",
-                "thermal_absorptance",
-            ],
-            "",
-        ),
-        of(
-            "Material:NoMass",
-            Material,
-            &["roughness", "thermal_resistance", "thermal_absorptance"],
-            "",
-        ),
-        of(
-            "WindowMaterial:Glazing",
-            Material,
-            &[
-                "optical_data_type",
-                "window_glass_spectral_data_set_name",
-                "thickness",
-                "solar_transmittance_at_normal_incidence",
-                "front_side_solar_reflectance_at_normal_incidence",
-                "back_side_solar_reflectance_at_normal_incidence",
-                "visible_transmittance_at_normal_incidence",
-                "front_side_visible_reflectance_at_normal_incidence",
-                "back_side_visible_reflectance_at_normal_incidence",
-                "infrared_transmittance_at_normal_incidence",
-                "front_side_infrared_hemispherical_emissivity",
-                "back_side_infrared_hemispherical_emissivity",
-            ],
-            "",
-        ),
-        of("BuildingSurface:Detailed", Detailed, SURFACE, ""),
-        of("Wall:Detailed", Detailed, TYPED_SURFACE, "Wall"),
-        of("RoofCeiling:Detailed", Detailed, TYPED_SURFACE, "Roof"),
-        of("Floor:Detailed", Detailed, TYPED_SURFACE, "Floor"),
-        of("Wall:Exterior", Rectangle, RECTANGLE, "Wall"),
-        of("Wall:Adiabatic", Rectangle, RECTANGLE, "Wall"),
-        of("Wall:Underground", Rectangle, RECTANGLE, "Wall"),
-        of("Wall:Interzone", Rectangle, INTERZONE, "Wall"),
-        of("Roof", Rectangle, FLAT_RECTANGLE, "Roof"),
-        of("Ceiling:Adiabatic", Rectangle, FLAT_RECTANGLE, "Ceiling"),
-        of("Ceiling:Interzone", Rectangle, FLAT_INTERZONE, "Ceiling"),
-        of("Floor:GroundContact", Rectangle, FLAT_RECTANGLE, "Floor"),
-        of("Floor:Adiabatic", Rectangle, FLAT_RECTANGLE, "Floor"),
-        of("Floor:Interzone", Rectangle, FLAT_INTERZONE, "Floor"),
-        of("FenestrationSurface:Detailed", Opening, FENESTRATION, ""),
-        of("Window", RectangularOpening, WINDOW, "Window"),
-        of("GlazedDoor", RectangularOpening, WINDOW, "GlassDoor"),
-        of("Door", RectangularOpening, DOOR, "Door"),
-        of(
+        ("Version", Version, "", ""),
+        ("GlobalGeometryRules", Rules, RULES, ""),
+        ("Building", Building, BUILDING, ""),
+        ("Zone", Zone, ZONE, ""),
+        ("Construction", Construction, LAYERS, ""),
+        ("Construction:AirBoundary", AirBoundary, "", ""),
+        ("Material", Material, OPAQUE_LAYER, ""),
+        ("Material:NoMass", Material, NO_MASS, ""),
+        ("WindowMaterial:Glazing", Material, GLAZING, ""),
+        ("BuildingSurface:Detailed", Detailed, SURFACE, ""),
+        ("Wall:Detailed", Detailed, TYPED_SURFACE, "Wall"),
+        ("RoofCeiling:Detailed", Detailed, TYPED_SURFACE, "Roof"),
+        ("Floor:Detailed", Detailed, TYPED_SURFACE, "Floor"),
+        ("Wall:Exterior", Rectangle, RECTANGLE, "Wall"),
+        ("Wall:Adiabatic", Rectangle, RECTANGLE, "Wall"),
+        ("Wall:Underground", Rectangle, RECTANGLE, "Wall"),
+        ("Wall:Interzone", Rectangle, INTERZONE, "Wall"),
+        ("Roof", Rectangle, FLAT_RECTANGLE, "Roof"),
+        ("Ceiling:Adiabatic", Rectangle, FLAT_RECTANGLE, "Ceiling"),
+        ("Ceiling:Interzone", Rectangle, FLAT_INTERZONE, "Ceiling"),
+        ("Floor:GroundContact", Rectangle, FLAT_RECTANGLE, "Floor"),
+        ("Floor:Adiabatic", Rectangle, FLAT_RECTANGLE, "Floor"),
+        ("Floor:Interzone", Rectangle, FLAT_INTERZONE, "Floor"),
+        ("FenestrationSurface:Detailed", Opening, FENESTRATION, ""),
+        ("Window", RectangularOpening, WINDOW, "Window"),
+        ("GlazedDoor", RectangularOpening, WINDOW, "GlassDoor"),
+        ("Door", RectangularOpening, DOOR, "Door"),
+        (
             "Window:Interzone",
             RectangularOpening,
             INTERZONE_OPENING,
             "Window",
         ),
-        of(
+        (
             "GlazedDoor:Interzone",
             RectangularOpening,
             INTERZONE_OPENING,
             "GlassDoor",
         ),
-        of(
+        (
             "Door:Interzone",
             RectangularOpening,
             INTERZONE_OPENING,
             "Door",
         ),
-        of("Shading:Site:Detailed", SiteShading, SHADING, ""),
-        of("Shading:Building:Detailed", BuildingShading, SHADING, ""),
-        of(
-            "Shading:Zone:Detailed",
-            ZoneShading,
-            &[
-                "base_surface_name",
-                "transmittance_schedule_name",
-                "number_of_vertices",
-            ],
-            "",
-        ),
-        of(
+        ("Shading:Site:Detailed", SiteShading, SHADING, ""),
+        ("Shading:Building:Detailed", BuildingShading, SHADING, ""),
+        ("Shading:Zone:Detailed", ZoneShading, ZONE_SHADING, ""),
+        (
             "Shading:Site",
             RectangularShading,
             SHADING_RECTANGLE,
             "Site",
         ),
-        of(
+        (
             "Shading:Building",
             RectangularShading,
             SHADING_RECTANGLE,
             "Building",
         ),
-        of("InternalMass", Skipped(NO_PLACE), &[], ""),
-        of("Shading:Overhang", Skipped(PROJECTION), &[], ""),
-        of("Shading:Overhang:Projection", Skipped(PROJECTION), &[], ""),
-        of("Shading:Fin", Skipped(PROJECTION), &[], ""),
-        of("Shading:Fin:Projection", Skipped(PROJECTION), &[], ""),
-        of(
-            "GeometryTransform",
-            Skipped("another aspect ratio of the building: not applied"),
-            &[],
-            "",
-        ),
+        ("InternalMass", Skipped(NO_PLACE), "", ""),
+        ("Shading:Overhang", Skipped(PROJECTION), "", ""),
+        ("Shading:Overhang:Projection", Skipped(PROJECTION), "", ""),
+        ("Shading:Fin", Skipped(PROJECTION), "", ""),
+        ("Shading:Fin:Projection", Skipped(PROJECTION), "", ""),
+        ("GeometryTransform", Skipped(TRANSFORM), "", ""),
     ]
 };

@@ -32,7 +32,7 @@ impl InputConstructions {
     /// Collects them from all objects.
     ///
     /// # Errors
-    /// Numbers that are none.
+    /// Malformed numbers.
     pub fn read(
         objects: &[InputObject<'_>],
         file: InputText<'_>,
@@ -43,7 +43,7 @@ impl InputConstructions {
                 layers.insert(key(&object.name), emissivity(object, file)?);
             }
         }
-        let mut found = InputConstructions::default();
+        let mut constructions = InputConstructions::default();
         for object in objects {
             match object.layout.class {
                 InputClass::Construction => {
@@ -51,15 +51,15 @@ impl InputConstructions {
                         let (_, layer) = layer?;
                         layers.get(&key(&layer.text)).copied()
                     });
-                    found.emissivities.insert(key(&object.name), layers);
+                    constructions.emissivities.insert(key(&object.name), layers);
                 }
                 InputClass::AirBoundary => {
-                    found.open.insert(key(&object.name));
+                    constructions.open.insert(key(&object.name));
                 }
                 _ => {}
             }
         }
-        Ok(found)
+        Ok(constructions)
     }
 
     /// Whether zones see each other through surfaces of a construction.
@@ -96,10 +96,10 @@ impl InputConstructions {
 /// The emissivity of a layer, of glass that of its inner side.
 fn emissivity(layer: &InputObject<'_>, file: InputText<'_>) -> Result<f64, ReadError> {
     let opaque = layer.number_or("thermal_absorptance", OPAQUE, file)?;
-    let of_glass = "back_side_infrared_hemispherical_emissivity";
-    let found = match layer.layout.field(of_glass) {
+    let glass_field = "back_side_infrared_hemispherical_emissivity";
+    let emissivity = match layer.layout.field(glass_field) {
         Some(field) => layer.number_or(field, GLASS, file)?,
         None => opaque,
     };
-    Ok(found.clamp(0.0, 1.0))
+    Ok(emissivity.clamp(0.0, 1.0))
 }

@@ -13,20 +13,20 @@ use std::borrow::Cow;
 /// Malformed JSON, and coordinates that are not numbers.
 pub(super) fn read<'a>(file: InputText<'a>) -> Result<Vec<InputObject<'a>>, ReadError> {
     let values = json::values(file.text, file.name)?;
-    let mut found = Vec::new();
+    let mut inputs = Vec::new();
     for (class_name, objects) in values[0].members() {
         let Some(layout) = class(&class_name) else {
             continue;
         };
         for (name, object) in objects.members() {
-            found.push(read_object(layout, name, object, file)?);
+            inputs.push(read_object(layout, name, object, file)?);
         }
     }
-    Ok(found)
+    Ok(inputs)
 }
 
 fn read_object<'a>(
-    layout: &'static ClassLayout,
+    layout: ClassLayout,
     name: Cow<'a, str>,
     value: Json<'a>,
     file: InputText<'a>,

@@ -9,9 +9,9 @@ use std::borrow::Cow;
 
 /// An object whose fields have no names yet.
 struct IdfRecord<'a> {
-    layout: &'static ClassLayout,
+    layout: ClassLayout,
     at: usize,
-    /// The fields behind the class, the last ones not blank.
+    /// The fields after the class, the last ones not blank.
     fields: Vec<InputValue<'a>>,
 }
 
@@ -46,7 +46,7 @@ fn version(record: &IdfRecord<'_>) -> Option<InputVersion> {
 
 /// All objects of the known classes.
 fn records<'a>(file: InputText<'a>, warnings: &mut Warnings) -> Vec<IdfRecord<'a>> {
-    let mut found = Vec::new();
+    let mut inputs = Vec::new();
     let mut fields = IdfFields {
         text: file.text,
         at: 0,
@@ -74,7 +74,7 @@ fn records<'a>(file: InputText<'a>, warnings: &mut Warnings) -> Vec<IdfRecord<'a
         while values.last().is_some_and(|v| v.text.is_empty()) {
             values.pop();
         }
-        found.extend(layout.map(|layout| IdfRecord {
+        inputs.extend(layout.map(|layout| IdfRecord {
             layout,
             at,
             fields: values,
@@ -84,7 +84,7 @@ fn records<'a>(file: InputText<'a>, warnings: &mut Warnings) -> Vec<IdfRecord<'a
         let message = "macro commands (##): skipped; EnergyPlus expands them beforehand";
         file.warn(warnings, at, message);
     }
-    found
+    inputs
 }
 
 /// The fields of a file one after another.
@@ -226,7 +226,7 @@ fn names(record: &IdfRecord<'_>, version: Option<InputVersion>) -> Vec<&'static 
     others.find(suits).unwrap_or(by_version)
 }
 
-/// Whether the number of vertices, the last of so many fields behind the name, is that of the
+/// Whether the number of vertices, the last of `fields` fields after the name, is that of the
 /// coordinates behind it.
 fn vertices_suit(record: &IdfRecord<'_>, fields: usize) -> bool {
     let Some(stated) = record.fields.get(fields) else {

@@ -68,7 +68,7 @@ impl InputValue<'_> {
 /// An object of one of the known classes.
 #[derive(Debug)]
 pub(super) struct InputObject<'a> {
-    pub layout: &'static ClassLayout,
+    pub layout: ClassLayout,
     /// The offset of its first byte.
     pub at: usize,
     pub name: Cow<'a, str>,

@@ -172,8 +172,8 @@ impl EnergyPlusBuilder<'_, '_> {
     ) -> Result<Vec<Vec<DVec3>>, ReadError> {
         let object = surface.object;
         let openings: Vec<&[DVec3]> = surface.openings.iter().map(|o| &*o.corners).collect();
-        let found = cut(&surface.corners, &openings, &mut self.budget);
-        let found = found.map_err(|failure| match failure {
+        let pieces = cut(&surface.corners, &openings, &mut self.budget);
+        let pieces = pieces.map_err(|failure| match failure {
             CutFailure::Exhausted(exhausted) => exhausted.error(self.file.name),
             CutFailure::TooComplex => {
                 let found = format!("{} openings in one surface", openings.len());
@@ -181,19 +181,19 @@ impl EnergyPlusBuilder<'_, '_> {
                 self.file.error(object.at, found, expected)
             }
         })?;
-        if found.has_overlaps {
+        if pieces.has_overlaps {
             let message = "openings that overlap or extend beyond their surface: cut out where they \
                            lie within";
             self.warn(object, message);
         }
-        if found.has_distant_openings {
+        if pieces.has_distant_openings {
             let message = "openings outside of the plane of their surface: cut out where they lie \
                            before it";
             self.warn(object, message);
         }
-        let faces = found.faces.clone();
+        let faces = pieces.faces.clone();
         if is_kept {
-            self.cut.insert(number, found);
+            self.cut.insert(number, pieces);
         }
         Ok(faces)
     }

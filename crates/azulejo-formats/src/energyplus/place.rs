@@ -51,7 +51,7 @@ impl InputPlaces {
     /// Collects them from all objects.
     ///
     /// # Errors
-    /// Numbers that are none.
+    /// Malformed numbers.
     pub fn read(
         objects: &[InputObject<'_>],
         file: InputText<'_>,
@@ -116,7 +116,7 @@ impl InputPlaces {
         corners
     }
 
-    /// The index of the lower left corner among so many of an outline.
+    /// The index of the lower left corner of an outline with this number of corners.
     pub fn lower_left(&self, corners: usize) -> usize {
         match self.starting_corner {
             StartingCorner::UpperLeft => 1,

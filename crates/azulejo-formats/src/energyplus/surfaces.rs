@@ -40,7 +40,7 @@ pub(super) struct InputSurfaces<'o> {
     pub numbers: HashMap<String, usize>,
 }
 
-/// A sine of the slope from which on a roof faces down, or a floor up: ten degrees from upright.
+/// Sine of the slope beyond which a roof faces down, or a floor up: ten degrees from upright.
 const TURNED: f64 = 0.17;
 
 impl ZoneSurface<'_> {
@@ -78,7 +78,7 @@ impl<'o> InputSurfaces<'o> {
         file: InputText<'_>,
         warnings: &mut Warnings,
     ) -> Result<InputSurfaces<'o>, ReadError> {
-        let mut found = InputSurfaces::default();
+        let mut surfaces = InputSurfaces::default();
         let mut reader = SurfaceReader {
             places,
             file,
@@ -91,17 +91,17 @@ impl<'o> InputSurfaces<'o> {
                 if is_first == is_late {
                     continue;
                 }
-                if let Some(surface) = reader.surface(object, &found)? {
-                    let number = found.list.len();
-                    found.numbers.entry(key(&object.name)).or_insert(number);
-                    found.list.push(surface);
+                if let Some(surface) = reader.surface(object, &surfaces)? {
+                    let number = surfaces.list.len();
+                    surfaces.numbers.entry(key(&object.name)).or_insert(number);
+                    surfaces.list.push(surface);
                 }
             }
         }
         for object in objects {
-            reader.opening(object, &mut found)?;
+            reader.opening(object, &mut surfaces)?;
         }
-        Ok(found)
+        Ok(surfaces)
     }
 
     /// The surface that a field names.

@@ -73,10 +73,10 @@ fn area_vector(scene: &Scene, name: &str) -> DVec3 {
 }
 
 fn check_area(scene: &Scene, name: &str, expected: [f64; 3]) {
-    let found = area_vector(scene, name);
-    assert!(found.distance(expected.into()) < 1e-9, "{name}: {found}");
+    let actual = area_vector(scene, name);
+    assert!(actual.distance(expected.into()) < 1e-9, "{name}: {actual}");
     let sum = mesh(scene, name).area();
-    assert!((sum - found.length()).abs() < 1e-9, "{name} is folded");
+    assert!((sum - actual.length()).abs() < 1e-9, "{name} is folded");
 }
 
 #[test]
@@ -102,8 +102,8 @@ fn a_room() {
         let material = scene.materials.iter().find(|m| m.name == name);
         (material.unwrap().diffuse.r * 100.0).round()
     };
-    let found = ["Wall type", "Double", "Wood"].map(reflectance);
-    assert_eq!(found, [20.0, 16.0, 10.0]);
+    let reflectances = ["Wall type", "Double", "Wood"].map(reflectance);
+    assert_eq!(reflectances, [20.0, 16.0, 10.0]);
 }
 
 #[test]
@@ -129,9 +129,9 @@ fn conventions_of_vertices() {
             .replace("1,0,2, 1,0,1, 2,0,1, 2,0,2;", pane);
         let loaded = load(&text);
         for name in ["South", "Pane", "Entrance"] {
-            let found = mesh(&loaded.scene, name);
+            let actual = mesh(&loaded.scene, name);
             let before = mesh(&expected, name);
-            assert_eq!(found.bounds(), before.bounds(), "{rules} {name}");
+            assert_eq!(actual.bounds(), before.bounds(), "{rules} {name}");
             let turned = area_vector(&loaded.scene, name);
             assert!(
                 turned.distance(area_vector(&expected, name)) < 1e-9,
@@ -444,10 +444,10 @@ fn check_wall(windows: &[&str], left: f64, warnings: &[&str]) {
         windows.concat()
     );
     let loaded = load(&text);
-    let found = messages(&loaded);
-    assert_eq!(found.len(), warnings.len(), "{found:?}");
-    for (found, expected) in found.iter().zip(warnings) {
-        assert!(found.contains(expected), "{found}");
+    let actual = messages(&loaded);
+    assert_eq!(actual.len(), warnings.len(), "{actual:?}");
+    for (actual, expected) in actual.iter().zip(warnings) {
+        assert!(actual.contains(expected), "{actual}");
     }
     if left > 0.0 {
         let wall = mesh(&loaded.scene, "W");

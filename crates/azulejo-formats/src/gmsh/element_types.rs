@@ -7,7 +7,7 @@ use crate::surface::boundary::CellKind;
 pub(super) enum MshShape {
     /// A point or a line, which has no area.
     Line,
-    /// A polygon of so many corners.
+    /// A polygon with this number of corners.
     Polygon(usize),
     /// A volume.
     Cell(CellKind),
@@ -26,7 +26,7 @@ impl MshShape {
 
 /// The shape and the number of nodes of a type; `None` if it is unknown or of no fixed number.
 pub(super) fn element_type(number: i64) -> Option<(MshShape, usize)> {
-    let all = [
+    let shapes = [
         (MshShape::Line, LINES),
         (MshShape::Polygon(3), TRIANGLES),
         (MshShape::Polygon(4), QUADRILATERALS),
@@ -36,8 +36,8 @@ pub(super) fn element_type(number: i64) -> Option<(MshShape, usize)> {
         (MshShape::Cell(CellKind::Pyramid), PYRAMIDS),
     ];
     let nodes = |types: &[(i64, usize)]| types.iter().find(|t| t.0 == number).map(|t| t.1);
-    let mut found = all.into_iter();
-    found.find_map(|(shape, types)| Some((shape, nodes(types)?)))
+    let mut shapes = shapes.into_iter();
+    shapes.find_map(|(shape, types)| Some((shape, nodes(types)?)))
 }
 
 /// Types and their numbers of nodes, by shape and then by order.

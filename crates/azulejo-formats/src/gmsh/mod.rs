@@ -17,7 +17,7 @@ use crate::reading::warnings::Warnings;
 use crate::surface::boundary::{CellKind, VolumeBoundary};
 use crate::surface::named::NamedSurfaces;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use azulejo_scene::{Scene, Units, Up};
+use azulejo_scene::Scene;
 use mesh::MshMesh;
 use source::{MshEncoding, MshSource};
 use version4::MshEntities;
@@ -120,7 +120,7 @@ impl MshReader<'_> {
         self.source.end(section)
     }
 
-    /// Passes a section that is no part of the surface, with a warning unless nothing is lost by it.
+    /// Passes a section that is not part of the surface, with a warning unless nothing is lost by it.
     fn skip(&mut self, at: usize, section: &str) -> Result<(), ReadError> {
         const HARMLESS: [&str; 5] = [
             "Comments",
@@ -227,15 +227,7 @@ impl MshReader<'_> {
         } else {
             self.faces(&mut surfaces);
         }
-        let mut scene = Scene {
-            units: Units {
-                up: Up::Z,
-                ..Units::default()
-            },
-            ..Scene::default()
-        };
-        let positions = &self.mesh.positions;
-        surfaces.finish(positions, &mut scene, self.file, &mut self.warnings);
+        let scene = surfaces.scene(&self.mesh.positions, self.file, &mut self.warnings);
         (scene, self.warnings)
     }
 

@@ -20,8 +20,8 @@ fn check_error(text: &str, expected: &str) {
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
+    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(messages, expected);
 }
 
 /// Names of objects with their numbers of faces.

@@ -1,6 +1,6 @@
 //! `brdf`: a file, or a model with its parameters.
 
-use super::entries::ExtensionEntries;
+use super::entries::GrfEntries;
 use super::parser::{GrfParser, ParseResult};
 use crate::FileError;
 use crate::brdf::inline::{self, InlineError, WeightedModel};
@@ -167,7 +167,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// The brdf file that an extension names.
     pub fn take_brdf_file(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
     ) -> ParseResult<Option<Arc<GrfReflection>>> {
         let offset = entries.offset;
         match self.take_text(entries, "brdf_file")? {

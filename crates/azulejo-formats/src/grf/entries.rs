@@ -9,6 +9,9 @@ use glam::{DAffine3, DVec3};
 
 const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
+/// What a key may say that an extension need not have.
+pub(super) type Taken<T> = ParseResult<Option<T>>;
+
 /// The value of a key.
 pub(super) enum EntryValue<'a> {
     Numbers(Vec<f64>),
@@ -39,7 +42,7 @@ impl EntryValue<'_> {
     }
 }
 
-pub(super) struct ExtensionEntry<'a> {
+pub(super) struct GrfEntry<'a> {
     pub key: &'a str,
     /// The offset of the value.
     pub offset: usize,
@@ -48,16 +51,16 @@ pub(super) struct ExtensionEntry<'a> {
 
 /// The keys and values of one extension, or of one solid in it. Reading a value removes it; what is
 /// left at the end is unknown.
-pub(super) struct ExtensionEntries<'a> {
+pub(super) struct GrfEntries<'a> {
     /// The name of their owner in messages: `ext camera`, in backticks.
     pub title: String,
     pub offset: usize,
-    pub list: Vec<ExtensionEntry<'a>>,
+    pub list: Vec<GrfEntry<'a>>,
 }
 
-impl<'a> ExtensionEntries<'a> {
-    pub fn new(title: impl Into<String>, offset: usize) -> ExtensionEntries<'a> {
-        ExtensionEntries {
+impl<'a> GrfEntries<'a> {
+    pub fn new(title: impl Into<String>, offset: usize) -> GrfEntries<'a> {
+        GrfEntries {
             title: title.into(),
             offset,
             list: Vec::new(),
@@ -68,7 +71,7 @@ impl<'a> ExtensionEntries<'a> {
         self.list.iter().any(|e| e.key.eq_ignore_ascii_case(key))
     }
 
-    pub fn take(&mut self, key: &str) -> Option<ExtensionEntry<'a>> {
+    pub fn take(&mut self, key: &str) -> Option<GrfEntry<'a>> {
         let at = self
             .list
             .iter()
@@ -79,8 +82,8 @@ impl<'a> ExtensionEntries<'a> {
 
 impl<'a> GrfParser<'a, '_, '_> {
     /// Reads everything after `begin`, and `end ext`.
-    pub fn entries(&mut self, extension: &str, offset: usize) -> ParseResult<ExtensionEntries<'a>> {
-        let mut entries = ExtensionEntries::new(format!("`ext {extension}`"), offset);
+    pub fn entries(&mut self, extension: &str, offset: usize) -> ParseResult<GrfEntries<'a>> {
+        let mut entries = GrfEntries::new(format!("`ext {extension}`"), offset);
         self.entries_and(&mut entries, |_| Ok(false))?;
         self.end(offset, &EXTENSION)?;
         Ok(entries)
@@ -89,7 +92,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// Reads keys with their values, and what `other` reads in between, up to something else.
     pub fn entries_and(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         mut other: impl FnMut(&mut Self) -> ParseResult<bool>,
     ) -> ParseResult<()> {
         loop {
@@ -98,7 +101,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 self.expect(b'=')?;
                 let offset = self.lexer.skip_blank();
                 let value = self.value()?;
-                entries.list.push(ExtensionEntry { key, offset, value });
+                entries.list.push(GrfEntry { key, offset, value });
             } else if !other(self)? {
                 return Ok(());
             }
@@ -106,7 +109,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// Warns about keys that were not used.
-    pub fn warn_of_rest(&mut self, entries: &ExtensionEntries<'_>) {
+    pub fn warn_of_rest(&mut self, entries: &GrfEntries<'_>) {
         for rest in &entries.list {
             self.warn(
                 rest.offset,
@@ -156,14 +159,14 @@ impl<'a> GrfParser<'a, '_, '_> {
 
 impl<'a> GrfParser<'a, '_, '_> {
     #[cold]
-    pub fn wrong(&mut self, entry: &ExtensionEntry<'_>, expected: &str) -> BoxedError {
+    pub fn wrong(&mut self, entry: &GrfEntry<'_>, expected: &str) -> BoxedError {
         let found = format!("`{}` of {}", entry.key, entry.value.describe());
         self.fail(entry.offset, found, expected)
     }
 
     pub fn required<T>(
         &mut self,
-        entries: &ExtensionEntries<'_>,
+        entries: &GrfEntries<'_>,
         key: &str,
         value: Option<T>,
     ) -> ParseResult<T> {
@@ -177,27 +180,25 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    pub fn take_number(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<(f64, usize)>> {
-        match entries.take(key) {
-            None => Ok(None),
-            Some(entry) => match entry.value {
-                EntryValue::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
-                _ => Err(self.wrong(&entry, "one number")),
-            },
+    /// The entry of a key, which must be there.
+    pub fn needed(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> ParseResult<GrfEntry<'a>> {
+        let entry = entries.take(key);
+        self.required(entries, key, entry)
+    }
+
+    pub fn take_number(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<(f64, usize)> {
+        let Some(entry) = entries.take(key) else {
+            return Ok(None);
+        };
+        match entry.value {
+            EntryValue::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
+            _ => Err(self.wrong(&entry, "one number")),
         }
     }
 
     /// An angle in radians, from `key` in degrees or from `key_radians`, which is written if no
     /// number of degrees gives the same bits.
-    pub fn take_angle(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<f64>> {
+    pub fn take_angle(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<f64> {
         let degrees = self.take_number(entries, key)?;
         let radians = self.take_number(entries, &format!("{key}_radians"))?;
         Ok(radians
@@ -205,11 +206,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             .or(degrees.map(|(d, _)| d.to_radians())))
     }
 
-    pub fn take_point(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<DVec3>> {
+    pub fn take_point(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<DVec3> {
         match entries.take(key) {
             None => Ok(None),
             Some(entry) => match entry.value {
@@ -219,17 +216,13 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    pub fn needed_point(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<DVec3> {
+    pub fn needed_point(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> ParseResult<DVec3> {
         let point = self.take_point(entries, key)?;
         self.required(entries, key, point)
     }
 
     /// A unit vector, from one of any length.
-    pub fn needed_direction(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DVec3> {
+    pub fn needed_direction(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<DVec3> {
         let offset = entries.offset;
         let direction = self.needed_point(entries, "direction")?;
         match super::unit(direction) {
@@ -238,11 +231,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    pub fn take_rgb(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<Rgb>> {
+    pub fn take_rgb(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<Rgb> {
         let Some(entry) = entries.take(key) else {
             return Ok(None);
         };
@@ -254,20 +243,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(Some(self.not_negative(entry.offset, rgb)))
     }
 
-    pub fn needed_rgb(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Rgb> {
+    pub fn needed_rgb(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> ParseResult<Rgb> {
         let rgb = self.take_rgb(entries, key)?;
         self.required(entries, key, rgb)
     }
 
-    pub fn take_reflectance(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<Rgb>> {
+    pub fn take_reflectance(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<Rgb> {
         let offset = entries.offset;
         let rgb = self.take_rgb(entries, key)?;
         if rgb.is_some_and(|c| c.max_channel() > 1.0) {
@@ -276,14 +257,10 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(rgb.map(|c| c.map(|x| x.min(1.0))))
     }
 
-    pub fn take_text(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<String>> {
+    pub fn take_text(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> Taken<String> {
         match entries.take(key) {
             None => Ok(None),
-            Some(ExtensionEntry {
+            Some(GrfEntry {
                 value: EntryValue::Text(text),
                 ..
             }) => Ok(Some(text)),
@@ -293,9 +270,9 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     pub fn take_word(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
-    ) -> ParseResult<Option<(&'a str, usize)>> {
+    ) -> Taken<(&'a str, usize)> {
         match entries.take(key) {
             None => Ok(None),
             Some(entry) => match entry.value {
@@ -305,19 +282,63 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
+    pub fn needed_word(
+        &mut self,
+        entries: &mut GrfEntries<'a>,
+        key: &str,
+    ) -> ParseResult<(&'a str, usize)> {
+        let word = self.take_word(entries, key)?;
+        self.required(entries, key, word)
+    }
+
+    /// The value whose word a key has.
+    pub fn take_choice<T: Copy>(
+        &mut self,
+        entries: &mut GrfEntries<'a>,
+        key: &str,
+        choices: &[(&str, T)],
+    ) -> Taken<T> {
+        let Some((word, offset)) = self.take_word(entries, key)? else {
+            return Ok(None);
+        };
+        match choices.iter().find(|(name, _)| *name == word) {
+            Some((_, value)) => Ok(Some(*value)),
+            None => Err(self.fail(offset, format!("`{word}`"), in_words(choices))),
+        }
+    }
+
     /// A name that a `def` must have defined.
     pub fn take_name(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
         kind: NameKind,
-    ) -> ParseResult<Option<GrfName>> {
+    ) -> Taken<GrfName> {
         let Some((word, offset)) = self.take_word(entries, key)? else {
             return Ok(None);
         };
         let name = self.shared.intern(word);
         self.note_use(offset, kind, &name);
         Ok(Some(name))
+    }
+
+    pub fn needed_name(
+        &mut self,
+        entries: &mut GrfEntries<'a>,
+        key: &str,
+        kind: NameKind,
+    ) -> ParseResult<GrfName> {
+        let name = self.take_name(entries, key, kind)?;
+        self.required(entries, key, name)
+    }
+}
+
+/// The words of choices in a message: "`a`, `b` or `c`".
+fn in_words<T>(choices: &[(&str, T)]) -> String {
+    let words: Vec<String> = choices.iter().map(|(w, _)| format!("`{w}`")).collect();
+    match words.split_last() {
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 

@@ -7,7 +7,7 @@ use super::document::{
     BlockKind, BoxedError, FinishNote, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes,
     OpacityNote, PrimitiveBlock,
 };
-use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
+use super::entries::{EntryValue, GrfEntries, GrfEntry, Taken};
 use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
@@ -40,7 +40,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         };
         self.expect_word("begin")?;
         let lower = name.to_ascii_lowercase();
-        if !KNOWN.contains(&&*lower) && !is_solid(&lower) {
+        if !KNOWN.split(' ').any(|known| known == lower) && !is_solid(&lower) {
             let text = self.unknown_text(offset)?;
             let name = name.to_owned();
             return Ok(Extension::Block(Box::new(BlockKind::Unknown {
@@ -95,7 +95,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn known(
         &mut self,
         name: &str,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         before: Option<&mut GrfBlock>,
     ) -> ParseResult<Extension> {
         let block = match name {
@@ -109,10 +109,10 @@ impl<'a> GrfParser<'a, '_, '_> {
             "light" => self.light(entries)?,
             "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
             "texture" => {
-                let of = self.take_name(entries, "of", NameKind::Texture)?;
+                let of = self.needed_name(entries, "of", NameKind::Texture)?;
                 let path = self.take_text(entries, "path")?;
                 BlockKind::Texture {
-                    of: self.required(entries, "of", of)?,
+                    of,
                     path: self.required(entries, "path", path)?,
                     wrap: self.take_wrap(entries)?,
                 }
@@ -134,7 +134,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(Extension::Block(Box::new(block)))
     }
 
-    fn units(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Units> {
+    fn units(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<Units> {
         let mut units = Units::default();
         if let Some((metres, offset)) = self.take_number(entries, "metres_per_unit")? {
             if metres <= 0.0 {
@@ -146,18 +146,13 @@ impl<'a> GrfParser<'a, '_, '_> {
             }
             units.metres_per_unit = Some(metres);
         }
-        units.photometric = self.take_flag(entries, "photometric")?.unwrap_or(false);
-        if let Some((word, offset)) = self.take_word(entries, "up")? {
-            units.up = match word {
-                "y" => Up::Y,
-                "z" => Up::Z,
-                _ => return Err(self.fail(offset, format!("`{word}`"), "`y` or `z`")),
-            };
-        }
+        units.photometric = self.take_flag(entries, "photometric")?;
+        let up = self.take_choice(entries, "up", &[("y", Up::Y), ("z", Up::Z)])?;
+        units.up = up.unwrap_or(units.up);
         Ok(units)
     }
 
-    fn fog(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Fog> {
+    fn fog(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<Fog> {
         let color = self.needed_rgb(entries, "color")?;
         let visibility = self.take_number(entries, "visibility")?;
         let visibility = match visibility {
@@ -169,27 +164,17 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(Fog {
             color,
             visibility: self.required(entries, "visibility", visibility)?,
-            exponential: self.take_flag(entries, "exponential")?.unwrap_or(false),
+            exponential: self.take_flag(entries, "exponential")?,
         })
     }
 
-    /// `key = true` or `key = false`.
-    fn take_flag(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Option<bool>> {
-        match self.take_word(entries, key)? {
-            None => Ok(None),
-            Some(("true", _)) => Ok(Some(true)),
-            Some(("false", _)) => Ok(Some(false)),
-            Some((word, offset)) => {
-                Err(self.fail(offset, format!("`{word}`"), "`true` or `false`"))
-            }
-        }
+    /// `key = true` or `key = false`, which is the default.
+    fn take_flag(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> ParseResult<bool> {
+        let flag = self.take_choice(entries, key, &[("true", true), ("false", false)])?;
+        Ok(flag.unwrap_or(false))
     }
 
-    fn camera(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Camera> {
+    fn camera(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<Camera> {
         let eye = self.take_point(entries, "eye")?;
         let target = self.take_point(entries, "target")?;
         let up = self.take_point(entries, "up")?;
@@ -212,7 +197,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         ))
     }
 
-    fn take_size(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<(u32, u32)>> {
+    fn take_size(&mut self, entries: &mut GrfEntries<'a>) -> Taken<(u32, u32)> {
         let Some(entry) = entries.take("size") else {
             return Ok(None);
         };
@@ -226,10 +211,9 @@ impl<'a> GrfParser<'a, '_, '_> {
         Err(self.wrong(&entry, "two numbers of pixels, at least 1"))
     }
 
-    fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<BlockKind> {
+    fn light(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<BlockKind> {
         let name = self.take_text(entries, "name")?.unwrap_or_default();
-        let kind = self.take_word(entries, "kind")?;
-        let (kind, offset) = self.required(entries, "kind", kind)?;
+        let (kind, offset) = self.needed_word(entries, "kind")?;
         let kind = match kind {
             "point" => LightKind::Point {
                 position: self.needed_point(entries, "position")?,
@@ -256,7 +240,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(BlockKind::Light(Light { name, kind }))
     }
 
-    fn half_angle(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<f64> {
+    fn half_angle(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<f64> {
         let half_angle = self.take_angle(entries, "half_angle")?.unwrap_or(0.0);
         if (0.0..std::f64::consts::FRAC_PI_2).contains(&half_angle) {
             return Ok(half_angle);
@@ -268,7 +252,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         ))
     }
 
-    fn spot(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<LightKind> {
+    fn spot(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<LightKind> {
         let inner = self.take_angle(entries, "inner")?;
         let outer = self.take_angle(entries, "outer")?;
         let inner = self.required(entries, "inner", inner)?;
@@ -290,11 +274,10 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// The brdf that a note completes, which does not use it.
-    fn annotated_name(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<GrfName> {
+    fn annotated_name(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<GrfName> {
         let count = |parser: &Self| parser.shared.layout.as_ref().map_or(0, |l| l.uses.len());
         let before = count(self);
-        let of = self.take_name(entries, "of", NameKind::Brdf)?;
-        let of = self.required(entries, "of", of)?;
+        let of = self.needed_name(entries, "of", NameKind::Brdf)?;
         if count(self) > before
             && let Some(layout) = &mut self.shared.layout
         {
@@ -303,7 +286,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(of)
     }
 
-    fn material_note(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<MaterialNote> {
+    fn material_note(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<MaterialNote> {
         let of = self.annotated_name(entries)?;
         let name = self.take_text(entries, "name")?;
         let diffuse = self.take_reflectance(entries, "diffuse")?;
@@ -327,10 +310,10 @@ impl<'a> GrfParser<'a, '_, '_> {
             mirror,
             emission,
             emission_texture: self.take_name(entries, "emission_texture", NameKind::Texture)?,
-            emits_back: self.take_flag(entries, "emits_back")?.unwrap_or(false),
+            emits_back: self.take_flag(entries, "emits_back")?,
             ior: ior.map(|(ior, _)| ior),
             transmittance,
-            thin: self.take_flag(entries, "thin")?.unwrap_or(false),
+            thin: self.take_flag(entries, "thin")?,
             sidedness: self.take_sides(entries)?,
             textures: self.take_textures(entries)?,
             brdf_file: self.take_brdf_file(entries)?,
@@ -341,7 +324,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// `wrap` with the ways of u and v; they repeat without it.
-    fn take_wrap(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<[WrapMode; 2]> {
+    fn take_wrap(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<[WrapMode; 2]> {
         let Some(entry) = entries.take("wrap") else {
             return Ok([WrapMode::Repeat; 2]);
         };
@@ -361,10 +344,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// `opacity`, `opacity_texture`, `opacity_channel` and `cutoff`, of which any may be missing.
-    fn take_opacity(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-    ) -> ParseResult<Option<OpacityNote>> {
+    fn take_opacity(&mut self, entries: &mut GrfEntries<'a>) -> Taken<OpacityNote> {
         let constant = self.take_number(entries, "opacity")?;
         if let Some((value, offset)) = constant
             && !(0.0..=1.0).contains(&value)
@@ -372,13 +352,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             return Err(self.fail(offset, format!("an opacity of {value}"), "0 to 1"));
         }
         let texture = self.take_name(entries, "opacity_texture", NameKind::Texture)?;
-        let channel = match self.take_word(entries, "opacity_channel")? {
-            None | Some(("alpha", _)) => OpacityChannel::Alpha,
-            Some(("luminance", _)) => OpacityChannel::Luminance,
-            Some((word, offset)) => {
-                return Err(self.fail(offset, format!("`{word}`"), "`alpha` or `luminance`"));
-            }
-        };
+        let channel = self.take_choice(entries, "opacity_channel", &OPACITY_CHANNELS)?;
+        let channel = channel.unwrap_or(OpacityChannel::Alpha);
         let cutoff = self.take_number(entries, "cutoff")?;
         if let Some((value, offset)) = cutoff
             && value < 0.0
@@ -399,10 +374,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// `base`, `metallic`, `roughness`, and the pictures of the last two; `None` without `base`.
-    fn take_finish(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-    ) -> ParseResult<Option<FinishNote>> {
+    fn take_finish(&mut self, entries: &mut GrfEntries<'a>) -> Taken<FinishNote> {
         let base = self.take_reflectance(entries, "base")?;
         let metallic = self.take_share(entries, "metallic")?;
         let roughness = self.take_share(entries, "roughness")?;
@@ -420,43 +392,28 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// A number in 0..=1; 1 if it is missing.
-    fn take_share(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &'static str,
-    ) -> ParseResult<f64> {
+    fn take_share(&mut self, entries: &mut GrfEntries<'a>, key: &'static str) -> ParseResult<f64> {
         match self.take_number(entries, key)? {
             Some((value, offset)) if !(0.0..=1.0).contains(&value) => {
                 Err(self.fail(offset, format!("{value}"), "0 to 1"))
             }
-            found => Ok(found.map_or(1.0, |(value, _)| value)),
+            share => Ok(share.map_or(1.0, |(value, _)| value)),
         }
     }
 
     /// A texture and its channel, which is `red` if it is missing.
     fn take_numbers(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         [texture, channel]: [&'static str; 2],
     ) -> ParseResult<Option<(GrfName, PictureChannel)>> {
         let name = self.take_name(entries, texture, NameKind::Texture)?;
-        let channel = match self.take_word(entries, channel)? {
-            None | Some(("red", _)) => PictureChannel::Red,
-            Some(("green", _)) => PictureChannel::Green,
-            Some(("blue", _)) => PictureChannel::Blue,
-            Some((word, offset)) => {
-                let expected = "`red`, `green` or `blue`";
-                return Err(self.fail(offset, format!("`{word}`"), expected));
-            }
-        };
-        Ok(name.map(|name| (name, channel)))
+        let channel = self.take_choice(entries, channel, &PICTURE_CHANNELS)?;
+        Ok(name.map(|name| (name, channel.unwrap_or(PictureChannel::Red))))
     }
 
     /// `normal_texture` with `normal_scale`, or `bump_texture` with `bump_slope`.
-    fn take_relief(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-    ) -> ParseResult<Option<(GrfName, ReliefKind)>> {
+    fn take_relief(&mut self, entries: &mut GrfEntries<'a>) -> Taken<(GrfName, ReliefKind)> {
         let normals = self.take_name(entries, "normal_texture", NameKind::Texture)?;
         let scale = self.take_number(entries, "normal_scale")?;
         let heights = self.take_name(entries, "bump_texture", NameKind::Texture)?;
@@ -466,19 +423,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(normals.or(heights.map(|name| (name, ReliefKind::Heights { slope }))))
     }
 
-    fn take_sides(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Sidedness> {
-        match self.take_word(entries, "sides")? {
-            None => Ok(Sidedness::Unsaid),
-            Some(("one", _)) => Ok(Sidedness::One),
-            Some(("two", _)) => Ok(Sidedness::Two),
-            Some((word, offset)) => Err(self.fail(offset, format!("`{word}`"), "`one` or `two`")),
-        }
+    fn take_sides(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<Sidedness> {
+        let sides = [("one", Sidedness::One), ("two", Sidedness::Two)];
+        Ok((self.take_choice(entries, "sides", &sides)?).unwrap_or(Sidedness::Unsaid))
     }
 
-    fn take_textures(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-    ) -> ParseResult<Option<Vec<GrfName>>> {
+    fn take_textures(&mut self, entries: &mut GrfEntries<'a>) -> Taken<Vec<GrfName>> {
         let Some(entry) = entries.take("textures") else {
             return Ok(None);
         };
@@ -503,7 +453,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(Some(names))
     }
 
-    fn primitive(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<PrimitiveBlock> {
+    fn primitive(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<PrimitiveBlock> {
         let (kind, map) = self.unit_primitive(entries)?;
         Ok(PrimitiveBlock {
             kind,
@@ -518,10 +468,9 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// The kind of a primitive and its map.
     pub fn unit_primitive(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
     ) -> ParseResult<(PrimitiveKind, DAffine3)> {
-        let kind = self.take_word(entries, "kind")?;
-        let (word, offset) = self.required(entries, "kind", kind)?;
+        let (word, offset) = self.needed_word(entries, "kind")?;
         let kind = match word {
             "sphere" => PrimitiveKind::Sphere,
             "cylinder" => PrimitiveKind::Cylinder,
@@ -544,7 +493,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok((kind, self.map(entries, kind)?))
     }
 
-    fn top(&mut self, entries: &mut ExtensionEntries<'a>, default: f64) -> ParseResult<f64> {
+    fn top(&mut self, entries: &mut GrfEntries<'a>, default: f64) -> ParseResult<f64> {
         let top = self.take_number(entries, "top")?;
         let (top, offset) = top.unwrap_or((default, entries.offset));
         if (0.0..=1.0).contains(&top) {
@@ -559,11 +508,10 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     pub fn map(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         kind: PrimitiveKind,
     ) -> ParseResult<DAffine3> {
-        let entry = entries.take("map");
-        let entry = self.required(entries, "map", entry)?;
+        let entry = self.needed(entries, "map")?;
         let is_placing = |map: &DAffine3| super::is_invertible(kind, map);
         match entry.value.map().filter(is_placing) {
             Some(map) => Ok(map),
@@ -572,7 +520,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     #[cold]
-    pub fn not_a_map(&mut self, entry: &ExtensionEntry<'_>) -> BoxedError {
+    pub fn not_a_map(&mut self, entry: &GrfEntry<'_>) -> BoxedError {
         self.wrong(
             entry,
             "12 numbers, the images of the x, y and z axes and of the origin, that form an invertible map",
@@ -583,7 +531,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn note_object(
         &mut self,
         name: &str,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         before: Option<&mut GrfBlock>,
     ) -> ParseResult<()> {
         match (name, before.map(|block| &mut block.kind)) {
@@ -628,13 +576,8 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// The originals of the last of `count` vertices.
-    fn shared(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        count: usize,
-    ) -> ParseResult<Vec<u32>> {
-        let entry = entries.take("vertices");
-        let entry = self.required(entries, "vertices", entry)?;
+    fn shared(&mut self, entries: &mut GrfEntries<'a>, count: usize) -> ParseResult<Vec<u32>> {
+        let entry = self.needed(entries, "vertices")?;
         if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() <= count
         {
@@ -653,10 +596,10 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// `values` and `errors` at the backs of `vertices`, by default of all.
     fn back_irradiance(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         count: usize,
     ) -> ParseResult<BackIrradiance> {
-        let vertices = match entries.take("vertices") {
+        let vertices: Vec<usize> = match entries.take("vertices") {
             None => (0..count).collect(),
             Some(entry) => {
                 let vertex = |n: &f64| (*n >= 0.0 && *n < count as f64).then_some(*n as usize);
@@ -670,7 +613,6 @@ impl<'a> GrfParser<'a, '_, '_> {
                 }
             }
         };
-        let vertices: Vec<usize> = vertices;
         let mut back = BackIrradiance {
             irradiance: vec![None; count],
             error: Vec::new(),
@@ -692,7 +634,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// `count` integers, one for each of a number of parts.
     pub fn counts(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
         (count, part): (usize, &str),
     ) -> ParseResult<Vec<u32>> {
@@ -712,15 +654,14 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     fn surface_light(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         kind: PrimitiveKind,
     ) -> ParseResult<SurfaceLight> {
         let grids = self.grids(entries, kind.parts())?;
         let count = grids.iter().map(SurfaceGrid::vertices).sum();
-        let error = if entries.list.iter().any(|e| e.key == "error") {
-            self.rgb_list(entries, "error", count)?
-        } else {
-            Vec::new()
+        let error = match entries.list.iter().any(|e| e.key == "error") {
+            true => self.rgb_list(entries, "error", count)?,
+            false => Vec::new(),
         };
         Ok(SurfaceLight {
             irradiance: self.rgb_list(entries, "irradiance", count)?,
@@ -731,11 +672,10 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     fn grids(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         parts: usize,
     ) -> ParseResult<Vec<SurfaceGrid>> {
-        let entry = entries.take("grids");
-        let entry = self.required(entries, "grids", entry)?;
+        let entry = self.needed(entries, "grids")?;
         let is_count = |n: &f64| (1.0..=MOST_CELLS).contains(n);
         if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() == 2 * parts
@@ -756,7 +696,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// `count` triples.
     pub fn rgb_list(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
         count: usize,
     ) -> ParseResult<Vec<Rgb>> {
@@ -775,25 +715,19 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 }
 
-/// The names of known extensions.
-const KNOWN: [&str; 19] = [
-    "mesh_instance",
-    "shared_mesh",
-    "units",
-    "camera",
-    "background",
-    "fog",
-    "light",
-    "material",
-    "texture",
-    "primitive",
-    "object",
-    "smoothing",
-    "shared",
-    "irad_error",
-    "irad_back",
-    "surface_light",
-    "figure",
-    "define",
-    "skin",
+/// The parts of a picture that an opacity may be, by their words.
+const OPACITY_CHANNELS: [(&str, OpacityChannel); 2] = [
+    ("alpha", OpacityChannel::Alpha),
+    ("luminance", OpacityChannel::Luminance),
 ];
+
+/// The channels of a picture, by their words.
+const PICTURE_CHANNELS: [(&str, PictureChannel); 3] = [
+    ("red", PictureChannel::Red),
+    ("green", PictureChannel::Green),
+    ("blue", PictureChannel::Blue),
+];
+
+/// The names of known extensions.
+const KNOWN: &str = "mesh_instance shared_mesh units camera background fog light material texture primitive \
+     object smoothing shared irad_error irad_back surface_light figure define skin";

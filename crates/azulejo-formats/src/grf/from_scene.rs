@@ -156,7 +156,7 @@ impl GrfNames {
         if !std::ptr::eq(object, &raw const scene.objects[index]) {
             return BlockKind::MeshInstance(Box::new(MeshInstanceBlock {
                 notes,
-                ..MeshInstanceBlock::of_instance(name, instance)
+                ..MeshInstanceBlock::from_instance(name, instance)
             }));
         }
         let mut mesh = Mesh::clone(&instance.mesh);

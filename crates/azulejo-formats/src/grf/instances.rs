@@ -2,13 +2,13 @@
 //! again. Files that are included several times have their meshes shared, too.
 
 use super::document::{BoxedError, GrfName, MeshBlock, MeshInstanceBlock, SourcePosition};
-use super::entries::{EntryValue, ExtensionEntries};
+use super::entries::{EntryValue, GrfEntries};
 use super::parser::{GrfParser, ParseResult};
-use super::placement::OuterTransform;
+use super::placement::BlockPlace;
 use super::resolve::{GrfResolver, ResolveResult};
 use super::write::{GrfOutput, affine_map, object, rgb_list};
 use azulejo_scene::{
-    BackIrradiance, MaterialId, Mesh, MeshInstance, Object, PrimitiveKind, Rgb, Shape, SharedMesh,
+    BackIrradiance, MaterialId, Mesh, MeshInstance, PrimitiveKind, Rgb, Shape, SharedMesh,
     VertexLight,
 };
 use glam::DAffine3;
@@ -19,7 +19,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// The name and the place in an `ext shared_mesh`.
     pub fn shared_mesh(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
     ) -> ParseResult<(GrfName, DAffine3)> {
         let name = self.shared_mesh_name(entries, "name")?;
         Ok((name, self.map(entries, PrimitiveKind::Cuboid)?))
@@ -28,13 +28,13 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// An `ext mesh_instance`. How many vertices its mesh has is not known yet.
     pub fn mesh_instance(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
     ) -> ParseResult<MeshInstanceBlock> {
         let mut block = MeshInstanceBlock {
             of: self.shared_mesh_name(entries, "of")?,
             map: self.map(entries, PrimitiveKind::Cuboid)?,
-            irradiance: self.colors_of(entries, "irad")?,
-            irradiance_error: self.colors_of(entries, "irad_error")?,
+            irradiance: self.take_colors(entries, "irad")?,
+            irradiance_error: self.take_colors(entries, "irad_error")?,
             ..MeshInstanceBlock::default()
         };
         if let Some(entry) = entries.take("back_vertices") {
@@ -46,8 +46,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             let Some(vertices) = vertices else {
                 return Err(self.wrong(&entry, "indices of vertices"));
             };
-            let values = self.colors_of(entries, "back")?;
-            let errors = self.colors_of(entries, "back_error")?;
+            let values = self.take_colors(entries, "back")?;
+            let errors = self.take_colors(entries, "back_error")?;
             block.back = Some((vertices, values, errors));
         }
         Ok(block)
@@ -55,20 +55,15 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     fn shared_mesh_name(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
     ) -> ParseResult<GrfName> {
-        let word = self.take_word(entries, key)?;
-        let (word, _) = self.required(entries, key, word)?;
+        let (word, _) = self.needed_word(entries, key)?;
         Ok(self.shared.intern(word))
     }
 
     /// A list of colours; empty without the key.
-    fn colors_of(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        key: &str,
-    ) -> ParseResult<Vec<Rgb>> {
+    fn take_colors(&mut self, entries: &mut GrfEntries<'a>, key: &str) -> ParseResult<Vec<Rgb>> {
         let Some(entry) = entries.take(key) else {
             return Ok(Vec::new());
         };
@@ -117,7 +112,7 @@ pub(super) fn mesh_instance(out: &mut GrfOutput<'_>, block: &MeshInstanceBlock) 
 
 impl MeshInstanceBlock {
     /// The block of an instance of the mesh of that name.
-    pub fn of_instance(of: GrfName, instance: &MeshInstance) -> MeshInstanceBlock {
+    pub fn from_instance(of: GrfName, instance: &MeshInstance) -> MeshInstanceBlock {
         let light = instance.light.as_deref().cloned().unwrap_or_default();
         let back = light.back.map(|back| {
             let known = |v: &u32| back.irradiance[*v as usize].is_some();
@@ -137,7 +132,7 @@ impl MeshInstanceBlock {
         }
     }
 
-    /// Its irradiance on a mesh of so many vertices; `None` if it is of another number.
+    /// Its irradiance on a mesh with `count` vertices; `None` if the block has another number.
     fn light(&self, count: usize) -> Option<Option<Box<VertexLight>>> {
         if self.irradiance.is_empty() {
             let is_empty = self.irradiance_error.is_empty() && self.back.is_none();
@@ -148,7 +143,7 @@ impl MeshInstanceBlock {
             return None;
         }
         let back = match &self.back {
-            Some(back) => Some(Box::new(back_of(back, count)?)),
+            Some(back) => Some(Box::new(back_irradiance(back, count)?)),
             None => None,
         };
         Some(Some(Box::new(VertexLight {
@@ -160,7 +155,7 @@ impl MeshInstanceBlock {
 }
 
 /// The irradiance of backs from a list of vertices; `None` if the lists do not fit.
-fn back_of(
+fn back_irradiance(
     (vertices, values, errors): &(Vec<u32>, Vec<Rgb>, Vec<Rgb>),
     count: usize,
 ) -> Option<BackIrradiance> {
@@ -200,8 +195,7 @@ impl<'d> GrfResolver<'d> {
         &mut self,
         block: &'d MeshBlock,
         materials: &[MaterialId],
-        place: SourcePosition,
-        outer: OuterTransform,
+        place: BlockPlace,
     ) -> ResolveResult<Option<MeshInstance>> {
         let has_light = !block.vertices.irradiance.is_empty();
         // Named colours may be others at every include.
@@ -210,13 +204,20 @@ impl<'d> GrfResolver<'d> {
         }
         // Every place counts as a copy does, since the first pass divides them all.
         let size = block.vertices.positions.len() + block.faces.corners.len();
-        self.spend(size as u64, place)?;
-        let map = outer.unwrap_or(DAffine3::IDENTITY);
+        self.spend(size as u64, place.source)?;
+        let map = place.outer.unwrap_or(DAffine3::IDENTITY);
         let known = self.shared_meshes.included.entry(block).or_default();
         if let Some((_, shared)) = known.iter_mut().find(|(of, _)| of == materials) {
             return Ok(shared.placed(map));
         }
-        let mesh = self.whole_mesh(block, materials.to_vec(), place, None)?;
+        let mesh = self.whole_mesh(
+            block,
+            materials.to_vec(),
+            BlockPlace {
+                outer: None,
+                ..place
+            },
+        )?;
         let mut shared = SharedMesh::new(mesh);
         let placed = shared.placed(map);
         let known = self.shared_meshes.included.entry(block).or_default();
@@ -229,8 +230,7 @@ impl<'d> GrfResolver<'d> {
         &mut self,
         (name, map): &'d (GrfName, DAffine3),
         mut mesh: Mesh,
-        place: SourcePosition,
-        outer: OuterTransform,
+        place: BlockPlace,
     ) -> ResolveResult<MeshInstance> {
         let light = (!mesh.irradiance.is_empty()).then(|| {
             Box::new(VertexLight {
@@ -240,9 +240,9 @@ impl<'d> GrfResolver<'d> {
             })
         });
         let mut shared = SharedMesh::new(mesh);
-        let placed = shared.placed(outer.unwrap_or(DAffine3::IDENTITY) * *map);
+        let placed = shared.placed(place.outer.unwrap_or(DAffine3::IDENTITY) * *map);
         self.shared_meshes.named.insert(name, shared);
-        let mut placed = placed.ok_or_else(|| self.flattened(place))?;
+        let mut placed = placed.ok_or_else(|| self.flattened(place.source))?;
         placed.light = light;
         Ok(placed)
     }
@@ -250,34 +250,33 @@ impl<'d> GrfResolver<'d> {
     pub fn mesh_instance(
         &mut self,
         block: &'d MeshInstanceBlock,
-        place: SourcePosition,
-        outer: OuterTransform,
+        place: BlockPlace,
     ) -> ResolveResult<()> {
-        let map = outer.unwrap_or(DAffine3::IDENTITY) * block.map;
+        let map = place.outer.unwrap_or(DAffine3::IDENTITY) * block.map;
         let named = self.shared_meshes.named.get(&*block.of);
         let size = named.map_or(0, |s| {
             s.mesh().positions.len() + s.mesh().faces.corners.len()
         });
-        self.spend(size as u64, place)?;
+        self.spend(size as u64, place.source)?;
         let Some(shared) = self.shared_meshes.named.get_mut(&*block.of) else {
             let found = format!("an instance of `{}`", block.of);
             let expected = "the name of an `ext shared_mesh` before it";
-            return Err(self.fail(place, found, expected));
+            return Err(self.fail(place.source, found, expected));
         };
         let count = shared.mesh().positions.len();
         let Some(mut placed) = shared.placed(map) else {
-            return Err(self.flattened(place));
+            return Err(self.flattened(place.source));
         };
         let Some(light) = block.light(count) else {
             let expected = format!("as many as `{}` has vertices, {count}", block.of);
-            return Err(self.fail(place, "another number of values of irradiance", &expected));
+            return Err(self.fail(
+                place.source,
+                "another number of values of irradiance",
+                &expected,
+            ));
         };
         placed.light = light;
-        let shape = Shape::Instance(placed);
-        self.scene
-            .objects
-            .push(Object::new(&*block.notes.name, shape));
-        Ok(())
+        self.push_object(&block.notes, Shape::Instance(placed))
     }
 
     fn flattened(&self, place: SourcePosition) -> BoxedError {

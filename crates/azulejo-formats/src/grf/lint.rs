@@ -46,8 +46,7 @@ pub fn lint(bytes: &[u8], name: &str, files: &dyn Files) -> Vec<LintFinding> {
     match read(bytes, name, files) {
         Ok(findings) => findings,
         Err(error) => {
-            let found = &*error.found;
-            let is_missing = found.starts_with("the include");
+            let is_missing = error.found.starts_with("the include");
             vec![LintFinding {
                 rule: if is_missing {
                     "missing-include"
@@ -55,7 +54,7 @@ pub fn lint(bytes: &[u8], name: &str, files: &dyn Files) -> Vec<LintFinding> {
                     "syntax"
                 },
                 position: error.position,
-                message: format!("found {found}, expected {}", error.expected),
+                message: format!("found {}, expected {}", error.found, error.expected),
                 file: error.file,
                 count: 1,
             }]
@@ -78,7 +77,7 @@ fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Vec<LintFinding>,
     let mut linter = Linter {
         document: &document,
         layout: &layout,
-        findings: warnings.into_iter().map(of_warning).collect(),
+        findings: warnings.into_iter().map(finding).collect(),
     };
     linter.unused_definitions();
     linter.unknown_extensions(&document.blocks);
@@ -100,8 +99,8 @@ fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Vec<LintFinding>,
     Ok(findings)
 }
 
-/// The rule of a warning, by its words.
-fn of_warning(warning: Warning) -> LintFinding {
+/// The finding of a warning, whose words tell the rule.
+fn finding(warning: Warning) -> LintFinding {
     const RULES: [(&str, &str); 17] = [
         ("missing comma", "missing-comma"),
         ("single `.`", "stray-dot"),

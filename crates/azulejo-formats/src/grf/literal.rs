@@ -429,19 +429,19 @@ fn block_text(write: impl FnOnce(&mut GrfOutput<'_>) -> io::Result<()>) -> Strin
 /// Whether a shape that was read has the light of the solved one.
 fn has_light_of(read: &Shape, solved: &Shape) -> bool {
     match (read, solved) {
-        (Shape::Mesh(read), Shape::Mesh(solved)) => has_mesh_light_of(read, solved),
+        (Shape::Mesh(read), Shape::Mesh(solved)) => has_same_mesh_light(read, solved),
         (Shape::Primitive(read), Shape::Primitive(solved)) => {
             read.light.is_none() || read.light == solved.light
         }
         (Shape::Exact(read), Shape::Exact(solved)) => match (&read.proxy, &solved.proxy) {
-            (Some(read), Some(solved)) => has_mesh_light_of(read, solved),
+            (Some(read), Some(solved)) => has_same_mesh_light(read, solved),
             (read, solved) => read.is_none() == solved.is_none(),
         },
         _ => false,
     }
 }
 
-fn has_mesh_light_of(read: &Mesh, solved: &Mesh) -> bool {
+fn has_same_mesh_light(read: &Mesh, solved: &Mesh) -> bool {
     let values = |m: &Mesh| {
         let back = m.back.as_ref().map(|b| b.irradiance.clone());
         back.filter(|b| b.iter().any(Option::is_some))

@@ -1,6 +1,6 @@
 //! Materials of surfaces as described in a file.
 
-use super::brdf::{GrfReflection, has_diffuse, plain};
+use super::brdf::{GrfReflection, PlainReflectance, has_diffuse, plain};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, Rgb, Sidedness, TextureId};
@@ -26,11 +26,9 @@ pub(super) fn surface(name: &str, reflection: &GrfReflection) -> DefinedMaterial
     let mut material = match &reflection.brdf {
         Some(brdf) => Material::with_brdf(name, brdf.clone()),
         None => {
-            let said = plain(description).unwrap_or_default();
-            Material {
-                mirror: said.mirror,
-                ..Material::diffuse(name, said.diffuse)
-            }
+            let PlainReflectance { diffuse, mirror } = plain(description).unwrap_or_default();
+            let material = Material::diffuse(name, diffuse);
+            Material { mirror, ..material }
         }
     };
     let is_black = material.diffuse.is_black();

@@ -1,6 +1,6 @@
 //! Meshes: vertex lists and face lists, which make up nearly all of a file.
 
-use super::document::{AppearanceChange, MeshBlock, NameKind, VertexColumn, VertexList};
+use super::document::{AppearanceChange, BlockKind, MeshBlock, NameKind, VertexColumn, VertexList};
 use super::layout::{IrradLayout, VertexLayout};
 use super::parse::BlockEnd;
 use super::parser::{GrfParser, ParseResult};
@@ -16,8 +16,13 @@ const MOST_VERTICES: usize = 1 << 31;
 /// Maximum number of corners of a mesh, which are counted in 32 bits.
 const MOST_CORNERS: usize = u32::MAX as usize;
 
-/// The largest index of a mesh's faces and its offset.
-pub(super) type LargestIndex = Option<(u32, usize)>;
+/// A mesh that is being read.
+#[derive(Default)]
+pub(super) struct OpenMesh {
+    pub block: MeshBlock,
+    /// The largest index of its faces, with the offset.
+    largest: Option<(u32, usize)>,
+}
 
 /// Whether a word opens or ends a vertex list.
 pub(super) fn is_vertices(word: &str) -> bool {
@@ -26,20 +31,20 @@ pub(super) fn is_vertices(word: &str) -> bool {
 
 impl GrfParser<'_, '_, '_> {
     /// Reads the content of a mesh and its `end`.
-    pub fn mesh_body(&mut self, offset: usize, mut mesh: MeshBlock) -> ParseResult<Box<MeshBlock>> {
-        let ending = if mesh.is_light { &MESH_LIGHT } else { &MESH };
-        let mut largest = None;
+    pub fn mesh(&mut self, offset: usize, is_light: bool) -> ParseResult<BlockKind> {
+        let mut mesh = OpenMesh::default();
+        mesh.block.is_light = is_light;
         loop {
             if self.lexer.eat_word("begin") {
-                self.mesh_list(&mut mesh, &mut largest)?;
+                self.mesh_list(&mut mesh)?;
                 continue;
             }
             let at = self.lexer.skip_blank();
-            if mesh.is_light && self.lexer.eat_word("rgb") {
-                mesh.radiance = Some(self.rgb()?);
+            if is_light && self.lexer.eat_word("rgb") {
+                mesh.block.radiance = Some(self.rgb()?);
             } else if let Some(change) = self.change()? {
-                if mesh.faces.is_empty() {
-                    mesh.head.push(change);
+                if mesh.block.faces.is_empty() {
+                    mesh.block.head.push(change);
                 } else {
                     self.warn(at, "`use` after the faces of a mesh has no effect: skipped");
                 }
@@ -47,14 +52,13 @@ impl GrfParser<'_, '_, '_> {
             } else if self.at_end() {
                 break;
             } else {
-                return Err(
-                    self.unexpected("`begin vertices`, `begin faces`, `use`, or `end mesh`")
-                );
+                let expected = "`begin vertices`, `begin faces`, `use`, or `end mesh`";
+                return Err(self.unexpected(expected));
             }
         }
-        self.check_indices(&mesh, largest)?;
-        self.end(offset, ending)?;
-        Ok(Box::new(mesh))
+        self.check_indices(&mesh)?;
+        self.end(offset, if is_light { &MESH_LIGHT } else { &MESH })?;
+        Ok(BlockKind::Mesh(Box::new(mesh.block)))
     }
 
     /// At `end`, and at the end of the file, which [`end`](GrfParser::end) reports.
@@ -67,25 +71,21 @@ impl GrfParser<'_, '_, '_> {
     }
 
     /// Reads a list of a mesh, after `begin`.
-    pub fn mesh_list(
-        &mut self,
-        mesh: &mut MeshBlock,
-        largest: &mut LargestIndex,
-    ) -> ParseResult<()> {
+    pub fn mesh_list(&mut self, mesh: &mut OpenMesh) -> ParseResult<()> {
         let offset = self.lexer.skip_blank();
         if self.lexer.peek_word().is_some_and(is_vertices) {
             self.lexer.word();
-            return self.vertices(offset, &mut mesh.vertices);
+            return self.vertices(offset, &mut mesh.block.vertices);
         }
         if self.lexer.eat_word("faces") {
-            return self.faces(offset, mesh, largest);
+            return self.faces(offset, mesh);
         }
         Err(self.unexpected("`vertices` or `faces`"))
     }
 
-    pub fn check_indices(&mut self, mesh: &MeshBlock, largest: LargestIndex) -> ParseResult<()> {
-        let count = mesh.vertices.positions.len();
-        match largest {
+    pub fn check_indices(&mut self, mesh: &OpenMesh) -> ParseResult<()> {
+        let count = mesh.block.vertices.positions.len();
+        match mesh.largest {
             Some((index, at)) if index as usize >= count => Err(self.fail(
                 at,
                 format!("vertex {index} of a mesh with {count} vertices"),
@@ -188,16 +188,11 @@ impl GrfParser<'_, '_, '_> {
         }
     }
 
-    fn faces(
-        &mut self,
-        offset: usize,
-        mesh: &mut MeshBlock,
-        largest: &mut LargestIndex,
-    ) -> ParseResult<()> {
+    fn faces(&mut self, offset: usize, mesh: &mut OpenMesh) -> ParseResult<()> {
         loop {
             match self.lexer.peek() {
-                Some(b'(') => self.face_in_brackets(mesh, largest)?,
-                Some(b'0'..=b'9') => self.counted_face(mesh, largest)?,
+                Some(b'(') => self.face_in_brackets(mesh)?,
+                Some(b'0'..=b'9') => self.counted_face(mesh)?,
                 Some(b';') => {
                     self.lexer.eat(b';');
                 }
@@ -207,7 +202,8 @@ impl GrfParser<'_, '_, '_> {
                             "a face `(i, j, k, ...)`, `rgb`, `brdf`, `texture`, `use`, or `end faces`",
                         ));
                     };
-                    mesh.changes.push((mesh.faces.len() as u32, change));
+                    let face = mesh.block.faces.len() as u32;
+                    mesh.block.changes.push((face, change));
                 }
                 _ => return self.end(offset, &FACES),
             }
@@ -242,17 +238,13 @@ impl GrfParser<'_, '_, '_> {
     }
 
     /// `(i, j, k, ...)`
-    fn face_in_brackets(
-        &mut self,
-        mesh: &mut MeshBlock,
-        largest: &mut LargestIndex,
-    ) -> ParseResult<()> {
+    fn face_in_brackets(&mut self, mesh: &mut OpenMesh) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         self.record_face(start);
         self.expect(b'(')?;
-        let first = mesh.faces.corners.len();
+        let first = mesh.block.faces.corners.len();
         loop {
-            self.corner(mesh, largest)?;
+            self.corner(mesh)?;
             if self.lexer.eat(b',') {
                 continue;
             }
@@ -269,23 +261,19 @@ impl GrfParser<'_, '_, '_> {
     }
 
     /// `n i1 i2 ... in`
-    fn counted_face(
-        &mut self,
-        mesh: &mut MeshBlock,
-        largest: &mut LargestIndex,
-    ) -> ParseResult<()> {
+    fn counted_face(&mut self, mesh: &mut OpenMesh) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         self.record_face(start);
         let count = self
             .lexer
             .index()
             .map_err(|_| self.unexpected("the number of a face's corners"))?;
-        let first = mesh.faces.corners.len();
+        let first = mesh.block.faces.corners.len();
         for k in 0..count {
             if k > 0 {
                 self.lexer.eat(b',');
             }
-            self.corner(mesh, largest)?;
+            self.corner(mesh)?;
         }
         self.close_face(mesh, first, start)
     }
@@ -296,18 +284,18 @@ impl GrfParser<'_, '_, '_> {
         }
     }
 
-    fn corner(&mut self, mesh: &mut MeshBlock, largest: &mut LargestIndex) -> ParseResult<()> {
+    fn corner(&mut self, mesh: &mut OpenMesh) -> ParseResult<()> {
         let at = self.lexer.skip_blank();
         let index = self.index()?;
-        if largest.is_none_or(|(most, _)| index > most) {
-            *largest = Some((index, at));
+        if mesh.largest.is_none_or(|(most, _)| index > most) {
+            mesh.largest = Some((index, at));
         }
-        mesh.faces.corners.push(index);
+        mesh.block.faces.corners.push(index);
         Ok(())
     }
 
-    fn close_face(&mut self, mesh: &mut MeshBlock, first: usize, start: usize) -> ParseResult<()> {
-        let end = mesh.faces.corners.len();
+    fn close_face(&mut self, mesh: &mut OpenMesh, first: usize, start: usize) -> ParseResult<()> {
+        let end = mesh.block.faces.corners.len();
         if end - first < 3 {
             return Err(self.fail(
                 start,
@@ -318,7 +306,7 @@ impl GrfParser<'_, '_, '_> {
         if end > MOST_CORNERS {
             return Err(self.unexpected("at most 2^32 corners in a mesh"));
         }
-        mesh.faces.starts.push(end as u32);
+        mesh.block.faces.starts.push(end as u32);
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::document::{
     AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfSource, MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
+    GrfSource, NameKind, ObjectNotes, SourcePosition, TransformStep,
 };
 use super::extension::Extension;
 use super::layout::{GrfLayout, IncludeLayout, ObjectLayout};
@@ -72,7 +72,7 @@ impl GrfDocument {
     }
 }
 
-/// A document, and where its parts stand if that was asked for.
+/// A document, and where its parts stand if a layout was requested.
 pub(super) struct PlacedDocument {
     pub document: GrfDocument,
     pub layout: Box<GrfLayout>,
@@ -225,18 +225,14 @@ impl<'a> GrfParser<'a, '_, '_> {
         if lexer.eat_word("begin") {
             if at_mesh(*lexer) {
                 lexer.eat_word("mesh");
-                return self.mesh(offset).map(BlockKind::Mesh);
+                return self.mesh(offset, false);
             }
             return self.scope(offset, Vec::new());
         }
         if lexer.eat_word("mesh") {
             let is_light = lexer.eat_word("light");
             self.expect_word("begin")?;
-            return if is_light {
-                self.mesh_light(offset).map(BlockKind::Mesh)
-            } else {
-                self.mesh(offset).map(BlockKind::Mesh)
-            };
+            return self.mesh(offset, is_light);
         }
         if lexer.eat_word("light") {
             return self.area_light(offset);
@@ -455,14 +451,24 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn include(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let at = self.lexer.skip_blank();
         let name = self.file_name()?;
+        let blocks = self.included(offset, at, name)?;
+        let name = name.to_owned();
+        Ok(BlockKind::Include { name, blocks })
+    }
+
+    /// The blocks of the file `name`, whose name is at `at`; a file that was included before is not
+    /// read again.
+    fn included(
+        &mut self,
+        offset: usize,
+        at: usize,
+        name: &str,
+    ) -> ParseResult<Arc<Vec<GrfBlock>>> {
+        if self.is_alone() {
+            return Ok(Arc::default());
+        }
         let here = self.shared.sources.get(self.file);
         let path = joined(here.map_or("", |s| &s.path), name);
-        if self.is_alone() {
-            return Ok(BlockKind::Include {
-                name: name.to_owned(),
-                blocks: Arc::default(),
-            });
-        }
         self.check_include(at, &path)?;
         self.shared.includes += 1;
         if self.shared.includes > MOST_INCLUDES {
@@ -470,22 +476,28 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
         if let Some((blocks, levels)) = self.known_include(&path) {
             self.check_levels(offset, levels)?;
-            return Ok(BlockKind::Include {
-                name: name.to_owned(),
-                blocks,
-            });
+            return Ok(blocks);
         }
         let bytes = self.shared.files.read(&path).map_err(|problem| {
-            self.fail(
-                at,
-                format!("the include \"{path}\": {problem}"),
-                "a file that can be read",
-            )
+            let found = format!("the include \"{path}\": {problem}");
+            self.fail(at, found, "a file that can be read")
         })?;
         self.shared.included_bytes = self.shared.included_bytes.saturating_add(bytes.len());
         if self.shared.included_bytes > MOST_INCLUDED_BYTES {
             return Err(self.too_many_includes(at));
         }
+        self.included_text(offset, at, path, &decoded_text(&bytes))
+    }
+
+    /// Parses the text of an included file, in which the depth of nested blocks is counted anew, so that
+    /// other includes of the same file know it.
+    fn included_text(
+        &mut self,
+        offset: usize,
+        at: usize,
+        path: String,
+        text: &str,
+    ) -> ParseResult<Arc<Vec<GrfBlock>>> {
         let (depth, deepest) = (self.shared.depth, self.shared.deepest);
         self.shared.deepest = depth;
         self.enter(offset)?;
@@ -495,9 +507,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             path: path.clone(),
             parent: Some((self.file, line)),
         });
-        let text = decoded_text(&bytes);
         if let Some(layout) = &mut self.shared.layout {
-            layout.texts.push(text.clone().into_owned());
+            layout.texts.push(text.to_owned());
             layout.includes.push(IncludeLayout {
                 file: self.file,
                 range: offset..self.lexer.pos(),
@@ -505,17 +516,14 @@ impl<'a> GrfParser<'a, '_, '_> {
             });
         }
         self.open_scope();
-        let mut inner = GrfParser::new(&text, file, self.shared);
+        let mut inner = GrfParser::new(text, file, self.shared);
         let blocks = Arc::new(inner.file()?);
         inner.keep_open_lines();
         self.leave();
         let levels = self.shared.deepest - depth;
         self.shared.deepest = self.shared.deepest.max(deepest);
         self.close_include(at, path, &blocks, levels);
-        Ok(BlockKind::Include {
-            name: name.to_owned(),
-            blocks,
-        })
+        Ok(blocks)
     }
 
     fn too_many_includes(&mut self, at: usize) -> BoxedError {
@@ -545,20 +553,6 @@ impl<'a> GrfParser<'a, '_, '_> {
             ));
         }
         Ok(())
-    }
-
-    /// Reads a light mesh, after `mesh light begin`.
-    fn mesh_light(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
-        let mesh = MeshBlock {
-            is_light: true,
-            ..MeshBlock::default()
-        };
-        self.mesh_body(offset, mesh)
-    }
-
-    /// Reads a mesh, after `begin mesh`.
-    fn mesh(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
-        self.mesh_body(offset, MeshBlock::default())
     }
 }
 

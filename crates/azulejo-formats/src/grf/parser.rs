@@ -40,7 +40,7 @@ pub(super) struct SharedParserState<'f> {
     pub reflections: HashMap<String, Arc<GrfReflection>>,
     /// The number of those that are neither diffuse nor mirrors.
     pub models: usize,
-    /// Where everything stands, if that is asked for.
+    /// Where everything stands, if a layout is requested.
     pub layout: Option<Box<GrfLayout>>,
     /// The greatest depth so far.
     pub deepest: usize,
@@ -172,11 +172,11 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         });
     }
 
-    pub fn expect(&mut self, wanted: u8) -> ParseResult<()> {
-        if self.lexer.eat(wanted) {
+    pub fn expect(&mut self, mark: u8) -> ParseResult<()> {
+        if self.lexer.eat(mark) {
             Ok(())
         } else {
-            Err(self.unexpected(format!("`{}`", char::from(wanted))))
+            Err(self.unexpected(format!("`{}`", char::from(mark))))
         }
     }
 
@@ -305,7 +305,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         self.check_levels(offset, 0)
     }
 
-    /// Rejects so many more nested blocks.
+    /// Rejects `more` nested blocks if they exceed the greatest depth.
     pub fn check_levels(&mut self, offset: usize, more: usize) -> ParseResult<()> {
         let depth = self.shared.depth + more;
         self.shared.deepest = self.shared.deepest.max(depth);
@@ -343,14 +343,14 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
     }
 
-    /// The blocks of a file that was included before, if its layout is not asked for; its names are
+    /// The blocks of a file that was included before, if no layout is requested; its names are
     /// defined here, too.
     pub fn known_include(&mut self, path: &str) -> Option<(Arc<Vec<GrfBlock>>, usize)> {
         let known = self.shared.known_includes.get(path)?;
-        let found = (known.blocks.clone(), known.levels);
+        let (blocks, levels) = (known.blocks.clone(), known.levels);
         let names = known.names.clone();
         self.take_names(names, None);
-        Some(found)
+        Some((blocks, levels))
     }
 
     /// Ends the scope of an included file, whose names hold in the list that includes it, and keeps the

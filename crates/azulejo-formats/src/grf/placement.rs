@@ -1,6 +1,6 @@
 //! Applies transforms to faces, cameras and lights.
 
-use super::document::TransformStep;
+use super::document::{SourcePosition, TransformStep};
 use super::unit;
 use azulejo_scene::{Camera, Faces, Light, LightKind, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
@@ -8,6 +8,13 @@ use glam::{DAffine3, DMat3, DVec3};
 /// The product of the enclosing transforms; `None` if there is none, so that numbers stay as
 /// written.
 pub(super) type OuterTransform = Option<DAffine3>;
+
+/// Where a block stands: in its file, and inside which transform.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BlockPlace {
+    pub source: SourcePosition,
+    pub outer: OuterTransform,
+}
 
 /// Whether a transform reverses orientation.
 pub(super) fn is_mirror(outer: OuterTransform) -> bool {

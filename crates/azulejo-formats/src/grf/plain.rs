@@ -65,7 +65,10 @@ pub fn plain_losses(scene: &Scene) -> Vec<String> {
         scene.objects.iter().filter(is).count()
     };
     let [primitives, solids] = exact_counts(scene);
-    let lamps = scene.objects.iter().filter(|o| lamp_of(scene, o).is_some());
+    let lamps = scene
+        .objects
+        .iter()
+        .filter(|o| plain_lamp(scene, o).is_some());
     let counts = [
         (usize::from(scene.units != Units::default()), "the unit"),
         (usize::from(scene.background.is_some()), "the background"),
@@ -124,7 +127,7 @@ struct PlainLamp {
 }
 
 /// The lamp that an object is, if it is a parallelogram that reflects nothing.
-fn lamp_of(scene: &Scene, object: &Object) -> Option<PlainLamp> {
+fn plain_lamp(scene: &Scene, object: &Object) -> Option<PlainLamp> {
     let material = |id: MaterialId| {
         let material = &scene.materials[id as usize];
         let is_even = material.is_emitter() && material.emission_picture.is_none();
@@ -143,7 +146,7 @@ fn lamp_of(scene: &Scene, object: &Object) -> Option<PlainLamp> {
         Shape::Mesh(mesh) => {
             let (&first, rest) = mesh.face_materials.split_first()?;
             let radiance = material(first).filter(|_| rest.iter().all(|m| *m == first))?;
-            let [a, b, c, d] = ring_of(mesh)?;
+            let [a, b, c, d] = quadrilateral(mesh)?;
             let edges = [b - a, d - a];
             let gap = (a + edges[0] + edges[1] - c).length();
             let is_closed = gap <= ROUNDING * (edges[0].length() + edges[1].length());
@@ -159,7 +162,7 @@ fn lamp_of(scene: &Scene, object: &Object) -> Option<PlainLamp> {
 }
 
 /// The corners of a mesh that is one quadrilateral, or two triangles that make one.
-fn ring_of(mesh: &Mesh) -> Option<[DVec3; 4]> {
+fn quadrilateral(mesh: &Mesh) -> Option<[DVec3; 4]> {
     match mesh.faces.len() {
         1 => mesh.face_positions(0).try_into().ok(),
         2 => {
@@ -213,7 +216,7 @@ impl PlainWriter<'_> {
             let name = object.name.replace(|c: char| c.is_control(), " ");
             writeln!(out, "// {}", name.trim())?;
         }
-        if let Some(lamp) = lamp_of(self.scene, object) {
+        if let Some(lamp) = plain_lamp(self.scene, object) {
             let [a, b] = lamp.edges;
             return writeln!(
                 out,
@@ -239,7 +242,7 @@ impl PlainWriter<'_> {
             [] | [_] => self.mesh(out, &materials, whole),
             parts => parts.iter().try_for_each(|(_, faces)| {
                 let own: Vec<MaterialId> = faces.iter().map(|&f| materials[f]).collect();
-                self.mesh(out, &own, part_of(&whole, faces))
+                self.mesh(out, &own, part(&whole, faces))
             }),
         }
     }
@@ -292,11 +295,11 @@ impl PlainWriter<'_> {
 }
 
 /// Some faces of a mesh, with the vertices that they use.
-fn part_of(whole: &MeshBlock, wanted: &[usize]) -> MeshBlock {
+fn part(whole: &MeshBlock, faces: &[usize]) -> MeshBlock {
     let mut new: HashMap<u32, u32> = HashMap::new();
     let mut used: Vec<usize> = Vec::new();
     let mut part = MeshBlock::default();
-    for &face in wanted {
+    for &face in faces {
         let mut ring = Vec::new();
         for &v in whole.faces.get(face) {
             ring.push(*new.entry(v).or_insert_with(|| {

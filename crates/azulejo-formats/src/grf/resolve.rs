@@ -3,14 +3,14 @@
 use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
     AreaLight, BlockKind, BoxedError, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
-    GrfDocument, GrfName, MaterialNote, MeshBlock, NameKind, OpacityNote, PrimitiveBlock,
-    SourcePosition, VertexColumn,
+    GrfDocument, GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote,
+    PrimitiveBlock, SourcePosition, VertexColumn,
 };
 use super::instances::SharedMeshes;
 use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
 use super::placement::{
-    OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light,
-    reverse_faces,
+    BlockPlace, OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera,
+    moved_light, reverse_faces,
 };
 use super::shared::share_vertices;
 use super::solids::Defined;
@@ -210,13 +210,14 @@ impl<'d> GrfResolver<'d> {
     }
 
     fn block(&mut self, block: &'d GrfBlock, outer: OuterTransform) -> ResolveResult<()> {
-        let place = block.place;
+        let source = block.place;
+        let place = BlockPlace { source, outer };
         match &block.kind {
-            BlockKind::Mesh(mesh) => self.mesh(mesh, place, outer)?,
-            BlockKind::AreaLight(light) => self.area_light(light, place, outer)?,
-            BlockKind::Primitive(primitive) => self.primitive(primitive, place, outer)?,
-            BlockKind::Exact(exact) => self.exact(exact, place, outer)?,
-            BlockKind::MeshInstance(block) => self.mesh_instance(block, place, outer)?,
+            BlockKind::Mesh(mesh) => self.mesh(mesh, place)?,
+            BlockKind::AreaLight(light) => self.area_light(light, place)?,
+            BlockKind::Primitive(primitive) => self.primitive(primitive, place)?,
+            BlockKind::Exact(exact) => self.exact(exact, place)?,
+            BlockKind::MeshInstance(block) => self.mesh_instance(block, place)?,
             BlockKind::Include { blocks, .. } => {
                 let was_repeated = self.is_repeated;
                 self.is_repeated |= Arc::strong_count(blocks) > 1;
@@ -226,7 +227,7 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 if !map.is_finite() {
-                    return Err(self.fail(place, "a transform that overflows", "finite numbers"));
+                    return Err(self.fail(source, "a transform that overflows", "finite numbers"));
                 }
                 self.list(blocks, &[], Some(map))?;
             }
@@ -236,14 +237,14 @@ impl<'d> GrfResolver<'d> {
             } => self.list(blocks, definitions, outer)?,
             BlockKind::Units(units) => self.scene.units = *units,
             BlockKind::Background(color) => self.scene.background = Some((*color).into()),
-            BlockKind::Environment(block) => self.environment(block, place, outer)?,
-            BlockKind::Backplate(block) => self.backplate(block, place),
+            BlockKind::Environment(block) => self.environment(block, place)?,
+            BlockKind::Backplate(block) => self.backplate(block, source),
             BlockKind::Fog(fog) => self.scene.fog = Some(*fog),
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);
                 if !is_camera(&camera) {
                     return Err(self.fail(
-                        place,
+                        source,
                         "a transform that makes the view of a camera degenerate",
                         "another",
                     ));
@@ -253,7 +254,7 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Light(light) => {
                 let light = moved_light(light, outer).ok_or_else(|| {
                     self.fail(
-                        place,
+                        source,
                         "a transform that leaves a light without direction",
                         "another",
                     )
@@ -349,48 +350,30 @@ impl<'d> GrfResolver<'d> {
 
     fn annotate(&mut self, note: &'d MaterialNote, place: SourcePosition) -> ResolveResult<()> {
         let id = self.brdf_named(&note.of, place)?;
-        let textures = match &note.textures {
-            None => None,
-            Some(names) => Some(
-                names
-                    .iter()
-                    .map(|name| self.texture_named(name, place))
-                    .collect::<ResolveResult<Vec<_>>>()?,
-            ),
-        };
-        let opacity = match &note.opacity {
-            None => None,
-            Some(opacity) => Some(self.opacity(opacity, place)?),
-        };
-        let finish = match &note.finish {
-            None => None,
-            Some(finish) => Some(self.finish(finish, place)?),
-        };
+        // Every name in the note is resolved first: the material is borrowed afterwards.
+        let named = |name: &'d GrfName| self.texture_named(name, place);
+        let textures = note.textures.as_ref();
+        let textures = textures.map(|names| names.iter().map(named).collect());
+        let textures: Option<Vec<TextureId>> = textures.transpose()?;
+        let emission_picture = note.emission_texture.as_ref().map(named).transpose()?;
+        let opacity = note.opacity.as_ref().map(|o| self.opacity(o, place));
+        let opacity = opacity.transpose()?;
+        let finish = note.finish.as_ref().map(|f| self.finish(f, place));
+        let finish = finish.transpose()?;
         let relief = match &note.relief {
-            None => None,
             Some((name, kind)) => Some(Relief {
-                texture: self.texture_named(name, place)?,
+                texture: named(name)?,
                 kind: *kind,
             }),
-        };
-        let emission_picture = match &note.emission_texture {
             None => None,
-            Some(name) => Some(self.texture_named(name, place)?),
         };
         if let Some(known) = self.surfaces.get_mut(&id) {
-            if emission_picture.is_some() {
-                known.surface.material.emission_picture = emission_picture;
-            }
-            if finish.is_some() {
-                known.surface.material.finish = finish;
-            }
-            if relief.is_some() {
-                known.surface.material.relief = relief;
-            }
             known.sets_textures |= textures.is_some();
-            if opacity.is_some() {
-                known.surface.material.opacity = opacity;
-            }
+            let own = &mut known.surface.material;
+            own.emission_picture = emission_picture.or(own.emission_picture);
+            own.finish = finish.or(own.finish);
+            own.relief = relief.or(own.relief);
+            own.opacity = opacity.or(own.opacity);
             known.surface.annotate(note, textures);
             let mut material = known.surface.material.clone();
             if !material.limit_reflectance() {
@@ -401,18 +384,16 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    fn finish(&mut self, note: &'d FinishNote, place: SourcePosition) -> ResolveResult<FinishMaps> {
+    fn finish(&self, note: &'d FinishNote, place: SourcePosition) -> ResolveResult<FinishMaps> {
         let picture = |given: &'d Option<(GrfName, PictureChannel)>| {
             let number = |(name, channel): &'d (GrfName, PictureChannel)| {
                 let texture = self.texture_named(name, place)?;
-                Ok(NumberPicture {
-                    texture,
-                    channel: *channel,
-                })
+                let channel = *channel;
+                Ok(NumberPicture { texture, channel })
             };
-            let found: ResolveResult<Option<NumberPicture>> =
+            let number: ResolveResult<Option<NumberPicture>> =
                 given.as_ref().map(number).transpose();
-            found
+            number
         };
         Ok(FinishMaps {
             base: note.base,
@@ -423,7 +404,7 @@ impl<'d> GrfResolver<'d> {
         })
     }
 
-    fn opacity(&mut self, note: &'d OpacityNote, place: SourcePosition) -> ResolveResult<Opacity> {
+    fn opacity(&self, note: &'d OpacityNote, place: SourcePosition) -> ResolveResult<Opacity> {
         let picture = match &note.picture {
             None => None,
             Some((name, channel)) => Some(OpacityPicture {
@@ -446,15 +427,15 @@ impl<'d> GrfResolver<'d> {
         &mut self.scopes[last]
     }
 
-    fn lookup<T: Copy>(
+    pub fn lookup<T: Copy>(
         &self,
         kind: NameKind,
         name: &str,
         place: SourcePosition,
         names: impl for<'s> Fn(&'s ResolveScope<'d>) -> &'s HashMap<&'d str, T>,
     ) -> ResolveResult<T> {
-        let found = self.scopes.iter().rev().find_map(|s| names(s).get(name));
-        found
+        let value = self.scopes.iter().rev().find_map(|s| names(s).get(name));
+        value
             .copied()
             .ok_or_else(|| self.undefined(kind, name, place))
     }
@@ -533,90 +514,76 @@ fn placed_normals(
 }
 
 impl<'d> GrfResolver<'d> {
-    fn area_light(
-        &mut self,
-        light: &'d AreaLight,
-        place: SourcePosition,
-        outer: OuterTransform,
-    ) -> ResolveResult<()> {
-        let map = outer.unwrap_or(DAffine3::IDENTITY);
+    fn area_light(&mut self, light: &'d AreaLight, place: BlockPlace) -> ResolveResult<()> {
+        let map = place.outer.unwrap_or(DAffine3::IDENTITY);
         let [mut a, mut b] = light.edges.map(|edge| map.matrix3 * edge);
-        if is_mirror(outer) {
+        if is_mirror(place.outer) {
             // Keep the front of a mirrored light on the mirrored side.
             (a, b) = (b, a);
         }
         let corner = map.transform_point3(light.corner);
         if !has_area(a, b) || !corner.is_finite() {
             return Err(self.fail(
-                place,
+                place.source,
                 "a light that a transform leaves without area",
                 "a transform that preserves its area",
             ));
         }
         let radiance = light.radiance.unwrap_or(DEFAULT_RADIANCE);
-        let material = self.noted_material(&light.notes, Some(radiance), place)?;
+        let material = self.noted_material(&light.notes, Some(radiance), place.source)?;
         let mut primitive = Primitive::parallelogram(corner, a, b, material);
         primitive.light.clone_from(&light.notes.light);
-        let shape = Shape::Primitive(primitive);
-        self.scene
-            .objects
-            .push(Object::new(&*light.notes.name, shape));
-        Ok(())
+        self.push_object(&light.notes, Shape::Primitive(primitive))
     }
 
-    fn primitive(
-        &mut self,
-        block: &'d PrimitiveBlock,
-        place: SourcePosition,
-        outer: OuterTransform,
-    ) -> ResolveResult<()> {
-        let mut map = outer.map_or(block.map, |outer| outer * block.map);
-        if block.kind == PrimitiveKind::Square && is_mirror(outer) {
+    fn primitive(&mut self, block: &'d PrimitiveBlock, place: BlockPlace) -> ResolveResult<()> {
+        let mut map = place.outer.map_or(block.map, |outer| outer * block.map);
+        if block.kind == PrimitiveKind::Square && is_mirror(place.outer) {
             let axes = &mut map.matrix3;
             (axes.x_axis, axes.y_axis) = (axes.y_axis, axes.x_axis);
         }
         if !is_invertible(block.kind, &map) {
             return Err(self.fail(
-                place,
+                place.source,
                 "a primitive that a transform flattens",
                 "an invertible transform",
             ));
         }
-        let material = self.noted_material(&block.notes, None, place)?;
+        let material = self.noted_material(&block.notes, None, place.source)?;
         let mut primitive = Primitive::new(block.kind, map, material);
         primitive.light.clone_from(&block.notes.light);
-        let shape = Shape::Primitive(primitive);
-        self.scene
-            .objects
-            .push(Object::new(&*block.notes.name, shape));
-        Ok(())
+        self.push_object(&block.notes, Shape::Primitive(primitive))
     }
 
-    fn mesh(
-        &mut self,
-        block: &'d MeshBlock,
-        place: SourcePosition,
-        outer: OuterTransform,
-    ) -> ResolveResult<()> {
-        let materials = self.face_materials(block, place)?;
+    fn mesh(&mut self, block: &'d MeshBlock, place: BlockPlace) -> ResolveResult<()> {
+        let materials = self.face_materials(block, place.source)?;
         let shape = if let Some(named) = &block.notes.shared_mesh {
-            let mesh = self.whole_mesh(block, materials, place, None)?;
-            Shape::Instance(self.named_instance(named, mesh, place, outer)?)
+            let mesh = {
+                let own = BlockPlace {
+                    outer: None,
+                    ..place
+                };
+                self.whole_mesh(block, materials, own)?
+            };
+            Shape::Instance(self.named_instance(named, mesh, place)?)
         } else {
-            match self.included_instance(block, &materials, place, outer)? {
+            match self.included_instance(block, &materials, place)? {
                 Some(instance) => Shape::Instance(instance),
                 None => {
                     if self.is_repeated {
                         let size = block.vertices.positions.len() + block.faces.corners.len();
-                        self.spend(size as u64, place)?;
+                        self.spend(size as u64, place.source)?;
                     }
-                    Shape::Mesh(self.whole_mesh(block, materials, place, outer)?)
+                    Shape::Mesh(self.whole_mesh(block, materials, place)?)
                 }
             }
         };
-        self.scene
-            .objects
-            .push(Object::new(&*block.notes.name, shape));
+        self.push_object(&block.notes, shape)
+    }
+
+    /// Adds an object with the name in its notes.
+    pub fn push_object(&mut self, notes: &ObjectNotes, shape: Shape) -> ResolveResult<()> {
+        self.scene.objects.push(Object::new(&*notes.name, shape));
         Ok(())
     }
 
@@ -625,13 +592,12 @@ impl<'d> GrfResolver<'d> {
         &mut self,
         block: &'d MeshBlock,
         face_materials: Vec<MaterialId>,
-        place: SourcePosition,
-        outer: OuterTransform,
+        place: BlockPlace,
     ) -> ResolveResult<Mesh> {
-        let mut mesh = self.built_mesh(block, face_materials, place, outer)?;
+        let mut mesh = self.built_mesh(block, face_materials, place)?;
         if !block.notes.shared.is_empty() && !share_vertices(&mut mesh, &block.notes.shared) {
             let message = "vertices of `ext shared` that differ from their originals: kept apart";
-            self.warn(place, message, 1);
+            self.warn(place.source, message, 1);
         }
         Ok(mesh)
     }
@@ -641,26 +607,25 @@ impl<'d> GrfResolver<'d> {
         &mut self,
         block: &'d MeshBlock,
         face_materials: Vec<MaterialId>,
-        place: SourcePosition,
-        outer: OuterTransform,
+        place: BlockPlace,
     ) -> ResolveResult<Mesh> {
-        let vertices = &block.vertices;
+        let (vertices, source) = (&block.vertices, place.source);
         let count = vertices.positions.len();
         let mut positions = vertices.positions.clone();
-        if let Some(map) = outer {
+        if let Some(map) = place.outer {
             for p in &mut positions {
                 *p = map.transform_point3(*p);
             }
             if !positions.iter().all(|p| p.is_finite()) {
                 return Err(self.fail(
-                    place,
+                    source,
                     "a mesh whose transformed positions overflow",
                     "finite positions",
                 ));
             }
         }
         let mut faces = block.faces.clone();
-        if is_mirror(outer) {
+        if is_mirror(place.outer) {
             reverse_faces(&mut faces);
         }
         let mut mesh = Mesh {
@@ -668,12 +633,12 @@ impl<'d> GrfResolver<'d> {
             faces,
             face_materials,
             smoothing: block.notes.smoothing.clone(),
-            colors: self.colors(block, place)?,
+            colors: self.colors(block, source)?,
             irradiance: self.filled(
                 &vertices.irradiance,
                 count,
                 Rgb::BLACK,
-                place,
+                source,
                 "vertex without `irad` in a mesh with `irad`: read as black",
             ),
             irradiance_error: block.notes.irradiance_error.clone(),
@@ -684,19 +649,19 @@ impl<'d> GrfResolver<'d> {
             &vertices.uvs,
             count,
             glam::DVec2::ZERO,
-            place,
+            source,
             "vertex without `uv` in a mesh with `uv`: read as (0, 0)",
         );
         mesh.uvs = (!vertices.uvs.is_empty()).then(|| Attribute::per_vertex(uvs));
         if !vertices.normals.is_empty() {
-            let normals = self.normals(block, &mesh, outer, place);
+            let normals = self.normals(block, &mesh, place);
             mesh.normals = Some(Attribute::per_vertex(normals));
         }
         if let Some(normals) = &block.notes.normals {
-            mesh.normals = Some(placed_normals(normals, &block.faces, outer));
+            mesh.normals = Some(placed_normals(normals, &block.faces, place.outer));
         }
         let flat = degenerate_faces(&mesh);
-        self.warn(place, "face without area: kept", flat);
+        self.warn(source, "face without area: kept", flat);
         Ok(mesh)
     }
 
@@ -712,8 +677,8 @@ impl<'d> GrfResolver<'d> {
         if column.is_empty() {
             return Vec::new();
         }
-        if let Some(all) = column.complete(count) {
-            return all.to_vec();
+        if let Some(values) = column.complete(count) {
+            return values.to_vec();
         }
         self.warn(place, message, column.lacking(count));
         (0..count)
@@ -741,14 +706,8 @@ impl<'d> GrfResolver<'d> {
 
     /// Unit normals in world coordinates; missing or zero ones are computed from the adjacent
     /// faces.
-    fn normals(
-        &mut self,
-        block: &MeshBlock,
-        mesh: &Mesh,
-        outer: OuterTransform,
-        place: SourcePosition,
-    ) -> Vec<DVec3> {
-        let matrix = outer.map(|map| normal_matrix(map.matrix3));
+    fn normals(&mut self, block: &MeshBlock, mesh: &Mesh, place: BlockPlace) -> Vec<DVec3> {
+        let matrix = place.outer.map(|map| normal_matrix(map.matrix3));
         let given = |v: usize| {
             let normal = block.vertices.normals.get(v)?;
             // Without a matrix, a unit normal stays as written.
@@ -758,7 +717,7 @@ impl<'d> GrfResolver<'d> {
         let missing = normals.iter().filter(|n| n.is_none()).count();
         if missing > 0 {
             let message = "vertex without normal in a mesh with normals: computed from its faces";
-            self.warn(place, message, missing);
+            self.warn(place.source, message, missing);
             let around = face_normals(mesh);
             for (normal, faces) in normals.iter_mut().zip(around) {
                 *normal = normal.or(unit(faces));
@@ -772,11 +731,7 @@ impl<'d> GrfResolver<'d> {
         block: &'d MeshBlock,
         place: SourcePosition,
     ) -> ResolveResult<Vec<MaterialId>> {
-        let emission = if block.is_light {
-            Some(block.radiance.unwrap_or(DEFAULT_RADIANCE))
-        } else {
-            None
-        };
+        let emission = (block.is_light).then(|| block.radiance.unwrap_or(DEFAULT_RADIANCE));
         let is_colored = !block.vertices.colors.is_empty();
         let mut appearance = FaceAppearance::default();
         let mut is_stacking = false;

@@ -6,9 +6,9 @@ use azulejo_scene::{Attribute, Mesh};
 /// coordinates become those of corners. `false`, without a change, if a copy differs in anything
 /// else.
 pub(super) fn share_vertices(mesh: &mut Mesh, originals: &[u32]) -> bool {
-    let all = mesh.positions.len();
-    let count = all.saturating_sub(originals.len());
-    let mut copies = (count..all).zip(originals.iter().map(|&v| v as usize));
+    let total = mesh.positions.len();
+    let count = total.saturating_sub(originals.len());
+    let mut copies = (count..total).zip(originals.iter().map(|&v| v as usize));
     if !copies.all(|(copy, original)| original < count && is_copy(mesh, copy, original)) {
         return false;
     }

@@ -2,8 +2,9 @@
 //! direction, or by the place in the image.
 
 use super::document::{BlockKind, SourcePosition};
-use super::entries::ExtensionEntries;
+use super::entries::{GrfEntries, Taken};
 use super::parser::{GrfParser, ParseResult};
+use super::placement::BlockPlace;
 use super::resolve::{GrfResolver, ResolveResult};
 use super::write::{GrfOutput, Number, Quoted, point, rgb};
 use azulejo_scene::sky::{CieSky, PerezSky, Sky, SkyDistribution};
@@ -11,7 +12,7 @@ use azulejo_scene::{
     Backplate, BackplateFit, Environment, EnvironmentSource, Light, LightKind, Material,
     Projection, Rgb, Scene, SceneBackground, TextureId,
 };
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
 use std::io::{self, Write};
 
@@ -51,17 +52,10 @@ pub(super) struct BackplateBlock {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    /// The rest of a background that is no single colour.
-    pub(super) fn background(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-    ) -> ParseResult<BlockKind> {
-        let Some((name, offset)) = self.take_word(entries, "fit")? else {
+    /// The rest of a background that is not a single colour.
+    pub(super) fn background(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<BlockKind> {
+        let Some(fit) = self.take_choice(entries, "fit", &FITS)? else {
             return self.environment(entries, None);
-        };
-        let Some(&(_, fit)) = FITS.iter().find(|(known, _)| *known == name) else {
-            let found = format!("`{name}`");
-            return Err(self.fail(offset, found, "`scaled`, `centered` or `tiled`"));
         };
         let picture = self.take_text(entries, "picture")?;
         let radiance = self.take_number(entries, "radiance")?;
@@ -70,7 +64,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             plate: Backplate {
                 texture: 0,
                 fit,
-                radiance: self.not_negative_number(radiance.unwrap_or((1.0, offset)))?,
+                radiance: self.not_negative_number(radiance.unwrap_or((1.0, entries.offset)))?,
             },
         })))
     }
@@ -78,7 +72,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// The rest of an environment; `light` is the name of the light that it is.
     pub(super) fn environment(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         light: Option<String>,
     ) -> ParseResult<BlockKind> {
         let picture = self.take_text(entries, "picture")?;
@@ -86,7 +80,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             Some(sky) => EnvironmentSource::Sky(sky),
             None => EnvironmentSource::Picture {
                 texture: 0,
-                projection: self.projection(entries)?,
+                projection: (self.take_choice(entries, "projection", &PROJECTIONS)?)
+                    .unwrap_or_default(),
             },
         };
         let scale = self.take_rgb(entries, "scale")?.unwrap_or(Rgb::WHITE);
@@ -107,7 +102,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// `sky = uniform`, `cie` or `perez`, with what it depends on; `None` for a picture.
-    fn sky(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<Sky>> {
+    fn sky(&mut self, entries: &mut GrfEntries<'a>) -> Taken<Sky> {
         let Some((name, offset)) = self.take_word(entries, "sky")? else {
             return Ok(None);
         };
@@ -124,8 +119,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             "perez" => {
                 let mut coefficients = [0.0; 5];
                 for (value, key) in coefficients.iter_mut().zip(COEFFICIENTS) {
-                    let found = self.take_number(entries, key)?;
-                    *value = self.required(entries, key, found)?.0;
+                    let coefficient = self.take_number(entries, key)?;
+                    *value = self.required(entries, key, coefficient)?.0;
                 }
                 SkyDistribution::Perez(PerezSky { coefficients })
             }
@@ -155,23 +150,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         Err(self.fail(offset, format!("`{value}`"), "a number of at least 0"))
     }
 
-    fn projection(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Projection> {
-        let word = self.take_word(entries, "projection")?;
-        match word {
-            None => Ok(Projection::default()),
-            Some((name, offset)) => match PROJECTIONS.iter().find(|(known, _)| *known == name) {
-                Some(&(_, projection)) => Ok(projection),
-                None => Err(self.fail(
-                    offset,
-                    format!("`{name}`"),
-                    "`equirectangular` or `angular_map`",
-                )),
-            },
-        }
-    }
-
     /// The rotation by `up` and `north`, by default z and y.
-    fn directions(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DQuat> {
+    fn directions(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<DQuat> {
         let offset = entries.offset;
         let up = self.take_point(entries, "up")?.unwrap_or(DVec3::Z);
         let north = self.take_point(entries, "north")?.unwrap_or(DVec3::Y);
@@ -192,18 +172,17 @@ impl<'a> GrfParser<'a, '_, '_> {
 
 impl GrfResolver<'_> {
     /// Adds an environment to the scene.
-    pub(super) fn environment(
+    pub fn environment(
         &mut self,
         block: &EnvironmentBlock,
-        place: SourcePosition,
-        outer: Option<DAffine3>,
+        place: BlockPlace,
     ) -> ResolveResult<()> {
         let mut environment = block.environment;
-        if let Some(map) = outer {
+        if let Some(map) = place.outer {
             environment.turn(&map.matrix3);
         }
         if let Some(path) = &block.picture {
-            let texture = self.texture_in_place(path, place);
+            let texture = self.texture_in_place(path, place.source);
             environment = environment.with_texture(|_| texture);
         }
         match &block.light {

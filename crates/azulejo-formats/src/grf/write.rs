@@ -3,7 +3,7 @@
 use super::brdf::GrfReflection;
 use super::document::{
     AppearanceChange, AreaLight, BlockKind, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
-    GrfDocument, MaterialNote, MeshBlock, ObjectNotes, PrimitiveBlock, TransformStep,
+    GrfDocument, MaterialNote, MeshBlock, ObjectNotes, OpacityNote, PrimitiveBlock, TransformStep,
 };
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{
@@ -59,16 +59,12 @@ pub(super) struct Vector<const N: usize>([f64; N]);
 
 impl<const N: usize> fmt::Display for Vector<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        list(f, &self.0)
+        for (k, &number) in self.0.iter().enumerate() {
+            let before = if k == 0 { "(" } else { ", " };
+            write!(f, "{before}{}", Number(number))?;
+        }
+        f.write_str(")")
     }
-}
-
-fn list(f: &mut fmt::Formatter<'_>, numbers: &[f64]) -> fmt::Result {
-    for (k, &number) in numbers.iter().enumerate() {
-        let before = if k == 0 { "(" } else { ", " };
-        write!(f, "{before}{}", Number(number))?;
-    }
-    f.write_str(")")
 }
 
 pub(super) fn point(v: DVec3) -> Vector<3> {
@@ -216,9 +212,9 @@ fn body(out: &mut GrfOutput<'_>, body: &DefinitionBody) -> io::Result<()> {
 pub(super) fn brdf(out: &mut GrfOutput<'_>, reflection: &GrfReflection) -> io::Result<()> {
     match &reflection.description {
         Description::File { path, .. } => write!(out, "brdf {}", FileName(path))?,
-        Description::Model(said) => {
+        Description::Model(whole) => {
             out.write_all(b"brdf")?;
-            model(out, said)?;
+            model(out, whole)?;
         }
         Description::Combination(parts) => {
             out.write_all(b"brdf combination")?;
@@ -317,21 +313,19 @@ pub(super) fn object(
         return Ok(());
     }
     out.write_all(b"ext object begin")?;
-    if !notes.name.is_empty() {
-        write!(out, " name = {}", Quoted(&notes.name))?;
-    }
-    if let Some(name) = material {
-        write!(out, " material = {name}")?;
-    }
+    let name = (!notes.name.is_empty()).then(|| Quoted(&notes.name));
+    key(out, "name", name)?;
+    key(out, "material", material)?;
     out.write_all(b" end ext\n")
 }
 
 fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
     if !notes.smoothing.is_empty() {
         out.write_all(b"ext smoothing begin groups =")?;
-        for group in &notes.smoothing {
-            write!(out, " {group}")?;
-        }
+        notes
+            .smoothing
+            .iter()
+            .try_for_each(|g| write!(out, " {g}"))?;
         out.write_all(b" end ext\n")?;
     }
     if !notes.shared.is_empty() {
@@ -422,9 +416,7 @@ fn primitive(out: &mut GrfOutput<'_>, primitive: &PrimitiveBlock) -> io::Result<
     object(out, &primitive.notes, None)?;
     out.write_all(b"ext primitive begin")?;
     unit_primitive(out, primitive.kind, &primitive.map)?;
-    if let Some(name) = &primitive.notes.material {
-        write!(out, " material = {name}")?;
-    }
+    key(out, "material", primitive.notes.material.as_ref())?;
     out.write_all(b" end ext\n")?;
     primitive
         .notes
@@ -449,7 +441,7 @@ pub(super) fn unit_primitive(
     };
     write!(out, " kind = {word}")?;
     if let PrimitiveKind::Cone { top } | PrimitiveKind::Tube { top } = kind {
-        write!(out, " top = {}", Number(top))?;
+        key(out, "top", Some(Number(top)))?;
     }
     affine_map(out, map)
 }
@@ -465,12 +457,8 @@ pub(super) fn affine_map(out: &mut GrfOutput<'_>, map: &DAffine3) -> io::Result<
 
 fn units(out: &mut GrfOutput<'_>, units: &Units) -> io::Result<()> {
     out.write_all(b"ext units begin")?;
-    if let Some(metres) = units.metres_per_unit {
-        write!(out, " metres_per_unit = {}", Number(metres))?;
-    }
-    if units.up == Up::Z {
-        out.write_all(b" up = z")?;
-    }
+    key(out, "metres_per_unit", units.metres_per_unit.map(Number))?;
+    key(out, "up", (units.up == Up::Z).then_some("z"))?;
     writeln!(out, " photometric = {} end ext", units.photometric)
 }
 
@@ -589,70 +577,39 @@ fn write_finish(out: &mut GrfOutput<'_>, finish: &FinishNote) -> io::Result<()> 
 
 fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
     write!(out, "ext material begin of = {}", note.of)?;
-    if let Some(name) = &note.name {
-        write!(out, " name = {}", Quoted(name))?;
-    }
-    let colors = [
-        ("diffuse", note.diffuse),
-        ("mirror", note.mirror),
-        ("emission", note.emission),
-    ];
-    for (key, color) in colors {
-        if let Some(color) = color {
-            write!(out, " {key} = {}", rgb(color))?;
-        }
-    }
-    if let Some(name) = &note.emission_texture {
-        write!(out, " emission_texture = {name}")?;
-    }
-    if note.emits_back {
-        out.write_all(b" emits_back = true")?;
-    }
-    if let Some(ior) = note.ior {
-        write!(out, " ior = {}", Number(ior))?;
-    }
-    if let Some(color) = note.transmittance {
-        write!(out, " transmittance = {}", rgb(color))?;
-    }
-    if note.thin {
-        out.write_all(b" thin = true")?;
-    }
-    match note.sidedness {
-        Sidedness::Unsaid => {}
-        Sidedness::One => out.write_all(b" sides = one")?,
-        Sidedness::Two => out.write_all(b" sides = two")?,
-    }
+    key(out, "name", note.name.as_deref().map(Quoted))?;
+    key(out, "diffuse", note.diffuse.map(rgb))?;
+    key(out, "mirror", note.mirror.map(rgb))?;
+    key(out, "emission", note.emission.map(rgb))?;
+    key(out, "emission_texture", note.emission_texture.as_ref())?;
+    key(out, "emits_back", note.emits_back.then_some(true))?;
+    key(out, "ior", note.ior.map(Number))?;
+    key(out, "transmittance", note.transmittance.map(rgb))?;
+    key(out, "thin", note.thin.then_some(true))?;
+    let sides = match note.sidedness {
+        Sidedness::Unsaid => None,
+        Sidedness::One => Some("one"),
+        Sidedness::Two => Some("two"),
+    };
+    key(out, "sides", sides)?;
     if let Some(Description::File { path, .. }) = note.brdf_file.as_ref().map(|r| &r.description) {
-        write!(out, " brdf_file = {}", Quoted(path))?;
+        key(out, "brdf_file", Some(Quoted(path)))?;
     }
     if let Some(opacity) = &note.opacity {
-        write!(out, " opacity = {}", Number(opacity.constant))?;
-        if let Some((name, channel)) = &opacity.picture {
-            write!(out, " opacity_texture = {name}")?;
-            if *channel == OpacityChannel::Luminance {
-                out.write_all(b" opacity_channel = luminance")?;
-            }
-        }
-        if let OpacityMode::Mask { cutoff } = opacity.mode {
-            write!(out, " cutoff = {}", Number(cutoff))?;
-        }
+        write_opacity(out, opacity)?;
     }
     if let Some(finish) = &note.finish {
         write_finish(out, finish)?;
     }
     match &note.relief {
         None => {}
-        Some((name, ReliefKind::Normals { scale })) => write!(
-            out,
-            " normal_texture = {name} normal_scale = {}",
-            Number(*scale)
-        )?,
+        Some((name, ReliefKind::Normals { scale })) => {
+            key(out, "normal_texture", Some(name))?;
+            key(out, "normal_scale", Some(Number(*scale)))?;
+        }
         Some((name, ReliefKind::Heights { slope })) => {
-            write!(
-                out,
-                " bump_texture = {name} bump_slope = {}",
-                Number(*slope)
-            )?;
+            key(out, "bump_texture", Some(name))?;
+            key(out, "bump_slope", Some(Number(*slope)))?;
         }
     }
     match note.textures.as_deref() {
@@ -664,6 +621,27 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
         }
     }
     out.write_all(b" end ext\n")
+}
+
+fn write_opacity(out: &mut GrfOutput<'_>, opacity: &OpacityNote) -> io::Result<()> {
+    key(out, "opacity", Some(Number(opacity.constant)))?;
+    if let Some((name, channel)) = &opacity.picture {
+        key(out, "opacity_texture", Some(name))?;
+        let is_luminance = *channel == OpacityChannel::Luminance;
+        key(out, "opacity_channel", is_luminance.then_some("luminance"))?;
+    }
+    match opacity.mode {
+        OpacityMode::Mask { cutoff } => key(out, "cutoff", Some(Number(cutoff))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a key of an extension that has a value.
+fn key(out: &mut GrfOutput<'_>, key: &str, value: Option<impl fmt::Display>) -> io::Result<()> {
+    match value {
+        Some(value) => write!(out, " {key} = {value}"),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -694,14 +672,14 @@ mod tests {
     fn angles_are_degrees_where_degrees_are_exact() {
         assert_eq!(Angle("fov", 40f64.to_radians()).to_string(), "fov = 40");
         let radians = 1.0_f64.next_up();
-        let said = Angle("fov", radians).to_string();
-        let (_, number) = said.split_once(" = ").unwrap();
+        let text = Angle("fov", radians).to_string();
+        let (_, number) = text.split_once(" = ").unwrap();
         let number: f64 = number.parse().unwrap();
-        let read = if said.contains("radians") {
+        let read = if text.contains("radians") {
             number
         } else {
             number.to_radians()
         };
-        assert_eq!(read, radians, "{said}");
+        assert_eq!(read, radians, "{text}");
     }
 }

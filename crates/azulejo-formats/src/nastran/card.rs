@@ -174,7 +174,7 @@ impl BulkCard {
         });
     }
 
-    /// A field by its number, where 1 is the one behind the name, and each further line adds eight, or four
+    /// A field by its number, where 1 is the one after the name, and each further line adds eight, or four
     /// if it is wide. Blank beyond the last.
     pub fn field(&self, number: usize) -> &[u8] {
         let field = self.fields.get(number - 1);
@@ -221,14 +221,14 @@ mod tests {
             assert!(line.continues(), "{text}");
             assert!(card.push(&line), "{text}");
         }
-        let mut found: Vec<_> = (1..=card.len())
+        let mut fields: Vec<_> = (1..=card.len())
             .map(|k| String::from_utf8_lossy(card.field(k)).into_owned())
             .collect();
-        while found.last().is_some_and(String::is_empty) {
-            found.pop();
+        while fields.last().is_some_and(String::is_empty) {
+            fields.pop();
         }
         assert_eq!(
-            (&*card.name, found),
+            (&*card.name, fields),
             (
                 name.as_bytes(),
                 expected.iter().map(|s| s.to_string()).collect()

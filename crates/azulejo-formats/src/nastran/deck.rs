@@ -8,7 +8,7 @@ use crate::reading::warnings::Warnings;
 use crate::surface::finite::FiniteMesh;
 use crate::surface::named::NamedSurfaces;
 use crate::{Position, ReadError};
-use azulejo_scene::{Scene, Units, Up};
+use azulejo_scene::Scene;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -66,15 +66,7 @@ impl BulkDeck {
             self.radiation
                 .collect(self, &grids, &mut surfaces, warnings);
         }
-        let mut scene = Scene {
-            units: Units {
-                up: Up::Z,
-                ..Units::default()
-            },
-            ..Scene::default()
-        };
-        surfaces.finish(&grids.positions, &mut scene, self.file((0, 0)), warnings);
-        Ok(scene)
+        Ok(surfaces.scene(&grids.positions, self.file((0, 0)), warnings))
     }
 
     /// All grid points in the basic system.

@@ -99,7 +99,7 @@ impl CardFields<'_> {
         }
     }
 
-    /// A surface element; `None` if it is no polygon.
+    /// A surface element; `None` if it is not a polygon.
     pub fn radiating(&self, place: (u32, u32)) -> Result<Option<RadiatingElement>, ReadError> {
         let views = [self.optional(4)?, self.optional(5)?];
         let surface = if &*self.card.name == b"CHBDYE" {

@@ -157,15 +157,15 @@ impl<'a> BulkReader<'a> {
         lines: &mut BulkLines,
         source: &BulkSource,
     ) -> Result<(), ReadError> {
-        let wanted = included_name(line, lines);
+        let path = included_name(line, lines);
         let fail = |found: String, expected: &str| {
             Err(source.text.error(source.file, line.at, found, expected))
         };
-        if wanted.is_empty() {
+        if path.is_empty() {
             return fail("INCLUDE without a name".to_owned(), "the name of a file");
         }
-        let shown = quoted(wanted.as_bytes());
-        let (name, bytes) = match open_beside(self.files, source.name, &wanted) {
+        let shown = quoted(path.as_bytes());
+        let (name, bytes) = match open_beside(self.files, source.name, &path) {
             Ok(found) => found,
             Err(reason) => {
                 self.warn(
@@ -207,7 +207,7 @@ impl<'a> BulkReader<'a> {
     }
 }
 
-/// Where bulk data begin: behind the first line `BEGIN BULK`, or at the start.
+/// Where bulk data begin: after the first line `BEGIN BULK`, or at the start.
 fn start_of_bulk(bytes: &[u8]) -> usize {
     let mut lines = BulkLines {
         text: TextCursor::new(bytes),
@@ -227,8 +227,8 @@ fn start_of_bulk(bytes: &[u8]) -> usize {
 
 /// The name behind `INCLUDE`; in quotes it may continue on the lines that follow.
 fn included_name(line: &BulkLine, lines: &mut BulkLines) -> String {
-    let all = [line.text, line.comment].concat();
-    let rest = all.trim_ascii()["INCLUDE".len()..].trim_ascii();
+    let line_text = [line.text, line.comment].concat();
+    let rest = line_text.trim_ascii()["INCLUDE".len()..].trim_ascii();
     let rest = rest
         .strip_prefix(b",")
         .or(rest.strip_prefix(b"="))

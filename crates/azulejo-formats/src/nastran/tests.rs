@@ -20,8 +20,8 @@ fn check_error(text: &str, expected: &str) {
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
+    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(messages, expected);
 }
 
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
@@ -196,9 +196,9 @@ CTRIA3,1,1,1,2,3
     let loaded = load(text);
     // System 1 is at (1, 0, 0), system 2 at (1, 1, 0) with x along y; grid point 12 is there one along y.
     let expected = [[1.0, 1.0, 2.0], [0.0, 0.0, 5.0], [0.0; 3]].map(DVec3::from);
-    let found = &mesh(&loaded, 0).positions;
-    for (found, expected) in found.iter().zip(expected) {
-        assert!(found.distance(expected) < 1e-12, "{found} {expected}");
+    let positions = &mesh(&loaded, 0).positions;
+    for (position, expected) in positions.iter().zip(expected) {
+        assert!(position.distance(expected) < 1e-12, "{position} {expected}");
     }
 }
 
@@ -428,15 +428,15 @@ CTETRA,4,1,1,2,3,4,,,+A
 
 #[test]
 fn damaged_files_are_no_danger() {
-    let all = [
+    let text = [
         PLATES.replace("ENDDATA", "$"),
         cube(),
         "CORD1R,3,1,2,4\nINCLUDE 'b\n".to_owned(),
     ]
     .concat();
-    for end in 0..all.len() {
+    for end in 0..text.len() {
         let _ = read(
-            &all.as_bytes()[..end],
+            &text.as_bytes()[..end],
             "a.bdf",
             &Memory::new(),
             &ReadOptions::default(),

@@ -4,7 +4,7 @@ use super::document::FltDocument;
 use super::opcode;
 use super::part::VertexSlot;
 use super::transform::InheritedState;
-use super::walk::{BYTES_PER_ELEMENT, FltSource, FltWalker};
+use super::walk::{BYTES_PER_ELEMENT, FltSource, FltWalker, NodeVisit};
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
@@ -97,20 +97,15 @@ fn split(reference: &str) -> (&str, Option<&str>) {
 
 impl FltWalker<'_> {
     /// Adds the content of an external reference.
-    pub fn external(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        let record = source.document.node(node);
+    pub fn external(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
+        let (source, record) = (visit.source, visit.record());
         let reference = record.text(4, 200);
         let (name, part) = split(&reference);
         let (path, external) = match self.find(source, name) {
-            Ok(found) => found,
+            Ok(external) => external,
             Err(why) => {
                 let message = format!("file \"{}\" skipped: {why}", shortened(name));
-                self.notes(source, node).add(message);
+                self.notes(visit).add(message);
                 return Ok(());
             }
         };
@@ -134,13 +129,13 @@ impl FltWalker<'_> {
             scale: source.scale * scale,
         };
         let place = match scale {
-            1.0 => *place,
-            _ => place.then(&DAffine3::from_scale(DVec3::splat(scale))),
+            1.0 => visit.place,
+            _ => visit.place.then(&DAffine3::from_scale(DVec3::splat(scale))),
         };
         self.externals.open.push(path.to_lowercase());
         let done = match part {
-            None => self.top(inner, &place),
-            Some(part) => self.named(inner, part, &place),
+            None => self.top(inner, place),
+            Some(part) => self.named(inner, part, place),
         };
         self.externals.open.pop();
         done
@@ -186,7 +181,7 @@ impl FltWalker<'_> {
         &mut self,
         source: FltSource,
         name: &str,
-        place: &InheritedState,
+        place: InheritedState,
     ) -> Result<(), ReadError> {
         let document = source.document;
         // The name of each node is compared.
@@ -197,7 +192,11 @@ impl FltWalker<'_> {
                 && document.name(index) == name
         };
         if let Some(node) = (0..document.nodes.len() as u32).find(is_it) {
-            return self.one(source, node, place);
+            return self.one(NodeVisit {
+                source,
+                node,
+                place,
+            });
         }
         let message = format!("no node named \"{}\": skipped", shortened(name));
         self.warnings

@@ -3,9 +3,8 @@
 use super::materials::FaceAttributes;
 use super::opcode;
 use super::part::{FltPart, VertexSlot};
-use super::transform::InheritedState;
 use super::vertices::{LocalPool, palette_vertex, palette_vertex_color};
-use super::walk::{FltSource, FltWalker};
+use super::walk::{FltWalker, NodeVisit};
 use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Rgb};
@@ -15,9 +14,7 @@ const NONE: u32 = u32::MAX;
 
 /// A face or mesh in its traversal context.
 struct FltSurface<'d> {
-    source: FltSource<'d>,
-    node: u32,
-    place: &'d InheritedState,
+    visit: NodeVisit<'d>,
     style: &'d FaceAttributes,
     color: Rgb,
     material: MaterialId,
@@ -25,28 +22,19 @@ struct FltSurface<'d> {
 
 impl FltWalker<'_> {
     /// Adds a face or a mesh, and its sub-faces.
-    pub fn surface(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-        part: &mut FltPart,
-    ) -> Result<(), ReadError> {
-        let document = source.document;
-        let is_mesh = document.nodes[node as usize].opcode == opcode::MESH;
-        let style = FaceAttributes::new(document.node(node), is_mesh, document);
+    pub fn surface(&mut self, visit: NodeVisit, part: &mut FltPart) -> Result<(), ReadError> {
+        let is_mesh = visit.opcode() == opcode::MESH;
+        let style = FaceAttributes::new(visit.record(), is_mesh, visit.source.document);
         if let Some(why) = style.skipped() {
-            self.notes(source, node).add(why);
+            self.notes(visit).add(why);
             return Ok(());
         }
-        let (color, material) = self.color_and_material(source, node, &style, place.opacity);
-        self.deeper(source, node, |walker| {
-            walker.each_copy(source, node, place, |walker, place| {
-                part.enter(place, &mut walker.stamps);
+        let (color, material) = self.color_and_material(visit, &style);
+        self.deeper(visit, |walker| {
+            walker.each_copy(visit, |walker, visit| {
+                part.enter(&visit.place, &mut walker.stamps);
                 let surface = FltSurface {
-                    source,
-                    node,
-                    place,
+                    visit,
                     style: &style,
                     color,
                     material,
@@ -63,14 +51,13 @@ impl FltWalker<'_> {
     /// The colour of a face and its material, with warnings about both.
     fn color_and_material(
         &mut self,
-        source: FltSource,
-        node: u32,
+        visit: NodeVisit,
         style: &FaceAttributes,
-        opacity: f64,
     ) -> (Rgb, MaterialId) {
-        let mut notes = RecordWarnings::new(&mut self.warnings, source.document, node);
+        let source = visit.source;
+        let mut notes = RecordWarnings::new(&mut self.warnings, source.document, visit.node);
         let color = style.color(source.palettes, &mut notes);
-        let opacity = style.opacity(opacity, source.palettes);
+        let opacity = style.opacity(visit.place.opacity, source.palettes);
         if style.billboard {
             notes.add("billboard face: kept in its original orientation");
         }
@@ -88,9 +75,9 @@ impl FltWalker<'_> {
     }
 
     fn face(&mut self, face: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
-        let source = face.source;
+        let visit = face.visit;
         let mut has_corners = false;
-        for (child, node) in source.document.below(face.node) {
+        for (child, node) in visit.source.document.below(visit.node) {
             self.spend(1)?;
             match node.opcode {
                 opcode::VERTEX_LIST => {
@@ -100,15 +87,14 @@ impl FltWalker<'_> {
                 opcode::MORPH_VERTEX_LIST => {
                     has_corners = true;
                     let message = "morph vertex list: its state at 0 % is used";
-                    self.notes(source, child).add(message);
+                    self.notes(visit.with(child)).add(message);
                     self.polygon(face, child, 8, part)?;
                 }
                 _ => self.below_surface(face, child, part)?,
             }
         }
         if !has_corners {
-            self.notes(source, face.node)
-                .add("face without corners: skipped");
+            self.notes(visit).add("face without corners: skipped");
         }
         Ok(())
     }
@@ -120,18 +106,16 @@ impl FltWalker<'_> {
         child: u32,
         part: &mut FltPart,
     ) -> Result<(), ReadError> {
-        let (source, place) = (surface.source, surface.place);
-        match source.document.nodes[child as usize].opcode {
+        let child = surface.visit.with(child);
+        match child.opcode() {
             opcode::FACE | opcode::MESH => {
                 let message = "sub-face, coplanar with its parent face: both are kept";
-                self.notes(source, child).add(message);
-                self.surface(source, child, place, part)?;
-                part.enter(place, &mut self.stamps);
+                self.notes(child).add(message);
+                self.surface(child, part)?;
+                part.enter(&child.place, &mut self.stamps);
                 Ok(())
             }
-            other if opcode::OpcodeRole::of(other) == opcode::OpcodeRole::Node => {
-                self.node(source, child, place)
-            }
+            other if opcode::OpcodeRole::of(other) == opcode::OpcodeRole::Node => self.node(child),
             _ => Ok(()),
         }
     }
@@ -145,7 +129,8 @@ impl FltWalker<'_> {
         size: usize,
         part: &mut FltPart,
     ) -> Result<(), ReadError> {
-        let record = face.source.document.node(list);
+        let list = face.visit.with(list);
+        let record = list.record();
         let count = (record.0.len() - 4) / size;
         // One corner each, and possibly a new vertex.
         self.spend(2 * count as u64)?;
@@ -153,7 +138,7 @@ impl FltWalker<'_> {
         let mut corners = Vec::with_capacity(count);
         corners.extend(offsets.filter_map(|offset| self.corner(face, offset, part)));
         let lost = count - corners.len();
-        let mut notes = self.notes(face.source, list);
+        let mut notes = self.notes(list);
         notes.add_many(
             "corner that does not refer to a vertex of the palette: skipped",
             lost,
@@ -162,14 +147,14 @@ impl FltWalker<'_> {
             notes.add("face with fewer than three corners: skipped");
             return Ok(());
         }
-        part.add_face(&mut corners, face.material, face.place);
+        part.add_face(&mut corners, face.material, &face.visit.place);
         self.note_missing_uvs(face, part);
         Ok(())
     }
 
     /// The vertex of a part for the vertex of the palette at an offset.
     fn corner(&mut self, face: &FltSurface, offset: u32, part: &mut FltPart) -> Option<u32> {
-        let source = face.source;
+        let source = face.visit.source;
         let index = source.document.vertices.find(offset)?;
         let color = if face.style.is_gouraud() {
             let own = palette_vertex_color(source.document, source.palettes, index);
@@ -182,7 +167,7 @@ impl FltWalker<'_> {
             return Some(slot.vertex);
         }
         let vertex = palette_vertex(source.document, index)?;
-        let added = part.add_vertex(&vertex, color, face.place)?;
+        let added = part.add_vertex(&vertex, color, &face.visit.place)?;
         *slot = VertexSlot {
             stamp: part.stamp,
             vertex: added,
@@ -192,21 +177,21 @@ impl FltWalker<'_> {
 
     /// Adds the polygons of a mesh.
     fn mesh(&mut self, mesh: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
-        let document = mesh.source.document;
-        let record = document.ancillary(mesh.node, opcode::LOCAL_VERTEX_POOL);
+        let document = mesh.visit.source.document;
+        let record = document.ancillary(mesh.visit.node, opcode::LOCAL_VERTEX_POOL);
         let Some(pool) = record.and_then(LocalPool::new) else {
             let message = "mesh without vertex positions: skipped";
-            self.notes(mesh.source, mesh.node).add(message);
+            self.notes(mesh.visit).add(message);
             return Ok(());
         };
         if pool.count < pool.promised as usize {
             let (count, promised) = (pool.count, pool.promised);
             let message = format!("mesh that declares {promised} vertices, but has {count}");
-            self.notes(mesh.source, mesh.node).add(message);
+            self.notes(mesh.visit).add(message);
         }
         self.spend(pool.count as u64 / 8)?;
         let mut local = vec![NONE; pool.count];
-        for (child, node) in document.below(mesh.node) {
+        for (child, node) in document.below(mesh.visit.node) {
             self.spend(1)?;
             match node.opcode {
                 opcode::MESH_PRIMITIVE => self.primitive(mesh, &pool, &mut local, child, part)?,
@@ -225,19 +210,20 @@ impl FltWalker<'_> {
         node: u32,
         part: &mut FltPart,
     ) -> Result<(), ReadError> {
-        let primitive = MeshPrimitive::new(mesh.source.document.node(node));
+        let (visit, palettes) = (mesh.visit.with(node), mesh.visit.source.palettes);
+        let primitive = MeshPrimitive::new(visit.record());
         if primitive.indices.len() < primitive.promised as usize {
             let message = "mesh primitive with fewer indices than declared";
-            self.notes(mesh.source, node).add(message);
+            self.notes(visit).add(message);
         }
         self.spend(4 * primitive.indices.len() as u64)?;
         let mut vertex = |index: u32| -> Option<u32> {
             let known = local.get_mut(index as usize)?;
             if *known == NONE {
                 let own = mesh.style.is_gouraud();
-                let color = own.then(|| pool.color(index, mesh.source.palettes));
+                let color = own.then(|| pool.color(index, palettes));
                 let color = color.map_or(Rgb::WHITE, |c| c.unwrap_or(mesh.color));
-                *known = part.add_vertex(&pool.vertex(index)?, color, mesh.place)?;
+                *known = part.add_vertex(&pool.vertex(index)?, color, &visit.place)?;
             }
             Some(*known)
         };
@@ -245,13 +231,13 @@ impl FltWalker<'_> {
         let corners: Vec<Option<u32>> = indices.map(|i| vertex(*i)).collect();
         let mut lost = 0;
         let is_known = primitive.polygons(|polygon| {
-            let found: Option<Vec<u32>> = polygon.iter().map(|k| corners[*k]).collect();
-            match found {
-                Some(mut polygon) => part.add_face(&mut polygon, mesh.material, mesh.place),
+            let vertices: Option<Vec<u32>> = polygon.iter().map(|k| corners[*k]).collect();
+            match vertices {
+                Some(mut polygon) => part.add_face(&mut polygon, mesh.material, &visit.place),
                 None => lost += 1,
             }
         });
-        let mut notes = self.notes(mesh.source, node);
+        let mut notes = self.notes(visit);
         notes.add_many(
             "polygon of a mesh with a vertex index out of range: skipped",
             lost,
@@ -266,7 +252,7 @@ impl FltWalker<'_> {
     fn note_missing_uvs(&mut self, surface: &FltSurface, part: &FltPart) {
         if surface.style.has_texture() && !part.has_uvs {
             let message = "face with a texture, but without texture coordinates";
-            self.notes(surface.source, surface.node).add(message);
+            self.notes(surface.visit).add(message);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::fields::RecordFields;
 use super::palettes::{PaletteLight, Palettes};
 use super::transform::InheritedState;
-use super::walk::{FltSource, FltWalker};
+use super::walk::{FltWalker, NodeVisit};
 use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{Light, LightKind};
@@ -15,15 +15,10 @@ const GLOBAL: u32 = 1 << 30;
 
 impl FltWalker<'_> {
     /// Adds the light of a light source node.
-    pub fn light(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        let record = source.document.node(node);
-        let mut notes = self.notes(source, node);
-        match found(record, source.palettes, place) {
+    pub fn light(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
+        let record = visit.record();
+        let mut notes = self.notes(visit);
+        match entry_and_kind(record, visit.source.palettes, &visit.place) {
             Err(why) => notes.add(why),
             Ok((entry, kind)) => {
                 note_losses(record, entry, &mut notes);
@@ -38,8 +33,8 @@ impl FltWalker<'_> {
     }
 }
 
-/// The type of a light source node and its palette entry, or why it is skipped.
-fn found<'p>(
+/// The palette entry of a light source node and its type, or why it is skipped.
+fn entry_and_kind<'p>(
     record: RecordFields,
     palettes: &'p Palettes,
     place: &InheritedState,

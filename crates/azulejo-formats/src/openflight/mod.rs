@@ -59,7 +59,7 @@ pub fn read(
         set: 0,
         scale: 1.0,
     };
-    walker.top(source, &InheritedState::world())?;
+    walker.top(source, InheritedState::world())?;
     let mut scene = walker.scene;
     if scene.objects.is_empty() {
         walker

@@ -139,13 +139,13 @@ fn lod_rule(document: &FltDocument, children: Siblings, lod: Lod, scale: f64) ->
         Lod::All => LodRule::All,
         Lod::Distance(d) => LodRule::Distance(d / scale),
         Lod::Finest | Lod::Numbered(_) => {
-            let all = children.filter_map(switch_out);
-            LodRule::SwitchOut(all.fold(f64::INFINITY, f64::min))
+            let distances = children.filter_map(switch_out);
+            LodRule::SwitchOut(distances.fold(f64::INFINITY, f64::min))
         }
         Lod::Coarsest => {
             let full = children.filter(|(index, _)| has_surface(document, *index));
-            let all = full.filter_map(switch_out);
-            LodRule::SwitchOut(all.fold(f64::NEG_INFINITY, f64::max))
+            let distances = full.filter_map(switch_out);
+            LodRule::SwitchOut(distances.fold(f64::NEG_INFINITY, f64::max))
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::document::{FltDocument, FltNode, Siblings};
 use super::external::ExternalFiles;
+use super::fields::RecordFields;
 use super::materials::FltMaterials;
 use super::opcode::{self, OpcodeRole};
 use super::palettes::Palettes;
@@ -34,6 +35,35 @@ pub(super) struct FltSource<'d> {
     pub set: u32,
     /// Length of a unit in units of the root model.
     pub scale: f64,
+}
+
+/// A node, with the file that it is in and what it inherits from the nodes above.
+#[derive(Clone, Copy)]
+pub(super) struct NodeVisit<'d> {
+    pub source: FltSource<'d>,
+    pub node: u32,
+    pub place: InheritedState,
+}
+
+impl<'d> NodeVisit<'d> {
+    /// Another node that inherits the same.
+    pub fn with(self, node: u32) -> NodeVisit<'d> {
+        NodeVisit { node, ..self }
+    }
+
+    /// The same node with a transform of its own.
+    fn moved(self, map: &DAffine3) -> NodeVisit<'d> {
+        let place = self.place.then(map);
+        NodeVisit { place, ..self }
+    }
+
+    pub fn opcode(&self) -> u16 {
+        self.source.document.nodes[self.node as usize].opcode
+    }
+
+    pub fn record(&self) -> RecordFields<'d> {
+        self.source.document.node(self.node)
+    }
 }
 
 /// The scene under construction, and the state of the traversal.
@@ -86,24 +116,27 @@ impl<'f> FltWalker<'f> {
     }
 
     /// A collector of warnings about a node.
-    pub fn notes<'n>(&'n mut self, source: FltSource<'n>, node: u32) -> RecordWarnings<'n> {
-        RecordWarnings::new(&mut self.warnings, source.document, node)
+    pub fn notes<'n>(&'n mut self, visit: NodeVisit<'n>) -> RecordWarnings<'n> {
+        RecordWarnings::new(&mut self.warnings, visit.source.document, visit.node)
+    }
+
+    /// Counts a warning about a node, of which nothing else is read.
+    fn skip(&mut self, visit: NodeVisit, message: impl Into<String>) -> Result<(), ReadError> {
+        self.notes(visit).add(message);
+        Ok(())
     }
 
     /// Runs a step one level deeper.
     pub fn deeper(
         &mut self,
-        source: FltSource,
-        node: u32,
+        visit: NodeVisit,
         inside: impl FnOnce(&mut Self) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         if self.levels == MOST_LEVELS {
-            return Err(ReadError::at_byte(
-                &*source.document.file,
-                source.document.nodes[node as usize].at.into(),
-                format!("nodes nested more than {MOST_LEVELS} deep"),
-                "fewer",
-            ));
+            let document = visit.source.document;
+            let at = document.nodes[visit.node as usize].at.into();
+            let found = format!("nodes nested more than {MOST_LEVELS} deep");
+            return Err(ReadError::at_byte(&*document.file, at, found, "fewer"));
         }
         self.levels += 1;
         let done = inside(self);
@@ -112,40 +145,32 @@ impl<'f> FltWalker<'f> {
     }
 
     /// Adds the top-level nodes of a file.
-    pub fn top(&mut self, source: FltSource, place: &InheritedState) -> Result<(), ReadError> {
+    pub fn top(&mut self, source: FltSource, place: InheritedState) -> Result<(), ReadError> {
         self.siblings(source, None, source.document.top(), place)
     }
 
     /// Adds a single node.
-    pub fn one(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        match source.document.nodes[node as usize].opcode {
+    pub fn one(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
+        match visit.opcode() {
             opcode::FACE | opcode::MESH => {
                 let mut part = FltPart::default();
-                self.surface(source, node, place, &mut part)?;
+                self.surface(visit, &mut part)?;
                 self.finish(part)
             }
-            _ => self.node(source, node, place),
+            _ => self.node(visit),
         }
     }
 
     /// Adds the children of a node.
-    fn children(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        let parent = source.document.nodes[node as usize];
+    fn children(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
+        let document = visit.source.document;
+        let parent = document.nodes[visit.node as usize];
         if self.options.lod == Lod::Coarsest {
             // Whether a level of detail is empty is found by scanning it.
-            self.spend(u64::from(parent.end - node))?;
+            self.spend(u64::from(parent.end - visit.node))?;
         }
-        self.siblings(source, Some(parent), source.document.below(node), place)
+        let children = document.below(visit.node);
+        self.siblings(visit.source, Some(parent), children, visit.place)
     }
 
     fn siblings(
@@ -153,7 +178,7 @@ impl<'f> FltWalker<'f> {
         source: FltSource,
         parent: Option<FltNode>,
         siblings: Siblings,
-        place: &InheritedState,
+        place: InheritedState,
     ) -> Result<(), ReadError> {
         let (lod, document) = (self.options.lod, source.document);
         let selection = ChildSelection::new(document, parent, siblings.clone(), lod, source.scale);
@@ -165,12 +190,15 @@ impl<'f> FltWalker<'f> {
             }
             let left_out = selection.leaves_out(document, position, node);
             position += 1;
+            let visit = NodeVisit {
+                source,
+                node: child,
+                place,
+            };
             match (left_out, node.opcode) {
-                (Some(why), _) => self.notes(source, child).add(why),
-                (None, opcode::FACE | opcode::MESH) => {
-                    self.surface(source, child, place, &mut part)?;
-                }
-                (None, _) => self.node(source, child, place)?,
+                (Some(why), _) => self.notes(visit).add(why),
+                (None, opcode::FACE | opcode::MESH) => self.surface(visit, &mut part)?,
+                (None, _) => self.node(visit)?,
             }
         }
         self.finish(part)
@@ -194,22 +222,15 @@ impl<'f> FltWalker<'f> {
     }
 
     /// Adds a node that is not a face, and its descendants.
-    pub fn node(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
+    pub fn node(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
         let outer = self.path.len();
-        if source.document.nodes[node as usize].opcode != opcode::HEADER {
-            let name = source.document.name(node);
+        if visit.opcode() != opcode::HEADER {
+            let name = visit.source.document.name(visit.node);
             self.spend(name.len() as u64 / BYTES_PER_ELEMENT)?;
             self.enter(&name);
         }
-        let done = self.deeper(source, node, |walker| {
-            walker.each_copy(source, node, place, |walker, place| {
-                walker.inside(source, node, place)
-            })
+        let done = self.deeper(visit, |walker| {
+            walker.each_copy(visit, |walker, copy| walker.inside(copy))
         });
         self.path.truncate(outer);
         done
@@ -227,127 +248,95 @@ impl<'f> FltWalker<'f> {
     /// without the matrix and then with its powers.
     pub fn each_copy(
         &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-        mut draw: impl FnMut(&mut Self, &InheritedState) -> Result<(), ReadError>,
+        visit: NodeVisit,
+        mut draw: impl FnMut(&mut Self, NodeVisit) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let document = source.document;
+        let (document, node) = (visit.source.document, visit.node);
         let copies = document.ancillary(node, opcode::REPLICATE);
         let copies = copies.and_then(|r| r.i16(4)).unwrap_or_default();
         let record = document.ancillary(node, opcode::MATRIX);
         let matrix = record.and_then(transform::matrix);
         if record.is_some() && matrix.is_none() {
             let message = "matrix that is too short or not finite: ignored";
-            self.notes(source, node).add(message);
+            self.notes(visit).add(message);
         }
         let translations = document.ancillaries(node, opcode::TRANSLATE);
         let matrix = matrix.map(|m| transform::with_exact_translation(m, translations));
         let Some(matrix) = matrix else {
             if copies > 0 {
                 let message = "replication without a matrix: ignored, all copies would coincide";
-                self.notes(source, node).add(message);
+                self.notes(visit).add(message);
             }
-            return draw(self, place);
+            return draw(self, visit);
         };
         if copies <= 0 {
-            return draw(self, &place.then(&matrix));
+            return draw(self, visit.moved(&matrix));
         }
         let mut step = DAffine3::IDENTITY;
         for _ in 0..=copies {
             self.spend(1)?;
-            draw(self, &place.then(&step))?;
+            draw(self, visit.moved(&step))?;
             step = matrix * step;
         }
         Ok(())
     }
 
     /// Adds the content of a node, after its transform.
-    fn inside(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
+    fn inside(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
         use opcode::*;
-        let opcode = source.document.nodes[node as usize].opcode;
-        let record = source.document.node(node);
+        let opcode = visit.opcode();
         match opcode {
             HEADER | GROUP | OLD_LOD | LOD | BSP | EXTENSION => {}
+            SWITCH if has_current_mask(visit.record()) => {}
             SWITCH => {
-                if !has_current_mask(record) {
-                    let message = "switch without its current mask: all children are used";
-                    self.notes(source, node).add(message);
-                }
+                let message = "switch without its current mask: all children are used";
+                self.notes(visit).add(message);
             }
             // The faces of roads are their descendants; the construction parameters are not needed.
             CLIP_REGION | 87 | 127 => {
-                let message = format!(
-                    "{} (opcode {opcode}): skipped, except for its children",
-                    name(opcode)
-                );
-                self.notes(source, node).add(message);
+                let name = name(opcode);
+                let message = format!("{name} (opcode {opcode}): skipped, except for its children");
+                self.notes(visit).add(message);
             }
             OBJECT => {
-                let transparency = record.u16(18).unwrap_or_default();
+                let transparency = visit.record().u16(18).unwrap_or_default();
                 let share = 1.0 - f64::from(transparency) / f64::from(u16::MAX);
-                let place = InheritedState {
-                    opacity: place.opacity * share,
-                    ..*place
-                };
-                return self.children(source, node, &place);
+                let mut inner = visit;
+                inner.place.opacity *= share;
+                return self.children(inner);
             }
-            DOF => return self.degree_of_freedom(source, node, place),
-            LIGHT_SOURCE => self.light(source, node, place)?,
+            DOF => match transform::degree_of_freedom(visit.record()) {
+                Some(map) => return self.children(visit.moved(&map)),
+                None => {
+                    let message = "degree of freedom that is too short or not finite: ignored";
+                    self.notes(visit).add(message);
+                }
+            },
+            LIGHT_SOURCE => self.light(visit)?,
             // Definitions are only added where they are referred to.
             INSTANCE_DEFINITION => return Ok(()),
-            INSTANCE_REFERENCE => return self.instance(source, node, place),
-            EXTERNAL_REFERENCE => return self.external(source, node, place),
+            INSTANCE_REFERENCE => return self.instance(visit),
+            EXTERNAL_REFERENCE => return self.external(visit),
             _ => {
                 let message = format!("{} (opcode {opcode}): skipped", name(opcode));
-                self.notes(source, node).add(message);
-                return Ok(());
+                return self.skip(visit, message);
             }
         }
-        self.children(source, node, place)
+        self.children(visit)
     }
 
-    fn degree_of_freedom(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        let Some(map) = transform::degree_of_freedom(source.document.node(node)) else {
-            let message = "degree of freedom that is too short or not finite: ignored";
-            self.notes(source, node).add(message);
-            return self.children(source, node, place);
-        };
-        self.children(source, node, &place.then(&map))
-    }
-
-    fn instance(
-        &mut self,
-        source: FltSource,
-        node: u32,
-        place: &InheritedState,
-    ) -> Result<(), ReadError> {
-        let number = source.document.node(node).u16(6).unwrap_or_default();
-        let Some(&definition) = source.document.definitions.get(&number) else {
+    fn instance(&mut self, visit: NodeVisit) -> Result<(), ReadError> {
+        let number = visit.record().u16(6).unwrap_or_default();
+        let Some(&definition) = visit.source.document.definitions.get(&number) else {
             let message = format!("reference to instance {number}, which is not defined: skipped");
-            self.notes(source, node).add(message);
-            return Ok(());
+            return self.skip(visit, message);
         };
-        let key = (source.number, number);
+        let key = (visit.source.number, number);
         if self.instances.contains(&key) {
-            let message = format!("instance {number} inside itself: skipped");
-            self.notes(source, node).add(message);
-            return Ok(());
+            return self.skip(visit, format!("instance {number} inside itself: skipped"));
         }
         self.instances.push(key);
-        let done = self.each_copy(source, definition, place, |walker, place| {
-            walker.children(source, definition, place)
-        });
+        let done = self.each_copy(visit.with(definition), |walker, copy| walker.children(copy));
         self.instances.pop();
         done
     }

@@ -123,7 +123,7 @@ impl<'a> FoamCursor<'a> {
             self.text.advance(found.length);
             return Ok(found.value);
         }
-        // What C++ prints for numbers that are none.
+        // What C++ prints for infinities and NaN.
         let before = *self;
         match self.word().map(<[u8]>::to_ascii_lowercase).as_deref() {
             Some(b"nan" | b"-nan" | b"inf" | b"-inf") => Ok(f64::NAN),

@@ -72,11 +72,11 @@ impl FoamHeader {
             (&[a, b, c, d], false) => f32::from_le_bytes([a, b, c, d]).into(),
             (&[a, b, c, d], true) => f32::from_be_bytes([a, b, c, d]).into(),
             (bytes, is_big) => {
-                let all = bytes.try_into().unwrap_or_default();
+                let word = bytes.try_into().unwrap_or_default();
                 if is_big {
-                    f64::from_be_bytes(all)
+                    f64::from_be_bytes(word)
                 } else {
-                    f64::from_le_bytes(all)
+                    f64::from_le_bytes(word)
                 }
             }
         }

@@ -15,7 +15,7 @@ use crate::reading::warnings::Warnings;
 use crate::surface::named::NamedSurfaces;
 use crate::surface::single;
 use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions};
-use azulejo_scene::{Scene, Units, Up};
+
 use cursor::{FoamCursor, FoamHeader};
 use glam::DVec3;
 use patches::{FoamPatch, patches};
@@ -37,15 +37,8 @@ pub fn read(
     let mut warnings = Warnings::default();
     let (points, is_single) = mesh.points()?;
     let surfaces = mesh.surfaces(&points, &mut warnings)?;
-    let mut scene = Scene {
-        units: Units {
-            up: Up::Z,
-            metres_per_unit: Some(1.0),
-            ..Units::default()
-        },
-        ..Scene::default()
-    };
-    surfaces.finish(&points, &mut scene, name, &mut warnings);
+    let mut scene = surfaces.scene(&points, name, &mut warnings);
+    scene.units.metres_per_unit = Some(1.0);
     if is_single {
         single::warn(&scene, &mesh.points.name, &mut warnings);
     }

@@ -24,8 +24,8 @@ fn names(loaded: &Loaded) -> Vec<&str> {
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
+    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(messages, expected);
 }
 
 const BANNER: &str = "/*--------*- C++ -*--------*\\\n| v 1 2 3 |\n\\*--------*/\n";
@@ -136,8 +136,8 @@ fn any_file_of_the_mesh_will_do() {
         ("points", points_text()),
         ("owner", text_of("labelList", "1(0)")),
     ] {
-        let found = try_of(name, text.as_bytes(), &files).unwrap();
-        assert_eq!(found.scene, expected, "{name}");
+        let loaded = try_of(name, text.as_bytes(), &files).unwrap();
+        assert_eq!(loaded.scene, expected, "{name}");
     }
     let case = Memory::new()
         .with("constant/polyMesh/boundary", boundary_text())
@@ -146,8 +146,8 @@ fn any_file_of_the_mesh_will_do() {
             packed(faces_text().as_bytes()),
         )
         .with("constant/polyMesh/points", points_text());
-    let found = crate::read(b"", "case/case.foam", &case).unwrap();
-    assert_eq!(found.scene.objects, expected.objects);
+    let loaded = crate::read(b"", "case/case.foam", &case).unwrap();
+    assert_eq!(loaded.scene.objects, expected.objects);
     let of_boundary = crate::read(&packed(boundary_text().as_bytes()), "boundary.gz", &files);
     assert_eq!(of_boundary.unwrap().scene.objects, expected.objects);
 }
@@ -243,12 +243,12 @@ fn singles_far_from_the_origin_are_coarse() {
             .with("faces", layout.faces())
             .with("points", layout.points_at(5_400_000.0));
         let boundary = [layout.header("polyBoundaryMesh"), BOUNDARY.into()].concat();
-        let found = try_of("boundary", &boundary, &files).unwrap();
-        let coarse = found.warnings.iter().filter(|w| {
+        let loaded = try_of("boundary", &boundary, &files).unwrap();
+        let coarse = loaded.warnings.iter().filter(|w| {
             w.message
                 .starts_with("coordinates as float32 at 5400000 m are 0.5 m apart")
         });
-        assert_eq!(coarse.count(), expected, "{:?}", found.warnings);
+        assert_eq!(coarse.count(), expected, "{:?}", loaded.warnings);
     }
 }
 
@@ -274,16 +274,16 @@ fn binary_of_every_width() {
                 .with("faces", faces)
                 .with("points", layout.points());
             let boundary = [layout.header("polyBoundaryMesh"), BOUNDARY.into()].concat();
-            let found = try_of("boundary", &boundary, &files).unwrap();
-            assert_eq!(found.scene, expected, "{label} {scalar} {is_big}");
+            let loaded = try_of("boundary", &boundary, &files).unwrap();
+            assert_eq!(loaded.scene, expected, "{label} {scalar} {is_big}");
         }
     }
     let labels: Vec<String> = FACES.as_flattened().iter().map(u32::to_string).collect();
     let starts: Vec<String> = (0..=11).map(|k| (4 * k).to_string()).collect();
     let compact = format!("12({})\n44({})", starts.join(" "), labels.join("\n"));
     let files = folder().with("faces", text_of("faceCompactList", &compact));
-    let found = try_of("boundary", boundary_text().as_bytes(), &files).unwrap();
-    assert_eq!(found.scene, expected);
+    let loaded = try_of("boundary", boundary_text().as_bytes(), &files).unwrap();
+    assert_eq!(loaded.scene, expected);
 }
 
 fn check_error(name: &str, text: String, expected: &str) {

@@ -1,11 +1,10 @@
 //! Text blocks: commands that place strings in space.
 
 use super::SffResult;
-use super::document::{TextCommand, TextCommandKind};
+use super::document::{SffPosition, TextCommand, TextCommandKind};
 use super::lines::SffLines;
 use crate::ReadError;
-use crate::reading::text::quoted;
-use crate::reading::text::text;
+use crate::reading::text::{quoted, text};
 use glam::DVec3;
 
 /// The commands, each with its number of numbers.
@@ -23,8 +22,7 @@ const EXPECTED: &str = "SPACING, SCALE, ORIENTATION, FONT, ENCODING or AT";
 /// Reads commands up to an empty line.
 pub(super) fn read(lines: &mut SffLines) -> SffResult<Vec<TextCommand>> {
     let mut commands = Vec::new();
-    while let Some(word) = next_word(lines) {
-        let (place, word) = word;
+    while let Some((place, word)) = next_word(lines) {
         let upper = word.to_ascii_uppercase();
         let known = COMMANDS.iter().find(|(name, _)| name.as_bytes() == upper);
         let Some(&(name, count)) = known else {
@@ -44,8 +42,6 @@ pub(super) fn read(lines: &mut SffLines) -> SffResult<Vec<TextCommand>> {
     }
     Ok(commands)
 }
-
-use super::document::SffPosition;
 
 /// The next word of the block and its position; `None` at the block's end, which is consumed.
 fn next_word<'a>(lines: &mut SffLines<'a, '_>) -> Option<(SffPosition, &'a [u8])> {
@@ -113,11 +109,11 @@ fn numbers(
 /// As [`reach_word`], but an empty line is not consumed.
 fn reach_word_in_block(lines: &mut SffLines) -> bool {
     let before = *lines.words();
-    let found = reach_word(lines);
-    if !found {
+    let is_there = reach_word(lines);
+    if !is_there {
         *lines.words() = before;
     }
-    found
+    is_there
 }
 
 fn file_name(lines: &mut SffLines, place: SffPosition, name: &str) -> SffResult<String> {

@@ -128,8 +128,8 @@ mod tests {
     fn points_come_back() {
         let expected = bent();
         let mut patch = patch(&expected, 0);
-        let found = points(&patch).unwrap();
-        let far = found.iter().zip(&expected).map(|(a, b)| a.distance(*b));
+        let actual = points(&patch).unwrap();
+        let far = actual.iter().zip(&expected).map(|(a, b)| a.distance(*b));
         assert!(far.fold(0.0, f64::max) < 1e-13);
         patch.points[1][1].x += 0.1;
         assert_eq!(points(&patch), None);

@@ -33,7 +33,7 @@ pub(super) fn document(scene: &Scene, stem: &str) -> (SffDocument, Font) {
         number: 0,
     };
     match rtrace {
-        Some(rtrace) => writer.numbers_of_rtrace(rtrace),
+        Some(rtrace) => writer.rtrace_numbers(rtrace),
         None => writer.physical_numbers(),
     }
     for (index, object) in scene.objects.iter().enumerate() {
@@ -61,7 +61,7 @@ struct SffWriter<'s> {
 }
 
 impl SffWriter<'_> {
-    fn numbers_of_rtrace(&mut self, rtrace: &Rtrace) {
+    fn rtrace_numbers(&mut self, rtrace: &Rtrace) {
         let document = &mut self.document;
         document.view = SffView {
             eye: rtrace.eye,
@@ -94,7 +94,7 @@ impl SffWriter<'_> {
         self.document.background =
             unit(scene.background.and_then(|b| b.color()).unwrap_or_default());
         let lights = scene.lights.iter();
-        let lights = lights.filter_map(|light| lights::of_rtrace(&light.kind, &view));
+        let lights = lights.filter_map(|light| lights::rtrace_light(&light.kind, &view));
         self.document.lights = lights.collect();
         self.document.surfaces = scene.materials.iter().map(surface).collect();
         self.document.view = view;
@@ -176,13 +176,13 @@ impl SffWriter<'_> {
             appearance,
             geometry,
         });
-        let Some(of_rtrace) = self.rtrace.and_then(|r| r.materials.get(material as usize)) else {
+        let Some(shading) = self.rtrace.and_then(|r| r.materials.get(material as usize)) else {
             return;
         };
-        for texture in &of_rtrace.inline_textures {
+        for texture in &shading.inline_textures {
             self.push(RecordKind::Texture(texture_record(texture, 0)));
         }
-        for texture in &of_rtrace.section_textures {
+        for texture in &shading.section_textures {
             let kind = RecordKind::Texture(texture_record(texture, self.number));
             let place = SffPosition::default();
             self.document.textures.push(SffRecord { place, kind });
@@ -323,8 +323,8 @@ impl SffWriter<'_> {
         materials.sort_unstable();
         materials.dedup();
         for material in materials {
-            let of_material = |f: &usize| mesh.face_materials[*f] == material;
-            let faces: Vec<usize> = (0..mesh.faces.len()).filter(of_material).collect();
+            let has_material = |f: &usize| mesh.face_materials[*f] == material;
+            let faces: Vec<usize> = (0..mesh.faces.len()).filter(has_material).collect();
             match &mesh.normals {
                 Some(normals) => {
                     let triangles = faces.iter().flat_map(|&f| fan(mesh, normals, f)).collect();
@@ -596,10 +596,10 @@ fn exponent(material: &Material) -> f64 {
     let Some(model) = model_of(material).filter(|_| material.glossy().is_some()) else {
         return 100.0;
     };
-    let said = number(model, "n").filter(|_| model.name == "lewis");
+    let exponent = number(model, "n").filter(|_| model.name == "lewis");
     // Angles to the mirrored direction are about twice those to the half vector.
     let near = || 0.25 * (2.0 / slope(model).powi(2) - 2.0);
-    said.unwrap_or_else(near).clamp(3.0, 300.0)
+    exponent.unwrap_or_else(near).clamp(3.0, 300.0)
 }
 
 /// A surface of the second type, which uses Strauss' model.

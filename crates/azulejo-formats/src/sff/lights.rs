@@ -97,7 +97,7 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
 
 /// A light as an RTRACE light without attenuation and with the same irradiance at the target;
 /// `None` for ambient light and environments.
-pub(super) fn of_rtrace(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
+pub(super) fn rtrace_light(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
     let as_bright = |position: DVec3, intensity: Rgb| {
         let distance = position.distance(view.target);
         let distance = distance.max(1e-3 * view.eye.distance(view.target));
@@ -209,7 +209,7 @@ mod tests {
 
     /// Checks that the irradiance of the light at the target is RTRACE's times π.
     fn check(light: RtraceLight, expected: f64) {
-        let found = match physical(&light, &view(), 0) {
+        let irradiance = match physical(&light, &view(), 0) {
             SffLight::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
             SffLight::Body(body, radiance) => {
                 let flat = match light.kind {
@@ -219,8 +219,8 @@ mod tests {
                 radiance.g * flat / light.position.length_squared()
             }
         };
-        let relative: f64 = found / (PI * expected) - 1.0;
-        assert!(relative.abs() < 1e-3, "{found} instead of {expected}");
+        let relative: f64 = irradiance / (PI * expected) - 1.0;
+        assert!(relative.abs() < 1e-3, "{irradiance} instead of {expected}");
     }
 
     fn irradiance_at_look(light: &LightKind) -> f64 {

@@ -164,10 +164,10 @@ fn textures(lines: &mut SffLines) -> Vec<SffRecord> {
             }
             Err(e) => {
                 let (found, expected) = (e.found, e.expected);
-                let said = format!(
+                let message = format!(
                     "after the objects: {found} instead of a texture with {expected}; the rest is ignored"
                 );
-                lines.warn(place, said);
+                lines.warn(place, message);
                 break;
             }
         }

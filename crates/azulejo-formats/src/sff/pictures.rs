@@ -74,8 +74,8 @@ pub(super) fn color_map(bytes: &[u8]) -> Result<[Rgb; 256], String> {
     for (line, color) in map.iter_mut().enumerate() {
         let mut channel = || {
             let value = words.number().ok().filter(|v| (0.0..=255.0).contains(v));
-            let wanted = || format!("colour {line} of 256 is not three numbers from 0 to 255");
-            value.map(|v| v / 255.0).ok_or_else(wanted)
+            let message = || format!("colour {line} of 256 is not three numbers from 0 to 255");
+            value.map(|v| v / 255.0).ok_or_else(message)
         };
         *color = Rgb::new(channel()?, channel()?, channel()?);
         words.rest_of_line();
@@ -88,8 +88,8 @@ mod tests {
     use super::*;
 
     fn check(bytes: &[u8], expected: Result<[f32; 3], &str>) {
-        let found = decode(bytes).map(|image| image.pixel(1, 0));
-        assert_eq!(found, expected.map_err(str::to_owned));
+        let pixel = decode(bytes).map(|image| image.pixel(1, 0));
+        assert_eq!(pixel, expected.map_err(str::to_owned));
     }
 
     const PIXELS: [u8; 12] = [0, 0, 0, 255, 0, 51, 0, 0, 0, 0, 0, 0];

@@ -60,6 +60,10 @@ impl SffPrinter<'_> {
         numbers.iter().try_for_each(|n| write!(self.out, " {n}"))
     }
 
+    fn point(&mut self, point: DVec3) -> PrintResult {
+        self.numbers(&point.to_array())
+    }
+
     fn end(&mut self) -> PrintResult {
         writeln!(self.out)
     }
@@ -81,7 +85,7 @@ impl SffPrinter<'_> {
             RtraceLightKind::Planar { .. } => 4,
         };
         write!(self.out, "{number}")?;
-        self.numbers(&light.position.to_array())?;
+        self.point(light.position)?;
         let signed = |k: usize| {
             if light.fades[k] {
                 light.brightness[k]
@@ -97,15 +101,15 @@ impl SffPrinter<'_> {
                 half_angle,
                 factor,
             } => {
-                self.numbers(&direction.to_array())?;
+                self.point(direction)?;
                 self.numbers(&[half_angle.to_degrees(), factor])?;
             }
             RtraceLightKind::Extended { radius, samples } => {
                 self.numbers(&[radius, f64::from(samples)])?;
             }
             RtraceLightKind::Planar { edges, samples } => {
-                self.numbers(&edges[0].to_array())?;
-                self.numbers(&edges[1].to_array())?;
+                self.point(edges[0])?;
+                self.point(edges[1])?;
                 self.numbers(&samples.map(f64::from))?;
             }
         }
@@ -221,19 +225,19 @@ impl SffPrinter<'_> {
         )?;
         match geometry {
             SffGeometry::Sphere { centre, radius } => {
-                self.numbers(&centre.to_array())?;
+                self.point(*centre)?;
                 self.numbers(&[*radius])?;
                 self.end()
             }
             SffGeometry::Cuboid { centre, half } => {
-                self.numbers(&centre.to_array())?;
-                self.numbers(&half.to_array())?;
+                self.point(*centre)?;
+                self.point(*half)?;
                 self.end()
             }
             SffGeometry::Cone(cone) => {
-                self.numbers(&cone.base.to_array())?;
+                self.point(cone.base)?;
                 self.numbers(&[cone.base_radius])?;
-                self.numbers(&cone.apex.to_array())?;
+                self.point(cone.apex)?;
                 self.numbers(&[cone.apex_radius])?;
                 self.end()
             }
@@ -249,8 +253,8 @@ impl SffPrinter<'_> {
         placed: &PlacedData<T>,
         write: fn(&mut Self, &T) -> PrintResult,
     ) -> PrintResult {
-        self.numbers(&placed.origin.to_array())?;
-        self.numbers(&placed.scale.to_array())?;
+        self.point(placed.origin)?;
+        self.point(placed.scale)?;
         self.data(&placed.data, write)
     }
 
@@ -300,7 +304,7 @@ impl SffPrinter<'_> {
                 let [x, y, z] = position.to_array();
                 let blank = if corner == 0 { "" } else { " " };
                 write!(self.out, "{blank}{x} {y} {z}")?;
-                self.numbers(&normal.to_array())?;
+                self.point(*normal)?;
             }
             if let Some(surfaces) = data.surfaces.get(k) {
                 self.numbers(&surfaces.map(f64::from))?;
@@ -316,17 +320,17 @@ impl SffPrinter<'_> {
                 TextCommandKind::Spacing(spacing) => write!(self.out, "SPACING {spacing}")?,
                 TextCommandKind::Scale(scale) => {
                     write!(self.out, "SCALE")?;
-                    self.numbers(&scale.to_array())?;
+                    self.point(*scale)?;
                 }
                 TextCommandKind::Orientation(axes) => {
                     write!(self.out, "ORIENTATION")?;
-                    axes.iter().try_for_each(|a| self.numbers(&a.to_array()))?;
+                    axes.iter().try_for_each(|a| self.point(*a))?;
                 }
                 TextCommandKind::Font(name) => write!(self.out, "FONT {name}")?,
                 TextCommandKind::Encoding(name) => write!(self.out, "ENCODING {name}")?,
                 TextCommandKind::At(origin, text) => {
                     write!(self.out, "AT")?;
-                    self.numbers(&origin.to_array())?;
+                    self.point(*origin)?;
                     write!(self.out, " \"{text}\"")?;
                 }
             }

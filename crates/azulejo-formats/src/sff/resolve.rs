@@ -36,13 +36,14 @@ pub(crate) fn resolve(
 ) -> SffResult<Scene> {
     let tree = SffTree::new(document, sources, warnings)?;
     let mut resolver = SffResolver {
+        tree: &tree,
         files,
         budget: Budget::new(options),
         sources,
         warnings,
         surfaces: document.surfaces.iter().map(surfaces::derived).collect(),
         gloss: Gloss::default(),
-        looks: HashMap::new(),
+        known_materials: HashMap::new(),
         chains: TextureChains::default(),
         typesetter: Typesetter::default(),
         texture_files: TextureFiles::default(),
@@ -55,12 +56,8 @@ pub(crate) fn resolve(
     resolver.scene.objects.reserve(tree.roots.len());
     for &root in &tree.roots {
         let node = &tree.nodes[root];
-        resolver.object(
-            &tree,
-            root,
-            DAffine3::IDENTITY,
-            InheritedAttributes::default().with(root, node),
-        )?;
+        let given = InheritedAttributes::default().with(root, node);
+        resolver.object(root, DAffine3::IDENTITY, given)?;
     }
     resolver.clear_texture_flags(document);
     resolver.add_lights(document);
@@ -114,13 +111,14 @@ struct OpenOperation {
 }
 
 struct SffResolver<'r, 's> {
+    tree: &'r SffTree<'r>,
     files: &'r dyn Files,
     budget: Budget,
     sources: &'r mut SffSources<'s>,
     warnings: &'r mut Warnings,
     surfaces: Vec<RtraceSurface>,
     gloss: Gloss,
-    looks: HashMap<SffMaterialKey, MaterialId>,
+    known_materials: HashMap<SffMaterialKey, MaterialId>,
     chains: TextureChains,
     typesetter: Typesetter,
     texture_files: TextureFiles,
@@ -177,31 +175,25 @@ impl SffResolver<'_, '_> {
 
     /// Adds an object, or the members of a list, which is a single object only within a set
     /// operation.
-    fn object(
-        &mut self,
-        tree: &SffTree,
-        index: usize,
-        map: DAffine3,
-        given: InheritedAttributes,
-    ) -> SffResult<()> {
-        let node = &tree.nodes[index];
+    fn object(&mut self, index: usize, map: DAffine3, given: InheritedAttributes) -> SffResult<()> {
+        let node = &self.tree.nodes[index];
         if let SffNodeKind::List(members) = &node.kind
-            && self.closed_cone(tree, members, given)?.is_none()
+            && self.closed_cone(members, given)?.is_none()
         {
             let map = map * node.map;
             for &member in members {
-                let given = given.with(member, &tree.nodes[member]);
-                self.object(tree, member, map, given)?;
+                let given = given.with(member, &self.tree.nodes[member]);
+                self.object(member, map, given)?;
             }
             return Ok(());
         }
-        let mut solids = self.solids(tree, index, map, given)?;
+        let mut solids = self.solids(index, map, given)?;
         let is_exact = match &node.kind {
             SffNodeKind::Leaf(SffGeometry::Text(_) | SffGeometry::Patches(_))
             | SffNodeKind::Csg(..) => true,
             SffNodeKind::Leaf(_) | SffNodeKind::List(_) => false,
         };
-        let kind = kind_of(node, &solids);
+        let kind = kind_name(node, &solids);
         let shape = match solids.pop() {
             None => {
                 self.warn(node.place, "object without any shape: skipped");
@@ -233,7 +225,6 @@ impl SffResolver<'_, '_> {
     /// in an explicit stack.
     fn solids(
         &mut self,
-        tree: &SffTree,
         root: usize,
         map: DAffine3,
         given: InheritedAttributes,
@@ -242,28 +233,28 @@ impl SffResolver<'_, '_> {
         let mut done = Vec::new();
         let mut index = root;
         loop {
-            while let Some(frame) = open.pop_if(|frame| tree.nodes[frame.node].end == index) {
+            while let Some(frame) = open.pop_if(|frame| self.tree.nodes[frame.node].end == index) {
                 let node = frame.node;
-                let solids = self.closed(tree, frame)?;
+                let solids = self.closed(frame)?;
                 match open.last_mut() {
-                    Some(around) => self.join(tree, around, node, solids)?,
+                    Some(around) => self.join(around, node, solids)?,
                     None => done = solids,
                 }
             }
-            if index == tree.nodes[root].end {
+            if index == self.tree.nodes[root].end {
                 return Ok(done);
             }
-            let node = &tree.nodes[index];
+            let node = &self.tree.nodes[index];
             self.spend(8, node.place)?;
             let (map, given) = match open.last() {
                 Some(around) => (around.map, around.given.with(index, node)),
                 None => (map, given),
             };
             let map = map * node.map;
-            match self.whole(tree, node, &map, given)? {
+            match self.whole(node, &map, given)? {
                 Some(solids) => {
                     match open.last_mut() {
-                        Some(around) => self.join(tree, around, index, solids)?,
+                        Some(around) => self.join(around, index, solids)?,
                         None => done = solids,
                     }
                     index = node.end;
@@ -284,14 +275,13 @@ impl SffResolver<'_, '_> {
     /// The solids of an object that do not depend on its members.
     fn whole(
         &mut self,
-        tree: &SffTree,
         node: &SffNode,
         map: &DAffine3,
         given: InheritedAttributes,
     ) -> SffResult<Option<Vec<Solid>>> {
         match &node.kind {
             SffNodeKind::Leaf(geometry) => {
-                let mut solids = self.leaf(tree, node, geometry, map, given)?;
+                let mut solids = self.leaf(node, geometry, map, given)?;
                 let is_placed = matches!(geometry, SffGeometry::Triangles(_));
                 if *map != DAffine3::IDENTITY && !is_placed {
                     solids.iter_mut().for_each(|s| s.transform(map));
@@ -299,7 +289,7 @@ impl SffResolver<'_, '_> {
                 Ok(Some(solids))
             }
             SffNodeKind::List(members) => {
-                let cone = self.closed_cone(tree, members, given)?;
+                let cone = self.closed_cone(members, given)?;
                 Ok(cone.map(|(cone, material)| {
                     let mut cone = shapes::cone(&cone, true, material);
                     cone.world_from_object = *map * cone.world_from_object;
@@ -313,17 +303,16 @@ impl SffResolver<'_, '_> {
     /// Adds the solids of a member to the enclosing operation.
     fn join(
         &mut self,
-        tree: &SffTree,
         around: &mut OpenOperation,
         member: usize,
         solids: Vec<Solid>,
     ) -> SffResult<()> {
-        let node = &tree.nodes[member];
+        let node = &self.tree.nodes[member];
         if self.corner_surfaces.take().is_some() {
             let message = "mesh with several surfaces inside another object: a single one is used";
             self.warn(node.place, message);
         }
-        let is_csg = matches!(tree.nodes[around.node].kind, SffNodeKind::Csg(..));
+        let is_csg = matches!(self.tree.nodes[around.node].kind, SffNodeKind::Csg(..));
         if is_csg && !solids.iter().all(is_closed) {
             let found = "an open shape in a set operation, which has no interior";
             let expected = "closed shapes, or a list (67) of pieces that close it together";
@@ -334,8 +323,8 @@ impl SffResolver<'_, '_> {
     }
 
     /// The result of a set operation or list once all of its members are converted.
-    fn closed(&mut self, tree: &SffTree, frame: OpenOperation) -> SffResult<Vec<Solid>> {
-        let node = &tree.nodes[frame.node];
+    fn closed(&mut self, frame: OpenOperation) -> SffResult<Vec<Solid>> {
+        let node = &self.tree.nodes[frame.node];
         let [left, right] = frame.sides;
         let SffNodeKind::Csg(operation, _) = node.kind else {
             let is_one = left.len() == 1 && is_closed(&left[0]);
@@ -362,11 +351,10 @@ impl SffResolver<'_, '_> {
     /// The single cone or cylinder that the members of a list form together, and its material.
     fn closed_cone(
         &mut self,
-        tree: &SffTree,
         members: &[usize],
         given: InheritedAttributes,
     ) -> SffResult<Option<(SffCone, MaterialId)>> {
-        let nodes = || members.iter().map(|&m| (m, &tree.nodes[m]));
+        let nodes = || members.iter().map(|&m| (m, &self.tree.nodes[m]));
         let cones: Option<Vec<SffCone>> = nodes()
             .map(|(_, node)| match node.kind {
                 SffNodeKind::Leaf(SffGeometry::Cone(cone)) if node.map == DAffine3::IDENTITY => {
@@ -380,7 +368,7 @@ impl SffResolver<'_, '_> {
         };
         let mut material = None;
         for (member, node) in nodes() {
-            let this = self.material(tree, given.with(member, node), node.place)?;
+            let this = self.material(given.with(member, node), node.place)?;
             if *material.get_or_insert(this) != this {
                 return Ok(None);
             }
@@ -391,7 +379,6 @@ impl SffResolver<'_, '_> {
     /// The solids of one record. Triangles are transformed by `map`, everything else is not yet.
     fn leaf(
         &mut self,
-        tree: &SffTree,
         node: &SffNode,
         geometry: &SffGeometry,
         map: &DAffine3,
@@ -401,9 +388,9 @@ impl SffResolver<'_, '_> {
         if let SffGeometry::Triangles(placed) = geometry
             && given.surface.is_none()
         {
-            return self.mixed(tree, placed, map, given, place);
+            return self.mixed(placed, map, given, place);
         }
-        let material = self.material(tree, given, place)?;
+        let material = self.material(given, place)?;
         let primitive = |p: Primitive| vec![Solid::Primitive(p)];
         Ok(match geometry {
             SffGeometry::Sphere { centre, radius } => {
@@ -450,7 +437,6 @@ impl SffResolver<'_, '_> {
     /// colours; specular ones are averaged.
     fn mixed(
         &mut self,
-        tree: &SffTree,
         placed: &PlacedData<TriangleData>,
         map: &DAffine3,
         given: InheritedAttributes,
@@ -486,8 +472,8 @@ impl SffResolver<'_, '_> {
                 self.warn(place, message);
             }
         }
-        let of_rtrace = self.rtrace_material(tree, given, place)?;
-        let material = self.push_material(material, of_rtrace);
+        let shading = self.rtrace_material(given, place)?;
+        let material = self.push_material(material, shading);
         let (mut mesh, corners) = shapes::triangles(&data, under(placed), map, material);
         mesh.colors = vec![Rgb::BLACK; mesh.positions.len()];
         for (face, surfaces) in mesh.faces.iter().zip(&corners) {
@@ -558,7 +544,6 @@ impl SffResolver<'_, '_> {
     /// The material of an appearance; equal appearances share one.
     fn material(
         &mut self,
-        tree: &SffTree,
         given: InheritedAttributes,
         place: SffPosition,
     ) -> SffResult<MaterialId> {
@@ -570,34 +555,35 @@ impl SffResolver<'_, '_> {
         let Some(numbers) = self.surfaces.get(numbers).copied() else {
             return Err(self.no_surface(surface, place));
         };
-        let chain = given.textured.map(|node| self.chains.number(tree, node));
+        let chain = given
+            .textured
+            .map(|node| self.chains.number(self.tree, node));
         let key = (surface, ior.to_bits(), chain);
-        if let Some(&known) = self.looks.get(&key) {
+        if let Some(&known) = self.known_materials.get(&key) {
             return Ok(known);
         }
         if surfaces::is_dimmed(&numbers) {
             let message = "surface that transmits less than half of the light: opaque except in RTRACE's own shading";
             self.warn(place, message);
         }
-        let of_rtrace = self.rtrace_material(tree, given, place)?;
+        let shading = self.rtrace_material(given, place)?;
         let name = format!("surface {surface}");
         let (material, made) = surfaces::material(&numbers, ior, name, &mut self.gloss);
         if let Err(message) = made {
             self.warn(place, message);
         }
-        let id = self.push_material(material, of_rtrace);
-        self.looks.insert(key, id);
+        let id = self.push_material(material, shading);
+        self.known_materials.insert(key, id);
         Ok(id)
     }
 
-    fn push_material(&mut self, material: Material, of_rtrace: RtraceMaterial) -> MaterialId {
-        self.rtrace.materials.push(of_rtrace);
+    fn push_material(&mut self, material: Material, shading: RtraceMaterial) -> MaterialId {
+        self.rtrace.materials.push(shading);
         self.scene.add_material(material)
     }
 
     fn rtrace_material(
         &mut self,
-        tree: &SffTree,
         given: InheritedAttributes,
         place: SffPosition,
     ) -> SffResult<RtraceMaterial> {
@@ -606,7 +592,7 @@ impl SffResolver<'_, '_> {
             ior: given.refraction.unwrap_or(1.0).max(1.0),
             ..RtraceMaterial::default()
         };
-        let Some(node) = given.textured.map(|k| &tree.nodes[k]) else {
+        let Some(node) = given.textured.map(|k| &self.tree.nodes[k]) else {
             return Ok(material);
         };
         // Each is as large as a few vertices.
@@ -735,7 +721,7 @@ fn is_closed(solid: &Solid) -> bool {
 }
 
 /// The type in an object's name.
-fn kind_of(node: &SffNode, solids: &[Solid]) -> &'static str {
+fn kind_name(node: &SffNode, solids: &[Solid]) -> &'static str {
     match &node.kind {
         SffNodeKind::Csg(..) => "csg",
         SffNodeKind::Leaf(SffGeometry::Text(_)) => "text",

@@ -209,8 +209,8 @@ mod tests {
     #[test]
     fn a_side_with_its_caps_is_closed() {
         let check = |pieces: &[SffCone], expected: Option<usize>| {
-            let found = closed_cone(pieces);
-            assert_eq!(found, expected.map(|k| pieces[k]), "{pieces:?}");
+            let cone = closed_cone(pieces);
+            assert_eq!(cone, expected.map(|k| pieces[k]), "{pieces:?}");
         };
         let side = piece(-1.0, 0.5, 1.0, 0.5);
         let low = piece(-1.0, 0.5, -1.001, 5e-7);

@@ -382,8 +382,8 @@ fn mistakes_in_text_are_named_with_their_lines() {
 fn the_papers_scenes() {
     let head = "SPACING 0.1  # espaco\nSCALE 3 3 3\n";
     let check = |block: &str, expected: Result<usize, &str>| {
-        let found = load(&format!("7 1 1 -\n{block}\n")).map(|l| l.scene);
-        match (found, expected) {
+        let result = load(&format!("7 1 1 -\n{block}\n")).map(|l| l.scene);
+        match (result, expected) {
             (Ok(scene), Ok(count)) => {
                 let Shape::Exact(text) = &scene.objects[0].shape else {
                     panic!("text is exact");
@@ -391,7 +391,7 @@ fn the_papers_scenes() {
                 assert_eq!(text.solids.len(), count);
             }
             (Err(error), Err(expected)) => assert!(error.contains(expected), "{error}"),
-            (found, _) => panic!("{found:?}"),
+            (result, _) => panic!("{result:?}"),
         }
     };
     let line = "ORIENTATION 1 0 0 0 1 0 0 0";
@@ -420,8 +420,8 @@ fn liberties() {
         let loaded = load(objects).unwrap_or_else(|e| panic!("{e}"));
         let add_lights = 2;
         assert_eq!(loaded.scene.objects.len(), count + add_lights, "{objects}");
-        let said: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
-        assert_eq!(said, warnings);
+        let messages: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
+        assert_eq!(messages, warnings);
     };
     check(
         "1 1 1 0 0 0 1 - a remark\r\n# another\r\n1 1 1\r\n0 0 0 1\r\n \t\r\nend",

@@ -1,9 +1,8 @@
 //! Texture records as RTRACE's textures, with their colour maps and images.
 
-use super::document::SffSources;
-use super::document::TextureRecord;
+use super::document::{SffSources, TextureRecord};
 use super::pictures;
-use crate::reading::files::open_beside;
+use crate::reading::files::{beside, open_beside};
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
 use crate::{Files, ReadError};
@@ -152,22 +151,25 @@ impl TextureFiles {
         if record.file.is_empty() {
             return None;
         }
-        let of = around.sources.name(record.place.file);
-        let key = crate::reading::files::beside(of, &record.file);
-        let known = self.maps.entry(key);
-        known
-            .or_insert_with(|| read(record, around, pictures::color_map).map(Arc::new))
-            .clone()
+        read_once(&mut self.maps, record, around, pictures::color_map)
     }
 
     fn image(&mut self, record: &TextureRecord, around: &mut TextureContext) -> Option<Arc<Image>> {
-        let of = around.sources.name(record.place.file);
-        let key = crate::reading::files::beside(of, &record.file);
-        let known = self.images.entry(key);
-        known
-            .or_insert_with(|| read(record, around, pictures::decode).map(Arc::new))
-            .clone()
+        read_once(&mut self.images, record, around, pictures::decode)
     }
+}
+
+fn read_once<T>(
+    known: &mut HashMap<String, Option<Arc<T>>>,
+    record: &TextureRecord,
+    around: &mut TextureContext,
+    decode: fn(&[u8]) -> Result<T, String>,
+) -> Option<Arc<T>> {
+    let key = beside(around.sources.name(record.place.file), &record.file);
+    let known = known.entry(key);
+    known
+        .or_insert_with(|| read(record, around, decode).map(Arc::new))
+        .clone()
 }
 
 /// Reads the file of a texture; `None`, with a warning, if it cannot be read.
@@ -183,12 +185,12 @@ fn read<T>(
         Ok(decoded) => return Some(decoded),
         Err(why) => why,
     };
-    let said = format!(
+    let message = format!(
         "texture file \"{}\" skipped: {why}",
         shortened(&record.file)
     );
     let position = || around.sources.position(record.place);
-    around.warnings.add(of, said, position);
+    around.warnings.add(of, message, position);
     None
 }
 

@@ -109,8 +109,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             ),
         ]);
     }
-    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(said).collect()
+    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(described).collect()
 }
 
 /// Whether the reflection model is that of one of the format's surfaces.

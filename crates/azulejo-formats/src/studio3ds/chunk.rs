@@ -81,12 +81,12 @@ impl<'a> ChunkWalker<'_> {
         chunk: &mut Chunk<'a>,
         read: impl FnOnce(&mut Bytes<'a>) -> Option<T>,
     ) -> Option<T> {
-        let found = read(&mut chunk.body);
-        if found.is_none() {
+        let content = read(&mut chunk.body);
+        if content.is_none() {
             let message = format!("chunk {:04X} too short for its data: skipped", chunk.id);
             self.warn(chunk.at, message);
         }
-        found
+        content
     }
 
     /// Entries of `size` bytes after their count, as many as are present.
@@ -171,9 +171,9 @@ pub(super) fn vector<const N: usize>(bytes: &mut Bytes<'_>) -> Option<[f64; N]> 
 /// A name up to its NUL, or up to the end of the bytes.
 pub(super) fn name(bytes: &mut Bytes<'_>) -> String {
     let mut rest = *bytes;
-    let all = rest.take(rest.left()).unwrap_or_default();
-    let length = all.iter().position(|b| *b == 0);
-    let _ = bytes.skip(length.map_or(all.len(), |l| l + 1));
-    let kept = length.unwrap_or(all.len()).min(LONGEST_NAME);
-    text(&all[..kept]).trim().to_owned()
+    let whole = rest.take(rest.left()).unwrap_or_default();
+    let length = whole.iter().position(|b| *b == 0);
+    let _ = bytes.skip(length.map_or(whole.len(), |l| l + 1));
+    let kept = length.unwrap_or(whole.len()).min(LONGEST_NAME);
+    text(&whole[..kept]).trim().to_owned()
 }

@@ -258,12 +258,12 @@ fn parents(nodes: &[KeyframerNode], walker: &mut ChunkWalker<'_>) -> Vec<Option<
         .map(|(i, n)| (n.id, i))
         .collect();
     let mut parent = |n: &KeyframerNode| {
-        let found = by_id.get(&(n.parent as u16)).copied();
-        if n.parent != -1 && found.is_none() {
+        let parent = by_id.get(&(n.parent as u16)).copied();
+        if n.parent != -1 && parent.is_none() {
             let message = "keyframer node whose parent is missing: placed at the root";
             walker.warn(n.at, message);
         }
-        found.filter(|_| n.parent != -1)
+        parent.filter(|_| n.parent != -1)
     };
     let mut parents: Vec<Option<usize>> = nodes.iter().map(&mut parent).collect();
     for node in break_cycles(&mut parents) {

@@ -67,9 +67,9 @@ fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
 
 /// Checks the warnings and their counts.
 fn check_warnings(loaded: &Loaded, expected: &[(&str, usize)]) {
-    let found = loaded.warnings.iter();
-    let found: Vec<_> = found.map(|w| (w.message.as_str(), w.count)).collect();
-    assert_eq!(found, expected);
+    let warnings = loaded.warnings.iter();
+    let warnings: Vec<_> = warnings.map(|w| (w.message.as_str(), w.count)).collect();
+    assert_eq!(warnings, expected);
 }
 
 fn check_error(bytes: &[u8], expected: &str) {
@@ -205,7 +205,7 @@ fn material(called: &str, entries: &[Vec<u8>]) -> Vec<u8> {
 }
 
 /// A list of the faces of one material.
-fn of_material(material: &str, faces: &[u16]) -> Vec<u8> {
+fn material_faces(material: &str, faces: &[u16]) -> Vec<u8> {
     let count = shorts(&[faces.len() as u16]);
     chunk(0x4130, &[name(material), count, shorts(faces)].concat())
 }
@@ -228,7 +228,7 @@ fn materials_of_faces() {
             chunk(0xa081, &[]),
         ],
     );
-    let lists = [of_material("red", &[1]), of_material("lost", &[0, 7])];
+    let lists = [material_faces("red", &[1]), material_faces("lost", &[0, 7])];
     let loaded = load(&file(&[painted(&lists), red], &[]));
     assert_eq!(mesh(&loaded, 0).face_materials, [1, 0]);
     let [red, lost] = loaded.scene.materials.as_slice() else {
@@ -265,11 +265,11 @@ fn gloss_glass_and_maps_are_said() {
         ],
     );
     let loaded = load(&file(
-        &[painted(&[of_material("glossy", &[0, 1])]), glossy],
+        &[painted(&[material_faces("glossy", &[0, 1])]), glossy],
         &[],
     ));
-    let found = Highlight::of(&loaded.scene.materials[0]);
-    assert_eq!(found, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
+    let highlight = Highlight::of(&loaded.scene.materials[0]);
+    assert_eq!(highlight, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
     check_warnings(&loaded, &[("bump map (chunk A230): skipped", 1)]);
     let opacity = loaded.scene.materials[0].opacity.unwrap();
     assert!((opacity.constant - 0.7).abs() < 1e-12 && opacity.picture.is_none());
@@ -282,7 +282,7 @@ fn opacity_maps() {
     let leaf = material("leaf", &[percent(0xa050, 50), chunk(0xa210, &map)]);
     let tga = crate::picture::tga::tests::file(3, 1, 8, 0, &[], &[255, 0]);
     let files = Memory::new().with("leaf.tga", tga);
-    let bytes = file(&[painted(&[of_material("leaf", &[0, 1])]), leaf], &[]);
+    let bytes = file(&[painted(&[material_faces("leaf", &[0, 1])]), leaf], &[]);
     let loaded = read(&bytes, "a.3ds", &files, &ReadOptions::default()).unwrap();
     let opacity = loaded.scene.materials[0].opacity.unwrap();
     let picture = OpacityPicture {
@@ -315,7 +315,10 @@ fn pictures_and_their_places() {
             chunk(0xa358, &floats(&[0.5])),
         ],
     );
-    let lists = [of_material("plain", &[0]), of_material("scaled", &[1])];
+    let lists = [
+        material_faces("plain", &[0]),
+        material_faces("scaled", &[1]),
+    ];
     let bytes = file(&[plain, scaled, painted(&lists)], &[]);
     let loaded = read(&bytes, "a.3ds", &files, &ReadOptions::default()).unwrap();
     loaded.scene.validate().unwrap();
@@ -347,7 +350,7 @@ fn pictures_and_their_places() {
 fn a_picture_is_turned_around_its_middle() {
     let turned = pictured("turned", &[chunk(0xa35c, &floats(&[90.0]))]);
     let loaded = load(&file(
-        &[turned, painted(&[of_material("turned", &[0, 1])])],
+        &[turned, painted(&[material_faces("turned", &[0, 1])])],
         &[],
     ));
     let uvs = mesh(&loaded, 0).uvs.as_ref().unwrap();
@@ -380,7 +383,7 @@ fn smoothing_groups() {
 
     let flat = material("flat", &[chunk(0xa100, &shorts(&[1]))]);
     let flat = load(&file(
-        &[flat, folded([4, 4], &[of_material("flat", &[0, 1])])],
+        &[flat, folded([4, 4], &[material_faces("flat", &[0, 1])])],
         &[],
     ));
     assert!(mesh(&flat, 0).normals.is_none() && mesh(&flat, 0).smoothing.is_empty());

@@ -211,11 +211,11 @@ mod tests {
         for (tag, (kind, corners)) in cells.iter().enumerate() {
             boundary.add_cell(*kind, corners, tag as u32);
         }
-        let mut found = boundary.faces();
-        assert_eq!(found.len(), faces, "{cells:?}");
-        let is = volume(&found, &positions);
+        let mut actual = boundary.faces();
+        assert_eq!(actual.len(), faces, "{cells:?}");
+        let is = volume(&actual, &positions);
         assert!((is - expected).abs() < 1e-12, "{is} in {cells:?}");
-        for face in &mut found {
+        for face in &mut actual {
             assert!(!face.turn_outwards(|c| positions[c as usize]), "{face:?}");
         }
     }

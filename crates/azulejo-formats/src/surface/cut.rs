@@ -136,15 +136,11 @@ mod tests {
     }
 
     fn check(holes: &[Vec<DVec3>], pieces: usize, area: f64) {
-        let found = without(&square(0.0, 0.0, 1.0), holes).unwrap();
-        assert_eq!(found.len(), pieces, "{found:?}");
-        let left: f64 = found.iter().map(|p| MeanPlane::of(p).area).sum();
+        let rest = without(&square(0.0, 0.0, 1.0), holes).unwrap();
+        assert_eq!(rest.len(), pieces, "{rest:?}");
+        let left: f64 = rest.iter().map(|p| MeanPlane::of(p).area).sum();
         assert!((left - area).abs() < 1e-12, "{left}");
-        assert!(
-            found
-                .iter()
-                .all(|p| MeanPlane::of(p).normal.z > 1.0 - 1e-12)
-        );
+        assert!(rest.iter().all(|p| MeanPlane::of(p).normal.z > 1.0 - 1e-12));
     }
 
     #[test]

@@ -145,7 +145,7 @@ pub(crate) fn face_key(corners: &[u32]) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_scene::{Scene, Shape};
+    use azulejo_scene::Shape;
 
     #[test]
     fn shells_name_parts_of_the_boundary() {
@@ -170,8 +170,7 @@ mod tests {
         mesh.add(FiniteShape::Quadrilateral, &[0, 0, 2, 1], floor);
         mesh.add(FiniteShape::Triangle, &[0, 1, 4], floor);
         mesh.finish(&positions, &mut surfaces, "a", &mut warnings);
-        let mut scene = Scene::default();
-        surfaces.finish(&positions, &mut scene, "a", &mut warnings);
+        let scene = surfaces.scene(&positions, "a", &mut warnings);
         let faces = |k: usize| match &scene.objects[k].shape {
             Shape::Mesh(mesh) => mesh.faces.len(),
             _ => 0,
@@ -184,8 +183,8 @@ mod tests {
             floor.face_area_vector(0).z < 0.0,
             "it looks out of the solid"
         );
-        let said = warnings.finish("a");
-        let counts: Vec<usize> = said.iter().map(|w| w.count).collect();
+        let messages = warnings.finish("a");
+        let counts: Vec<usize> = messages.iter().map(|w| w.count).collect();
         assert_eq!(counts, [1, 3]);
     }
 

@@ -7,7 +7,7 @@ use azulejo_scene::{Material, Mesh, Object, Scene, Shape};
 /// The losses of formats that keep little more than polygons, in the order in which they are named.
 pub(crate) struct LossList<'a> {
     scene: &'a Scene,
-    said: Vec<String>,
+    losses: Vec<String>,
 }
 
 impl<'a> LossList<'a> {
@@ -15,7 +15,7 @@ impl<'a> LossList<'a> {
     pub fn new(scene: &'a Scene) -> LossList<'a> {
         let list = LossList {
             scene,
-            said: Vec::new(),
+            losses: Vec::new(),
         };
         list.count(scene.lights.len(), "lights without area")
             .count(scene.cameras.len(), "cameras")
@@ -23,14 +23,14 @@ impl<'a> LossList<'a> {
 
     /// Adds a loss that occurs `count` times, which may be 0.
     pub fn count(mut self, count: usize, what: &str) -> Self {
-        self.said
+        self.losses
             .extend((count > 0).then(|| format!("{count} {what}")));
         self
     }
 
     /// Adds a loss that is not counted.
     pub fn once(mut self, is_lost: bool, what: &str) -> Self {
-        self.said.extend(is_lost.then(|| what.to_owned()));
+        self.losses.extend(is_lost.then(|| what.to_owned()));
         self
     }
 
@@ -83,7 +83,7 @@ impl<'a> LossList<'a> {
         if let Some(words) = coarse.words(&self.scene.units) {
             let count = coarse.count;
             let advice = coarse.advice(self.scene);
-            self.said.push(format!(
+            self.losses.push(format!(
                 "details of {count} objects ({words}{those_who_read}{advice})"
             ));
         }
@@ -92,7 +92,7 @@ impl<'a> LossList<'a> {
 
     /// The list.
     pub fn finish(self) -> Vec<String> {
-        self.said
+        self.losses
     }
 }
 

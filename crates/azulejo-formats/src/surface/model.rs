@@ -52,6 +52,6 @@ pub(crate) fn slope(model: &Model) -> f64 {
     let sides = of("ax").map(|ax| (ax * of("ay").unwrap_or(ax)).sqrt());
     let waves = of("sigma").and_then(|sigma| Some(2.0 * sigma / of("tau")?));
     let roughness = of("roughness").map(|r| r * r);
-    let found = exponent.or(sides).or(of("m")).or(waves).or(roughness);
-    found.unwrap_or(0.5).clamp(0.0, 1.0)
+    let slope = exponent.or(sides).or(of("m")).or(waves).or(roughness);
+    slope.unwrap_or(0.5).clamp(0.0, 1.0)
 }

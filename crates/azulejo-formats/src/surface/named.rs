@@ -6,7 +6,7 @@
 use super::boundary::VolumeBoundary;
 use crate::Position;
 use crate::reading::warnings::Warnings;
-use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape};
+use azulejo_scene::{Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Up};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -97,15 +97,11 @@ impl NamedSurfaces {
         self.surfaces.iter().all(|(_, faces)| faces.is_empty())
     }
 
-    /// Adds the surfaces to a scene as objects, those without a face left out, and counts in warnings
-    /// which faces were skipped.
-    pub fn finish(
-        self,
-        positions: &[DVec3],
-        scene: &mut Scene,
-        file: &str,
-        warnings: &mut Warnings,
-    ) {
+    /// The surfaces as the objects of a scene in which z is up, those without a face left out. Counts in
+    /// warnings which faces were skipped.
+    pub fn scene(self, positions: &[DVec3], file: &str, warnings: &mut Warnings) -> Scene {
+        let mut scene = Scene::default();
+        scene.units.up = Up::Z;
         let problems = [
             ("fewer than three different corners", self.flat),
             ("a corner that does not exist", self.lost),
@@ -117,7 +113,7 @@ impl NamedSurfaces {
         }
         if self.is_empty() {
             warnings.add_whole(file, "no faces: the scene is empty");
-            return;
+            return scene;
         }
         let material = scene.add_material(Material::diffuse("default", REFLECTANCE));
         let mut points = LocalPoints::new(positions);
@@ -125,6 +121,7 @@ impl NamedSurfaces {
             let mesh = points.mesh(faces, material);
             scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
         }
+        scene
     }
 }
 
@@ -186,8 +183,8 @@ mod tests {
         push(empty, &[0, 1, 1]);
         push(empty, &[0, 1, 6]);
         push(floor, &[0, 1, 5]);
-        let (mut scene, mut warnings) = (Scene::default(), Warnings::default());
-        surfaces.finish(&positions, &mut scene, "a", &mut warnings);
+        let mut warnings = Warnings::default();
+        let scene = surfaces.scene(&positions, "a", &mut warnings);
         scene.validate().unwrap();
         let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();
         assert_eq!(names, ["lid", "floor"]);

@@ -138,9 +138,9 @@ mod tests {
                 let f = material.brdf.as_ref().unwrap().eval(DVec3::Z, DVec3::Z);
                 let expected = (Rgb::grey(0.2) + ks * 0.5) * FRAC_1_PI;
                 assert!((f - expected).map(f64::abs).max_channel() < 1e-12, "{n}");
-                let found = Highlight::of(&material).unwrap();
-                assert_eq!((found.angle, found.n), (made.angle, n));
-                assert!((found.ks - made.ks).map(f64::abs).max_channel() < 1e-12);
+                let highlight = Highlight::of(&material).unwrap();
+                assert_eq!((highlight.angle, highlight.n), (made.angle, n));
+                assert!((highlight.ks - made.ks).map(f64::abs).max_channel() < 1e-12);
             }
         }
     }

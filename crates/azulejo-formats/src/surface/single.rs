@@ -332,10 +332,10 @@ mod tests {
             metres_per_unit,
             ..Units::default()
         };
-        let said = coarse.words(&of(Some(1.0))).unwrap();
-        assert_eq!(said, "coordinates as float32 at 5400000 m are 0.5 m apart");
-        let said = coarse.words(&of(None)).unwrap();
-        assert_eq!(said, "coordinates as float32 at 5400000 are 0.5 apart");
+        let words = coarse.words(&of(Some(1.0))).unwrap();
+        assert_eq!(words, "coordinates as float32 at 5400000 m are 0.5 m apart");
+        let words = coarse.words(&of(None)).unwrap();
+        assert_eq!(words, "coordinates as float32 at 5400000 are 0.5 apart");
         assert_eq!(CoarseCoordinates::default().words(&of(None)), None);
         assert_eq!(three_digits(0.0009765625), "0.000977");
         assert_eq!(three_digits(1.5e-9), "1.5e-9");

@@ -34,11 +34,11 @@ impl Textures {
         files: &dyn Files,
     ) -> (TextureId, Option<String>) {
         let name = normalized_path(name);
-        let wanted = beside(of, &name);
-        if let Some(&known) = self.known.get(&wanted) {
+        let named_path = beside(of, &name);
+        if let Some(&known) = self.known.get(&named_path) {
             return (known, None);
         }
-        let (path, read) = find(&wanted, &name, files);
+        let (path, read) = find(&named_path, &name, files);
         let (id, problem) = match self.known.get(&path) {
             Some(&known) => (known, None),
             None => {
@@ -47,7 +47,7 @@ impl Textures {
                 self.embedded(path, read.map_err(|e| e.to_string()))
             }
         };
-        self.known.insert(wanted, id);
+        self.known.insert(named_path, id);
         (id, problem)
     }
 
@@ -78,7 +78,7 @@ impl Textures {
             return known;
         }
         let is_first = self.wrapped.keys().all(|(other, _)| *other != id);
-        let found = match self.list.get_mut(id as usize) {
+        let wrapped = match self.list.get_mut(id as usize) {
             Some(texture) if is_first => {
                 texture.wrap = wrap;
                 id
@@ -97,8 +97,8 @@ impl Textures {
             }
             None => id,
         };
-        self.wrapped.insert((id, wrap), found);
-        found
+        self.wrapped.insert((id, wrap), wrapped);
+        wrapped
     }
 
     /// Whether the pixels of a picture are loaded.
@@ -163,20 +163,20 @@ impl Textures {
 
 /// The first of a picture's possible paths that exists, with its bytes; or the first path and
 /// the error there.
-fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>, FileError>) {
-    let read = files.read(wanted);
+fn find(path: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>, FileError>) {
+    let read = files.read(path);
     if !matches!(read, Err(FileError::Missing | FileError::Outside)) {
-        return (wanted.to_owned(), read);
+        return (path.to_owned(), read);
     }
     let base = name.rsplit('/').next().unwrap_or(name);
     for other in [name, base] {
-        if other != wanted
+        if other != path
             && let Ok(bytes) = files.read(other)
         {
             return (other.to_owned(), Ok(bytes));
         }
     }
-    (wanted.to_owned(), read)
+    (path.to_owned(), read)
 }
 
 /// A file's name with `/` between folders and no `.` among them, so that a file is not read and
@@ -220,8 +220,8 @@ mod tests {
         let (found, problems): (Vec<_>, Vec<_>) = results.unzip();
         assert_eq!(found, indices);
         let list = textures.into_list();
-        let found: Vec<&str> = list.iter().map(|t| t.path.as_str()).collect();
-        assert_eq!(found, paths);
+        let loaded: Vec<&str> = list.iter().map(|t| t.path.as_str()).collect();
+        assert_eq!(loaded, paths);
         assert_eq!(problems.iter().flatten().count(), missing);
         assert_eq!(list.iter().filter(|t| t.image.is_none()).count(), missing);
     }
@@ -251,8 +251,8 @@ mod tests {
         let mut textures = Textures::default();
         let (id, _) = textures.index("", "wood.hdr", &files);
         let (clamp, repeat) = ([WrapMode::Clamp; 2], [WrapMode::Repeat; 2]);
-        let found = [clamp, repeat, clamp, repeat].map(|wrap| textures.wrapped(id, wrap));
-        assert_eq!(found, [0, 1, 0, 1]);
+        let ids = [clamp, repeat, clamp, repeat].map(|wrap| textures.wrapped(id, wrap));
+        assert_eq!(ids, [0, 1, 0, 1]);
         let list = textures.into_list();
         assert_eq!([list[0].wrap, list[1].wrap], [clamp, repeat]);
         assert_eq!(list[0].image, list[1].image);

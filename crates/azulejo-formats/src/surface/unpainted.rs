@@ -125,8 +125,8 @@ mod tests {
             with(1.0, &[]),
         ]);
         let warnings = darken_unpainted(&mut scene, "a.obj");
-        let found: Vec<f64> = scene.materials.iter().map(|m| m.diffuse.g).collect();
-        assert_eq!(found, [0.5, 0.5, 0.7, 1.0, 1.0, 1.0]);
+        let reflectances: Vec<f64> = scene.materials.iter().map(|m| m.diffuse.g).collect();
+        assert_eq!(reflectances, [0.5, 0.5, 0.7, 1.0, 1.0, 1.0]);
         assert_eq!(warnings.len(), 1);
         assert!(warnings[0].message.contains("lost.jpg"));
         assert!(darken_unpainted(&mut scene, "a.obj").is_empty());

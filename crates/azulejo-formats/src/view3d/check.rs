@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Maximum distance of corners from their mean plane, relative to the radius; beyond it, the
 /// surface is rejected.
 const LARGEST_BEND: f64 = 3e-5;
-/// The distance from which on a warning is given.
+/// The distance beyond which a warning is given.
 const NOTED_BEND: f64 = 3e-6;
 /// Maximum distance of a surface from its base's plane and outline, relative to the base's size.
 const TOLERANCE: f64 = 1e-5;

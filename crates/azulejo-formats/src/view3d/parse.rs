@@ -277,7 +277,7 @@ impl<'a> View3dParser<'a> {
         let surface = if *self.is_placed.get_or_insert(false) {
             self.placed(blank)?
         } else {
-            self.of_vertices(blank)?
+            self.with_vertices(blank)?
         };
         self.document.surfaces.push(surface);
         let number = self.document.surfaces.len();
@@ -290,7 +290,7 @@ impl<'a> View3dParser<'a> {
     }
 
     /// Reads the rest of an F 3 surface.
-    fn of_vertices(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
+    fn with_vertices(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
         let known = self.document.vertices.len();
         let mut numbers = Vec::with_capacity(4);
         for k in 0..4 {

@@ -132,10 +132,10 @@ fn placed_shapes_stand_where_their_angles_say() {
 #[test]
 fn odd_things_are_said() {
     let check = |text: &str, expected: &str| {
-        let found = messages(text);
+        let actual = messages(text);
         assert!(
-            found.iter().any(|m| m.contains(expected)),
-            "{found:?} for\n{text}"
+            actual.iter().any(|m| m.contains(expected)),
+            "{actual:?} for\n{text}"
         );
     };
     check("C eps=1e-9\n", "a.vs3:1:3: eps is outside");
@@ -168,10 +168,10 @@ fn odd_things_are_said() {
         &ReadOptions::default(),
     )
     .unwrap();
-    let said = loaded.warnings[0].to_string();
+    let message = loaded.warnings[0].to_string();
     assert!(
-        said.starts_with("a.vs3:10:1: surfaces in one base overlap"),
-        "{said}"
+        message.starts_with("a.vs3:10:1: surfaces in one base overlap"),
+        "{message}"
     );
 }
 

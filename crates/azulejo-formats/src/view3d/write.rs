@@ -72,8 +72,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "faces that become several surfaces, combined",
         ),
     ];
-    let said = counts.into_iter().filter(|(n, _)| *n > 0);
-    said.map(|(n, what)| format!("{n} {what}")).collect()
+    let present = counts.into_iter().filter(|(n, _)| *n > 0);
+    present.map(|(n, what)| format!("{n} {what}")).collect()
 }
 
 /// A surface as it is written.
@@ -99,12 +99,12 @@ struct WrittenSurfaces {
 /// All surfaces: the first parts of all faces, then the others, because additional parts at the end
 /// do not change View3D's row numbers.
 fn surfaces(scene: &Scene) -> WrittenSurfaces {
-    let mut all = WrittenSurfaces::default();
+    let mut surfaces = WrittenSurfaces::default();
     let mut parts = Vec::new();
     for object in &scene.objects {
         let mesh = mesh_of(object);
-        let first = all.vertices.len() as u32 + 1;
-        all.vertices.extend(&mesh.positions);
+        let first = surfaces.vertices.len() as u32 + 1;
+        surfaces.vertices.extend(&mesh.positions);
         let name = word(&object.name);
         for face in 0..mesh.faces.len() {
             let mut pieces = pieces(&mesh, face).into_iter();
@@ -119,19 +119,19 @@ fn surfaces(scene: &Scene) -> WrittenSurfaces {
                 }
             };
             let Some(piece) = pieces.next() else {
-                all.degenerate += 1;
+                surfaces.degenerate += 1;
                 continue;
             };
-            all.list.push(surface(piece, 0));
-            let root = all.list.len();
+            surfaces.list.push(surface(piece, 0));
+            let root = surfaces.list.len();
             let known = parts.len();
             parts.extend(pieces.map(|piece| surface(piece, root)));
-            all.divided += usize::from(parts.len() > known);
+            surfaces.divided += usize::from(parts.len() > known);
         }
     }
-    all.firsts = all.list.len();
-    all.list.extend(parts);
-    all
+    surfaces.firsts = surfaces.list.len();
+    surfaces.list.extend(parts);
+    surfaces
 }
 
 /// A face as triangles and quadrilaterals that have an area and are flat and convex.

@@ -2,7 +2,6 @@
 
 use super::builder::VrmlSceneBuilder;
 use super::tree::VrmlNode;
-use super::world::child;
 use crate::ReadError;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
@@ -74,76 +73,261 @@ impl AppearanceCache {
     }
 }
 
-/// The appearance of the node `shape`; `None`, with a warning, if it is invisible.
-///
-/// # Errors
-/// The model unfolds to more than the options allow.
-pub(super) fn of(
-    builder: &mut VrmlSceneBuilder,
-    shape: &VrmlNode,
-) -> Result<Option<Rc<ShapeAppearance>>, ReadError> {
-    let appearance = shape.nodes("appearance").first();
-    let known = appearance.and_then(|a| builder.appearances.get(a));
-    let shape_appearance = match known {
-        Some(shape_appearance) => shape_appearance,
-        None => {
-            let shape_appearance = new(builder, shape)?.map(Rc::new);
-            if let Some(appearance) = appearance {
-                builder
-                    .appearances
-                    .keep(appearance.clone(), shape_appearance.clone());
+impl VrmlSceneBuilder<'_> {
+    /// The appearance of the node `shape`; `None`, with a warning, if it is invisible.
+    ///
+    /// # Errors
+    /// The model unfolds to more than the options allow.
+    pub(super) fn appearance(
+        &mut self,
+        shape: &VrmlNode,
+    ) -> Result<Option<Rc<ShapeAppearance>>, ReadError> {
+        let appearance = shape.nodes("appearance").first();
+        let known = appearance.and_then(|a| self.appearances.get(a));
+        let shape_appearance = match known {
+            Some(shape_appearance) => shape_appearance,
+            None => {
+                let shape_appearance = self.new_appearance(shape)?.map(Rc::new);
+                if let Some(appearance) = appearance {
+                    self.appearances
+                        .keep(appearance.clone(), shape_appearance.clone());
+                }
+                shape_appearance
             }
-            shape_appearance
+        };
+        if shape_appearance.is_none() {
+            let message = "shape with transparency 1: invisible, skipped";
+            self.warn_node(shape, message);
         }
-    };
-    if shape_appearance.is_none() {
-        let message = "shape with transparency 1: invisible, skipped";
-        builder.warn(&shape.source, shape.at, message);
+        Ok(shape_appearance)
     }
-    Ok(shape_appearance)
-}
 
-/// The appearance of a shape that is not cached yet; `None` if it is invisible.
-fn new(
-    builder: &mut VrmlSceneBuilder,
-    shape: &VrmlNode,
-) -> Result<Option<ShapeAppearance>, ReadError> {
-    let appearance = child(builder, shape, "appearance")?;
-    let material = match &appearance {
-        Some(appearance) => child(builder, appearance, "material")?,
-        None => None,
-    };
-    let mut shape_appearance = ShapeAppearance {
-        material: Material::diffuse("", DIFFUSE),
-        textures: Vec::new(),
-        replaces: false,
-        texture_from_uv: None,
-    };
-    match &material {
-        Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
-        Some(material) => shape_appearance.material = surface(builder, material),
-        None => {
-            let message =
-                "shape without a material, which VRML displays unlit: diffuse with reflectance 0.8";
-            builder.warn(&shape.source, shape.at, message);
+    /// The appearance of a shape that is not cached yet; `None` if it is invisible.
+    fn new_appearance(&mut self, shape: &VrmlNode) -> Result<Option<ShapeAppearance>, ReadError> {
+        let appearance = self.child(shape, "appearance")?;
+        let material = match &appearance {
+            Some(appearance) => self.child(appearance, "material")?,
+            None => None,
+        };
+        let mut shape_appearance = ShapeAppearance {
+            material: Material::diffuse("", DIFFUSE),
+            textures: Vec::new(),
+            replaces: false,
+            texture_from_uv: None,
+        };
+        match &material {
+            Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
+            Some(material) => shape_appearance.material = self.surface_material(material),
+            None => {
+                let message = "shape without a material, which VRML displays unlit: diffuse with reflectance 0.8";
+                self.warn_node(shape, message);
+            }
+        }
+        let Some(appearance) = appearance else {
+            return Ok(Some(shape_appearance));
+        };
+        if shape_appearance.material.name.is_empty() {
+            let name = appearance.name.as_deref().unwrap_or_default();
+            shape_appearance.material.name = name.to_owned();
+        }
+        self.resolve_textures(&appearance, material.as_deref(), &mut shape_appearance)?;
+        resolve_opacity(self, &appearance, &mut shape_appearance);
+        self.warn_other_fields(&appearance, KNOWN_OF_APPEARANCE);
+        Ok(Some(shape_appearance))
+    }
+
+    /// A material without textures.
+    fn surface_material(&mut self, node: &Rc<VrmlNode>) -> Material {
+        let mut material = match &*node.kind {
+            "PhysicalMaterial" => self.physical_material(node),
+            "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
+            "Material" | "TwoSidedMaterial" => self.phong_material(node),
+            kind => {
+                let message = format!("material {}: diffuse with reflectance 0.8", shortened(kind));
+                self.warn_node(node, message);
+                Material::diffuse("", DIFFUSE)
+            }
+        };
+        let opacity = Opacity::constant(1.0 - node.number("transparency", 0.0).clamp(0.0, 1.0));
+        material.opacity = (!opacity.is_opaque()).then_some(opacity);
+        if node.flag("separateBackColor", false) {
+            let message = "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
+            self.warn_node(node, message);
+        }
+        self.warn_other_fields(node, KNOWN);
+        material.name = node.name.as_deref().unwrap_or_default().to_owned();
+        material
+    }
+
+    /// Warns about every field that is not among `known`.
+    fn warn_other_fields(&mut self, node: &VrmlNode, known: &[&str]) {
+        let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
+        for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
+            let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
+            self.warn_node(node, message);
         }
     }
-    let Some(appearance) = appearance else {
-        return Ok(Some(shape_appearance));
-    };
-    if shape_appearance.material.name.is_empty() {
-        let name = appearance.name.as_deref().unwrap_or_default();
-        shape_appearance.material.name = name.to_owned();
+
+    fn phong_material(&mut self, node: &VrmlNode) -> Material {
+        let diffuse = node.color("diffuseColor", DIFFUSE);
+        let specular = node.color("specularColor", Rgb::BLACK);
+        // An extension of Castle Game Engine: the reflectance of a perfect mirror.
+        let mirror = node.number("mirror", 0.0).clamp(0.0, 1.0);
+        let mut material = Material {
+            mirror: Rgb::grey(mirror),
+            emission: node.color("emissiveColor", Rgb::BLACK),
+            ..Material::diffuse("", diffuse * (1.0 - mirror))
+        };
+        let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
+        let highlight = Highlight::half(exponent, specular);
+        if let Err(message) = self.gloss.highlight(&mut material, highlight) {
+            self.warn_node(node, message);
+        }
+        material
     }
-    resolve_textures(
-        builder,
-        &appearance,
-        material.as_deref(),
-        &mut shape_appearance,
-    )?;
-    resolve_opacity(builder, &appearance, &mut shape_appearance);
-    warn_unsupported_fields(builder, &appearance, KNOWN_OF_APPEARANCE);
-    Ok(Some(shape_appearance))
+
+    /// glTF's base colour, metalness and roughness.
+    fn physical_material(&mut self, node: &VrmlNode) -> Material {
+        let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
+        let base = node.color("baseColor", Rgb::WHITE);
+        let mut material = Material {
+            emission: node.color("emissiveColor", Rgb::BLACK),
+            ..Material::default()
+        };
+        let (metallic, roughness) = (share("metallic"), share("roughness"));
+        let gloss = &mut self.gloss;
+        if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
+            self.warn_node(node, message);
+        }
+        material
+    }
+
+    /// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
+    fn resolve_textures(
+        &mut self,
+        appearance: &VrmlNode,
+        material: Option<&VrmlNode>,
+        shape_appearance: &mut ShapeAppearance,
+    ) -> Result<(), ReadError> {
+        let mut texture = self.child(appearance, "texture")?;
+        for field in ["diffuseTexture", "baseTexture"] {
+            if let (None, Some(material)) = (&texture, material) {
+                texture = self.child(material, field)?;
+            }
+        }
+        let Some(texture) = texture else {
+            return Ok(());
+        };
+        self.picture(&texture, shape_appearance)?;
+        let is_colored = |id: &TextureId| self.textures.image(*id).is_some_and(is_colored);
+        // Single-channel textures, and since X3D 4 all textures, are multiplied.
+        shape_appearance.replaces =
+            !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
+        if let Some(transform) = self.child(appearance, "textureTransform")? {
+            shape_appearance.texture_from_uv = self.texture_transform(&transform);
+        }
+        Ok(())
+    }
+
+    fn picture(
+        &mut self,
+        node: &Rc<VrmlNode>,
+        shape_appearance: &mut ShapeAppearance,
+    ) -> Result<(), ReadError> {
+        match &*node.kind {
+            "ImageTexture" => shape_appearance.textures.extend(self.image_texture(node)),
+            "PixelTexture" => shape_appearance.textures.extend(self.pixel_texture(node)),
+            "MultiTexture" => {
+                let message = "MultiTexture: its textures are multiplied, using the first texture coordinates";
+                self.warn_node(node, message);
+                // The standard does not allow a MultiTexture inside another.
+                for part in node.nodes("texture") {
+                    if let Some(part) = self.unfold(part)?
+                        && &*part.kind != "MultiTexture"
+                    {
+                        self.picture(&part, shape_appearance)?;
+                    }
+                }
+            }
+            _ => self.skip(node),
+        }
+        Ok(())
+    }
+
+    /// The texture in a file: the first of the URLs that exists.
+    fn image_texture(&mut self, node: &VrmlNode) -> Option<TextureId> {
+        let id = self.texture_of_urls(node, &node.strings("url"))?;
+        Some(self.textures.wrapped(id, wrap_of(node)))
+    }
+
+    /// A texture of a side of the background; nodes other than pictures have none.
+    pub(super) fn side_texture(&mut self, node: &VrmlNode) -> Option<TextureId> {
+        let id = match &*node.kind {
+            "ImageTexture" => self.texture_of_urls(node, &node.strings("url")),
+            "PixelTexture" => self.pixel_texture(node),
+            _ => {
+                let message = format!("{} of a background: skipped", node.kind);
+                self.warn_node(node, message);
+                None
+            }
+        }?;
+        self.textures.image(id).map(|_| id)
+    }
+
+    /// The first of the files of a node that is there.
+    pub(super) fn texture_of_urls(
+        &mut self,
+        node: &VrmlNode,
+        urls: &[String],
+    ) -> Option<TextureId> {
+        let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
+        let exists = |url: &&String| self.files.read(&beside(url)).is_ok();
+        let url = match urls {
+            [] => return None,
+            [only] => only,
+            several => several.iter().find(exists).unwrap_or(&several[0]),
+        };
+        let (id, problem) = self.textures.index(&node.source.path, url, self.files);
+        if let Some(problem) = problem {
+            self.warn_node(node, problem);
+        }
+        Some(id)
+    }
+
+    /// The texture whose pixels are in the node itself.
+    fn pixel_texture(&mut self, node: &VrmlNode) -> Option<TextureId> {
+        let numbers = node.numbers("image");
+        let pixel_texture = match pixels(&numbers) {
+            Some(image) => {
+                let name = node.name.as_deref().unwrap_or("PixelTexture");
+                let added = self.textures.add_pixels(shortened(name), image);
+                added.map(|id| self.textures.wrapped(id, wrap_of(node)))
+            }
+            None => Err("it has fewer pixels than its size requires".to_owned()),
+        };
+        pixel_texture
+            .map_err(|why| {
+                let message = format!("PixelTexture not used: {why}");
+                self.warn_node(node, message);
+            })
+            .ok()
+    }
+
+    /// −C × S × R × C × T, ISO/IEC 14772-1, 6.49.
+    fn texture_transform(&mut self, node: &Rc<VrmlNode>) -> Option<DAffine2> {
+        if &*node.kind != "TextureTransform" {
+            self.skip(node);
+            return None;
+        }
+        let vector = |name: &str, default: f64| DVec2::from(node.array(name, [default; 2]));
+        let center = vector("center", 0.0);
+        Some(
+            DAffine2::from_translation(-center)
+                * DAffine2::from_scale(vector("scale", 1.0))
+                * DAffine2::from_mat2(DMat2::from_angle(node.number("rotation", 0.0)))
+                * DAffine2::from_translation(center + vector("translation", 0.0)),
+        )
+    }
 }
 
 /// Fields of appearances that are used.
@@ -183,30 +367,6 @@ fn resolve_opacity(
     material.opacity = (mode != "OPAQUE" && !opacity.is_opaque()).then_some(opacity);
 }
 
-/// A material without textures.
-fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
-    let mut material = match &*node.kind {
-        "PhysicalMaterial" => physical(builder, node),
-        "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
-        "Material" | "TwoSidedMaterial" => phong_material(builder, node),
-        kind => {
-            let message = format!("material {}: diffuse with reflectance 0.8", shortened(kind));
-            builder.warn(&node.source, node.at, message);
-            Material::diffuse("", DIFFUSE)
-        }
-    };
-    let opacity = Opacity::constant(1.0 - node.number("transparency", 0.0).clamp(0.0, 1.0));
-    material.opacity = (!opacity.is_opaque()).then_some(opacity);
-    if node.flag("separateBackColor", false) {
-        let message =
-            "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
-        builder.warn(&node.source, node.at, message);
-    }
-    warn_unsupported_fields(builder, node, KNOWN);
-    material.name = node.name.as_deref().unwrap_or_default().to_owned();
-    material
-}
-
 /// Fields of materials that are used, that are reported elsewhere, or that describe light that
 /// azulejo computes.
 const KNOWN: &[&str] = &[
@@ -231,115 +391,9 @@ const KNOWN: &[&str] = &[
     "mirror",
 ];
 
-/// Warns about every field that is not among `known`.
-fn warn_unsupported_fields(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
-    let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
-    for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
-        let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
-        builder.warn(&node.source, node.at, message);
-    }
-}
-
-fn phong_material(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
-    let diffuse = node.color("diffuseColor", DIFFUSE);
-    let specular = node.color("specularColor", Rgb::BLACK);
-    // An extension of Castle Game Engine: the reflectance of a perfect mirror.
-    let mirror = node.number("mirror", 0.0).clamp(0.0, 1.0);
-    let mut material = Material {
-        mirror: Rgb::grey(mirror),
-        emission: node.color("emissiveColor", Rgb::BLACK),
-        ..Material::diffuse("", diffuse * (1.0 - mirror))
-    };
-    let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
-    let highlight = Highlight::half(exponent, specular);
-    if let Err(message) = builder.gloss.highlight(&mut material, highlight) {
-        builder.warn(&node.source, node.at, message);
-    }
-    material
-}
-
-/// glTF's base colour, metalness and roughness.
-fn physical(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
-    let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
-    let base = node.color("baseColor", Rgb::WHITE);
-    let mut material = Material {
-        emission: node.color("emissiveColor", Rgb::BLACK),
-        ..Material::default()
-    };
-    let (metallic, roughness) = (share("metallic"), share("roughness"));
-    let gloss = &mut builder.gloss;
-    if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
-        builder.warn(&node.source, node.at, message);
-    }
-    material
-}
-
-/// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
-fn resolve_textures(
-    builder: &mut VrmlSceneBuilder,
-    appearance: &VrmlNode,
-    material: Option<&VrmlNode>,
-    shape_appearance: &mut ShapeAppearance,
-) -> Result<(), ReadError> {
-    let mut texture = child(builder, appearance, "texture")?;
-    for field in ["diffuseTexture", "baseTexture"] {
-        if let (None, Some(material)) = (&texture, material) {
-            texture = child(builder, material, field)?;
-        }
-    }
-    let Some(texture) = texture else {
-        return Ok(());
-    };
-    picture(builder, &texture, shape_appearance)?;
-    let is_colored = |id: &TextureId| builder.textures.image(*id).is_some_and(is_colored);
-    // Single-channel textures, and since X3D 4 all textures, are multiplied.
-    shape_appearance.replaces =
-        !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
-    if let Some(transform) = child(builder, appearance, "textureTransform")? {
-        shape_appearance.texture_from_uv = texture_transform(builder, &transform);
-    }
-    Ok(())
-}
-
 /// Whether an image has colours other than shades of grey.
 fn is_colored(image: &Image) -> bool {
     image.pixels.iter().any(|[r, g, b]| r != g || g != b)
-}
-
-fn picture(
-    builder: &mut VrmlSceneBuilder,
-    node: &Rc<VrmlNode>,
-    shape_appearance: &mut ShapeAppearance,
-) -> Result<(), ReadError> {
-    match &*node.kind {
-        "ImageTexture" => shape_appearance
-            .textures
-            .extend(image_texture(builder, node)),
-        "PixelTexture" => shape_appearance
-            .textures
-            .extend(pixel_texture(builder, node)),
-        "MultiTexture" => {
-            let message =
-                "MultiTexture: its textures are multiplied, using the first texture coordinates";
-            builder.warn(&node.source, node.at, message);
-            // The standard does not allow a MultiTexture inside another.
-            for part in node.nodes("texture") {
-                if let Some(part) = super::world::unfold(builder, part)?
-                    && &*part.kind != "MultiTexture"
-                {
-                    picture(builder, &part, shape_appearance)?;
-                }
-            }
-        }
-        _ => super::world::skip(builder, node),
-    }
-    Ok(())
-}
-
-/// The texture in a file: the first of the URLs that exists.
-fn image_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
-    let id = from_urls(builder, node, &node.strings("url"))?;
-    Some(builder.textures.wrapped(id, wrap_of(node)))
 }
 
 /// How a texture goes on beyond its edges.
@@ -352,61 +406,6 @@ fn wrap_of(node: &VrmlNode) -> [WrapMode; 2] {
             WrapMode::Clamp
         }
     })
-}
-
-/// A texture of a side of the background; nodes other than pictures have none.
-pub(super) fn side_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
-    let id = match &*node.kind {
-        "ImageTexture" => from_urls(builder, node, &node.strings("url")),
-        "PixelTexture" => pixel_texture(builder, node),
-        _ => {
-            let message = format!("{} of a background: skipped", node.kind);
-            builder.warn(&node.source, node.at, message);
-            None
-        }
-    }?;
-    builder.textures.image(id).map(|_| id)
-}
-
-/// The first of the files of a node that is there.
-pub(super) fn from_urls(
-    builder: &mut VrmlSceneBuilder,
-    node: &VrmlNode,
-    urls: &[String],
-) -> Option<TextureId> {
-    let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
-    let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
-    let url = match urls {
-        [] => return None,
-        [only] => only,
-        several => several.iter().find(exists).unwrap_or(&several[0]),
-    };
-    let (id, problem) = builder
-        .textures
-        .index(&node.source.path, url, builder.files);
-    if let Some(problem) = problem {
-        builder.warn(&node.source, node.at, problem);
-    }
-    Some(id)
-}
-
-/// The texture whose pixels are in the node itself.
-fn pixel_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
-    let numbers = node.numbers("image");
-    let pixel_texture = match pixels(&numbers) {
-        Some(image) => {
-            let name = node.name.as_deref().unwrap_or("PixelTexture");
-            let added = builder.textures.add_pixels(shortened(name), image);
-            added.map(|id| builder.textures.wrapped(id, wrap_of(node)))
-        }
-        None => Err("it has fewer pixels than its size requires".to_owned()),
-    };
-    pixel_texture
-        .map_err(|why| {
-            let message = format!("PixelTexture not used: {why}");
-            builder.warn(&node.source, node.at, message);
-        })
-        .ok()
 }
 
 /// Width, height, channels and pixels, bottom row first: ISO/IEC 14772-1, 5.5.
@@ -449,20 +448,4 @@ fn linear(byte: u8) -> f32 {
     } else {
         ((v + 0.055) / 1.055).powf(2.4)
     }
-}
-
-/// −C × S × R × C × T, ISO/IEC 14772-1, 6.49.
-fn texture_transform(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Option<DAffine2> {
-    if &*node.kind != "TextureTransform" {
-        super::world::skip(builder, node);
-        return None;
-    }
-    let vector = |name: &str, default: f64| DVec2::from(node.array(name, [default; 2]));
-    let center = vector("center", 0.0);
-    Some(
-        DAffine2::from_translation(-center)
-            * DAffine2::from_scale(vector("scale", 1.0))
-            * DAffine2::from_mat2(DMat2::from_angle(node.number("rotation", 0.0)))
-            * DAffine2::from_translation(center + vector("translation", 0.0)),
-    )
 }

@@ -41,7 +41,7 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &Vrm
         }
         Err(why) => {
             let message = format!("background not used: {why}");
-            builder.warn(&node.source, node.at, message);
+            builder.warn_node(node, message);
         }
     }
 }
@@ -50,10 +50,10 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &Vrm
 fn side(builder: &mut VrmlSceneBuilder, node: &VrmlNode, name: &str) -> Option<TextureId> {
     let texture = node.nodes(&format!("{name}Texture")).first().cloned();
     if let Some(texture) = texture {
-        return super::appearance::side_texture(builder, &texture);
+        return builder.side_texture(&texture);
     }
     let urls = node.strings(&format!("{name}Url"));
-    let id = super::appearance::from_urls(builder, node, &urls)?;
+    let id = builder.texture_of_urls(node, &urls)?;
     builder.textures.image(id).map(|_| id)
 }
 
@@ -95,8 +95,8 @@ impl Gradients {
     /// The colour, if it is the same everywhere.
     fn color(&self) -> Option<Rgb> {
         let first = self.sky.first().map_or(Rgb::BLACK, |stop| stop.1);
-        let mut all = self.sky.iter().chain(&self.ground);
-        all.all(|stop| stop.1 == first).then_some(first)
+        let mut stops = self.sky.iter().chain(&self.ground);
+        stops.all(|stop| stop.1 == first).then_some(first)
     }
 
     /// The colour at an angle to the zenith.

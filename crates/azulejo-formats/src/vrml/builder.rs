@@ -1,7 +1,7 @@
 //! The scene under construction, shared by all files of a model, whatever their version of VRML.
 
 use super::appearance::AppearanceCache;
-use super::tree::VrmlDocument;
+use super::tree::{VrmlDocument, VrmlNode};
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened};
 use crate::reading::warnings::Warnings;
@@ -170,6 +170,12 @@ impl<'a> VrmlSceneBuilder<'a> {
     #[cold]
     pub fn warn(&mut self, source: &VrmlSource, at: usize, message: impl Into<String>) {
         self.warn_many(source, at, message, 1);
+    }
+
+    /// Adds a warning about a node.
+    #[cold]
+    pub fn warn_node(&mut self, node: &VrmlNode, message: impl Into<String>) {
+        self.warn_many(&node.source, node.at, message, 1);
     }
 
     /// Adds a warning about the byte `at` of a file with a count, which may be 0.

@@ -109,11 +109,11 @@ impl<'a> ClassicParser<'a, '_, '_> {
 
     /// Takes a required bracket.
     fn expect(&mut self, mark: u8) -> bool {
-        let found = self.lexer.take(mark);
-        if !found {
+        let is_there = self.lexer.take(mark);
+        if !is_there {
             self.unexpected(&format!("\"{}\"", mark as char));
         }
-        found
+        is_there
     }
 
     /// Reads nodes and statements up to the end of the file.

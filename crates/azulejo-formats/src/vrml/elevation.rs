@@ -1,7 +1,7 @@
 //! Height fields.
 
 use super::builder::VrmlSceneBuilder;
-use super::shape::{SurfaceFields, ValuePool, attributes};
+use super::shape::{SurfaceFields, ValuePool};
 use super::tree::VrmlNode;
 use crate::ReadError;
 use glam::{DVec2, DVec3};
@@ -41,7 +41,7 @@ pub(super) fn surface<'n>(
     let message = "height that is not finite: taken as 0";
     builder.warn_many(&node.source, node.at, message, lost);
     let mut surface = SurfaceFields::new(node, positions, Cow::Owned(quads(columns, rows)));
-    attributes(builder, node, &mut surface)?;
+    builder.attributes(node, &mut surface)?;
     if surface.uvs.is_none() {
         surface.uvs = Some(ValuePool::per_vertex(mapping(columns, rows)));
     }

@@ -258,7 +258,7 @@ fn renumber(indices: &mut [u32], pool: usize) -> Vec<u32> {
 
 impl<T> BoundPool<'_, T> {
     /// The value of a face, or [`NONE`].
-    fn of_face(&self, face: &KeptFace) -> u32 {
+    fn face_value(&self, face: &KeptFace) -> u32 {
         self.checked(match (self.binding, self.index) {
             (Binding::PerFaceIndexed, Some(index)) => entry(index, face.ordinal),
             (Binding::Overall, _) => 0,
@@ -267,14 +267,14 @@ impl<T> BoundPool<'_, T> {
     }
 
     /// The value of the `k`-th corner of a face, or [`NONE`].
-    fn of_corner(&self, coord_index: &[i32], face: &KeptFace, k: u32) -> u32 {
+    fn corner_value(&self, coord_index: &[i32], face: &KeptFace, k: u32) -> u32 {
         match self.binding {
             Binding::PerVertex => self.checked(face.corners_before + k),
             Binding::PerVertexIndexed => {
                 let index = self.index.unwrap_or(coord_index);
                 self.checked(entry(index, face.start + k))
             }
-            _ => self.of_face(face),
+            _ => self.face_value(face),
         }
     }
 
@@ -299,7 +299,7 @@ fn corner_values<T>(set: &FaceSet, kept: &[KeptFace], bound: &BoundPool<T>) -> V
     for face in kept {
         let rest = &set.coord_index[face.start as usize..];
         let corners = rest.iter().take_while(|i| **i != -1).count() as u32;
-        values.extend((0..corners).map(|k| bound.of_corner(set.coord_index, face, k)));
+        values.extend((0..corners).map(|k| bound.corner_value(set.coord_index, face, k)));
     }
     values
 }
@@ -312,7 +312,7 @@ fn color(set: &FaceSet, kept: &[KeptFace], built: &mut BuiltFaceSet) {
     let last = bound.values.len() as u32 - 1;
     let mut values = match bound.binding {
         Binding::PerVertex | Binding::PerVertexIndexed => corner_values(set, kept, &bound),
-        _ => kept.iter().map(|face| bound.of_face(face)).collect(),
+        _ => kept.iter().map(|face| bound.face_value(face)).collect(),
     };
     for value in values.iter_mut().filter(|v| **v == NONE) {
         *value = last;
@@ -330,17 +330,17 @@ fn color(set: &FaceSet, kept: &[KeptFace], built: &mut BuiltFaceSet) {
 fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
     // Only colours that are used are compared, because many face sets may share a large pool.
     let color = |value: u32| super::tree::limited(pool[value as usize]);
-    let mut of_vertex = vec![NONE; mesh.positions.len()];
+    let mut vertex_values = vec![NONE; mesh.positions.len()];
     let mut parted = HashMap::new();
     for (vertex, &value) in mesh.faces.corners.iter_mut().zip(corners) {
-        let known = of_vertex[*vertex as usize];
+        let known = vertex_values[*vertex as usize];
         if known == NONE {
-            of_vertex[*vertex as usize] = value;
+            vertex_values[*vertex as usize] = value;
         } else if color(known) != color(value) {
             let key = (*vertex, color(value).to_array().map(f64::to_bits));
             *vertex = *parted.entry(key).or_insert_with(|| {
                 mesh.positions.push(mesh.positions[*vertex as usize]);
-                of_vertex.push(value);
+                vertex_values.push(value);
                 mesh.positions.len() as u32 - 1
             });
         }
@@ -352,7 +352,7 @@ fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
             color(value)
         }
     };
-    mesh.colors = of_vertex.iter().map(or_white).collect();
+    mesh.colors = vertex_values.iter().map(or_white).collect();
 }
 
 fn uv_attribute(
@@ -410,16 +410,16 @@ fn normal_attribute(
 /// Values per vertex if the corners of every vertex agree, otherwise per corner. Vertices without
 /// faces get `unused`.
 fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>, unused: T) -> Attribute<T> {
-    let mut of_vertex = vec![NONE; mesh.positions.len()];
+    let mut vertex_values = vec![NONE; mesh.positions.len()];
     let agree = mesh.faces.corners.iter().zip(&corners).all(|(&v, &value)| {
-        let known = &mut of_vertex[v as usize];
+        let known = &mut vertex_values[v as usize];
         let agrees = *known == NONE || *known == value;
         *known = value;
         agrees
     });
     if agree {
         let value = |i: &u32| values.get(*i as usize).copied().unwrap_or(unused);
-        Attribute::per_vertex(of_vertex.iter().map(value).collect())
+        Attribute::per_vertex(vertex_values.iter().map(value).collect())
     } else {
         Attribute {
             values,
@@ -567,9 +567,9 @@ mod tests {
         assert_eq!(build(&set).face_values, [2]);
         let normals: Vec<DVec3> = (1..=8).map(|x| DVec3::new(x.into(), 1.0, 0.0)).collect();
         set.normals = Some(bound(&normals, None, Binding::PerVertex));
-        let found = build(&set).mesh.normals.unwrap();
-        assert_eq!(found.at(0, 1), normals[5].normalize());
-        assert_eq!(found.at(2, 5), normals[7].normalize());
+        let actual = build(&set).mesh.normals.unwrap();
+        assert_eq!(actual.at(0, 1), normals[5].normalize());
+        assert_eq!(actual.at(2, 5), normals[7].normalize());
     }
 
     #[test]
@@ -623,9 +623,9 @@ mod tests {
         set.uvs = Some(bound(&uvs, None, Binding::PerVertexIndexed));
         let mesh = build(&set).mesh;
         assert_eq!(mesh.normals.unwrap().corners, None);
-        let found = mesh.uvs.unwrap();
+        let actual = mesh.uvs.unwrap();
         assert_eq!(
-            (found.corners, found.values[6]),
+            (actual.corners, actual.values[6]),
             (None, DVec2::new(2.0, 1.0))
         );
         set.uvs = Some(bound(&uvs[..6], None, Binding::PerVertexIndexed));
@@ -653,8 +653,8 @@ mod tests {
 
     #[test]
     fn boxes_are_mapped_along_their_longest_sides() {
-        let found = box_mapping(&[DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 5.0, 3.0)]);
-        assert_eq!(found, [DVec2::ZERO, DVec2::new(1.0, 0.75)]);
+        let uvs = box_mapping(&[DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 5.0, 3.0)]);
+        assert_eq!(uvs, [DVec2::ZERO, DVec2::new(1.0, 0.75)]);
         assert_eq!(box_mapping(&[DVec3::ONE]), [DVec2::ZERO]);
         assert!(box_mapping(&[]).is_empty());
     }

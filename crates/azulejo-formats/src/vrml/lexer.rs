@@ -80,9 +80,9 @@ impl<'a> VrmlLexer<'a> {
     /// Takes `mark` (one of `{ } [ ]`, or any other byte) if it comes next.
     #[inline]
     pub fn take(&mut self, mark: u8) -> bool {
-        let found = self.peek() == Some(mark);
-        self.text.advance(usize::from(found));
-        found
+        let is_next = self.peek() == Some(mark);
+        self.text.advance(usize::from(is_next));
+        is_next
     }
 
     /// The next word, up to a blank, a bracket, a quote or a comment; `None` if something else
@@ -111,11 +111,11 @@ impl<'a> VrmlLexer<'a> {
     /// Takes the next word if it is `word`.
     pub fn take_word(&mut self, word: &[u8]) -> bool {
         self.skip_blanks();
-        let found = self.peek_word() == Some(word);
-        if found {
+        let is_next = self.peek_word() == Some(word);
+        if is_next {
             self.text.advance(word.len());
         }
-        found
+        is_next
     }
 
     /// Whether a number comes next.
@@ -341,9 +341,9 @@ mod tests {
     #[test]
     fn numbers_of_every_kind() {
         let check = |text: &str, expected: Option<f64>| {
-            let found = VrmlLexer::new(text.as_bytes()).number();
+            let number = VrmlLexer::new(text.as_bytes()).number();
             assert_eq!(
-                found.map(f64::to_bits),
+                number.map(f64::to_bits),
                 expected.map(f64::to_bits),
                 "{text}"
             );
@@ -361,9 +361,9 @@ mod tests {
     #[test]
     fn integers_of_every_kind() {
         let check = |text: &str, expected: &[i32]| {
-            let mut found = Vec::new();
-            VrmlLexer::new(text.as_bytes()).integers(&mut found);
-            assert_eq!(found, expected, "{text}");
+            let mut integers = Vec::new();
+            VrmlLexer::new(text.as_bytes()).integers(&mut integers);
+            assert_eq!(integers, expected, "{text}");
         };
         check("0 1,2 -1]", &[0, 1, 2, -1]);
         check("+3 2.9 0x10 1e2", &[3, 2, 16, 100]);
@@ -402,11 +402,11 @@ mod tests {
         l.word();
         l.take(b'{');
         l.word();
-        let said = l.error("a.wrl", "a node").to_string();
+        let message = l.error("a.wrl", "a node").to_string();
         assert!(
-            said.starts_with("a.wrl:2:12: found \"]\", expected a node"),
-            "{said}"
+            message.starts_with("a.wrl:2:12: found \"]\", expected a node"),
+            "{message}"
         );
-        assert!(said.contains("2 |   children ]"), "{said}");
+        assert!(message.contains("2 |   children ]"), "{message}");
     }
 }

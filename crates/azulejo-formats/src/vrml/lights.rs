@@ -10,11 +10,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 /// Adds a light to the scene.
 pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     if !node.flag("on", true) {
-        builder.warn(
-            &node.source,
-            node.at,
-            format!("{} with on FALSE: skipped", node.kind),
-        );
+        builder.warn_node(node, format!("{} with on FALSE: skipped", node.kind));
         return;
     }
     warn_unsupported_fields(builder, node, place);
@@ -35,7 +31,7 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &Nod
                 "{} without a valid position or direction: skipped",
                 node.kind
             );
-            builder.warn(&node.source, node.at, message);
+            builder.warn_node(node, message);
         }
     }
 }
@@ -44,15 +40,15 @@ fn warn_unsupported_fields(builder: &mut VrmlSceneBuilder, node: &VrmlNode, plac
     let directional = &*node.kind == "DirectionalLight";
     if node.number("ambientIntensity", 0.0) > 0.0 {
         let message = "ambientIntensity of a light: ignored, azulejo computes indirect light";
-        builder.warn(&node.source, node.at, message);
+        builder.warn_node(node, message);
     }
     if !directional {
         let message = "attenuation and radius of lights: ignored, light falls off with the square of the distance";
-        builder.warn(&node.source, node.at, message);
+        builder.warn_node(node, message);
     }
     if !node.flag("global", !directional || place.depth == 0) {
         let message = format!("{} limited to its group: lights the whole scene", node.kind);
-        builder.warn(&node.source, node.at, message);
+        builder.warn_node(node, message);
     }
 }
 

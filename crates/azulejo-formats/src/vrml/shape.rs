@@ -1,10 +1,9 @@
 //! Shapes: their geometry, and its conversion to an object.
 
-use super::appearance::{self, ShapeAppearance};
+use super::appearance::ShapeAppearance;
 use super::builder::{VrmlPlacement, VrmlSceneBuilder};
 use super::faces::{Binding, BoundPool, FaceSet, box_mapping, build};
 use super::tree::{FieldValue, VrmlNode, limited, triples};
-use super::world::{child, report, skip};
 use super::{elevation, extrusion, flat, solids, triangles};
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Mesh, Rgb, Sidedness};
@@ -95,222 +94,244 @@ pub(super) fn sidedness(node: &VrmlNode) -> Sidedness {
     }
 }
 
-/// Adds a node `Shape` as an object.
-///
-/// # Errors
-/// The model unfolds to more than the options allow.
-pub(super) fn place(
-    builder: &mut VrmlSceneBuilder,
-    shape: &VrmlNode,
-    frame: &VrmlPlacement,
-) -> Result<(), ReadError> {
-    let Some(geometry) = child(builder, shape, "geometry")? else {
-        builder.warn(&shape.source, shape.at, "Shape without geometry: skipped");
-        return Ok(());
-    };
-    let frame = &frame.named(shape.name.as_deref().or(geometry.name.as_deref()));
-    if let Some(solid) = solids::solid(&geometry) {
-        return match appearance::of(builder, shape)? {
+impl VrmlSceneBuilder<'_> {
+    /// Adds a node `Shape` as an object.
+    ///
+    /// # Errors
+    /// The model unfolds to more than the options allow.
+    pub(super) fn place_shape(
+        &mut self,
+        shape: &VrmlNode,
+        frame: &VrmlPlacement,
+    ) -> Result<(), ReadError> {
+        let Some(geometry) = self.child(shape, "geometry")? else {
+            self.warn_node(shape, "Shape without geometry: skipped");
+            return Ok(());
+        };
+        let frame = &frame.named(shape.name.as_deref().or(geometry.name.as_deref()));
+        if let Some(solid) = solids::solid(&geometry) {
+            return match self.appearance(shape)? {
+                Some(shape_appearance) => {
+                    solids::place(self, &geometry, &solid, frame, &shape_appearance)
+                }
+                None => Ok(()),
+            };
+        }
+        let surface = match &*geometry.kind {
+            "IndexedFaceSet" => Some(self.face_set(&geometry)?),
+            "ElevationGrid" => elevation::surface(self, &geometry)?,
+            "Extrusion" => extrusion::surface(self, &geometry)?,
+            kind => match triangles::layout(kind) {
+                Some(layout) => Some(triangles::surface(self, &geometry, layout)?),
+                None => flat::surface(&geometry),
+            },
+        };
+        let Some(surface) = surface else {
+            self.skip(&geometry);
+            return Ok(());
+        };
+        match self.appearance(shape)? {
             Some(shape_appearance) => {
-                solids::place(builder, &geometry, &solid, frame, &shape_appearance)
+                self.place_surface(&geometry, frame, surface, &shape_appearance)
             }
             None => Ok(()),
+        }
+    }
+
+    fn face_set<'n>(&mut self, node: &'n VrmlNode) -> Result<SurfaceFields<'n>, ReadError> {
+        let (positions, is_shared) = self.coordinates(node)?;
+        let mut surface = SurfaceFields::new(node, positions, node.integers("coordIndex"));
+        surface.is_shared = is_shared;
+        let index = |name: &str| Some(node.integers(name)).filter(|i| !i.is_empty());
+        self.attributes(node, &mut surface)?;
+        let bind = |binding: &mut Binding, index: &Option<Cow<[i32]>>| {
+            if *binding == Binding::PerFace && index.is_some() {
+                *binding = Binding::PerFaceIndexed;
+            }
         };
-    }
-    let surface = match &*geometry.kind {
-        "IndexedFaceSet" => Some(face_set(builder, &geometry)?),
-        "ElevationGrid" => elevation::surface(builder, &geometry)?,
-        "Extrusion" => extrusion::surface(builder, &geometry)?,
-        kind => match triangles::layout(kind) {
-            Some(layout) => Some(triangles::surface(builder, &geometry, layout)?),
-            None => flat::surface(&geometry),
-        },
-    };
-    let Some(surface) = surface else {
-        skip(builder, &geometry);
-        return Ok(());
-    };
-    match appearance::of(builder, shape)? {
-        Some(shape_appearance) => mesh(builder, &geometry, frame, surface, &shape_appearance),
-        None => Ok(()),
-    }
-}
-
-fn face_set<'n>(
-    builder: &mut VrmlSceneBuilder,
-    node: &'n VrmlNode,
-) -> Result<SurfaceFields<'n>, ReadError> {
-    let (positions, is_shared) = coordinates(builder, node)?;
-    let mut surface = SurfaceFields::new(node, positions, node.integers("coordIndex"));
-    surface.is_shared = is_shared;
-    let index = |name: &str| Some(node.integers(name)).filter(|i| !i.is_empty());
-    attributes(builder, node, &mut surface)?;
-    let bind = |binding: &mut Binding, index: &Option<Cow<[i32]>>| {
-        if *binding == Binding::PerFace && index.is_some() {
-            *binding = Binding::PerFaceIndexed;
+        if let Some(colors) = &mut surface.colors {
+            colors.index = index("colorIndex");
+            bind(&mut colors.binding, &colors.index);
         }
-    };
-    if let Some(colors) = &mut surface.colors {
-        colors.index = index("colorIndex");
-        bind(&mut colors.binding, &colors.index);
-    }
-    if let Some(normals) = &mut surface.normals {
-        normals.index = index("normalIndex");
-        bind(&mut normals.binding, &normals.index);
-    }
-    if let Some(uvs) = &mut surface.uvs {
-        uvs.index = index("texCoordIndex");
-    }
-    Ok(surface)
-}
-
-/// The positions in the field `coord`, and whether other geometries share them.
-pub(super) fn coordinates(
-    builder: &mut VrmlSceneBuilder,
-    node: &VrmlNode,
-) -> Result<(Vec<DVec3>, bool), ReadError> {
-    let is_shared = node
-        .nodes("coord")
-        .first()
-        .is_some_and(|c| Rc::strong_count(c) > 1);
-    let Some(coord) = child(builder, node, "coord")? else {
-        return Ok((Vec::new(), false));
-    };
-    if !matches!(&*coord.kind, "Coordinate" | "CoordinateDouble") {
-        skip(builder, &coord);
-        return Ok((Vec::new(), false));
-    }
-    let numbers = coord.numbers("point");
-    // A large pool may serve many small geometries, and each of them scans all of it.
-    builder.spend(numbers.len() as u64 / 8)?;
-    let mut positions = triples(&numbers);
-    let mut lost = usize::from(!numbers.len().is_multiple_of(3));
-    for position in positions.iter_mut().filter(|p| !p.is_finite()) {
-        *position = DVec3::ZERO;
-        lost += 1;
-    }
-    let message = "position that is not three finite numbers: 0 0 0 is used, an incomplete last one is skipped";
-    builder.warn_many(&coord.source, coord.at, message, lost);
-    Ok((positions, is_shared))
-}
-
-/// Colours, normals and texture coordinates, with the bindings of most geometry nodes.
-pub(super) fn attributes(
-    builder: &mut VrmlSceneBuilder,
-    node: &VrmlNode,
-    surface: &mut SurfaceFields,
-) -> Result<(), ReadError> {
-    let binding = |name: &str| {
-        if node.flag(name, true) {
-            Binding::PerVertexIndexed
-        } else {
-            Binding::PerFace
+        if let Some(normals) = &mut surface.normals {
+            normals.index = index("normalIndex");
+            bind(&mut normals.binding, &normals.index);
         }
-    };
-    if let Some(color) = child(builder, node, "color")? {
-        surface.colors = colors(builder, &color)?.map(|values| ValuePool {
-            values,
-            index: None,
-            binding: binding("colorPerVertex"),
-        });
+        if let Some(uvs) = &mut surface.uvs {
+            uvs.index = index("texCoordIndex");
+        }
+        Ok(surface)
     }
-    if let Some(normal) = child(builder, node, "normal")? {
-        let numbers = normal.numbers("vector");
-        builder.spend(numbers.len() as u64 / 8)?;
-        surface.normals = Some(ValuePool {
-            values: triples(&numbers),
-            index: None,
-            binding: binding("normalPerVertex"),
-        });
-    }
-    surface.uvs = uvs(builder, node)?.map(ValuePool::per_vertex);
-    // Fields of shaders and volumes, which azulejo does not use.
-    for field in ["attrib", "fogCoord"] {
-        let lost = node.nodes(field).len();
-        builder.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
-    }
-    Ok(())
-}
 
-fn colors(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<Rgb>>, ReadError> {
-    let numbers = node.numbers("color");
-    builder.spend(numbers.len() as u64 / 8)?;
-    let channels = match &*node.kind {
-        "Color" => 3,
-        "ColorRGBA" => 4,
-        _ => {
-            skip(builder, node);
+    /// The positions in the field `coord`, and whether other geometries share them.
+    pub(super) fn coordinates(&mut self, node: &VrmlNode) -> Result<(Vec<DVec3>, bool), ReadError> {
+        let is_shared = node
+            .nodes("coord")
+            .first()
+            .is_some_and(|c| Rc::strong_count(c) > 1);
+        let Some(coord) = self.child(node, "coord")? else {
+            return Ok((Vec::new(), false));
+        };
+        if !matches!(&*coord.kind, "Coordinate" | "CoordinateDouble") {
+            self.skip(&coord);
+            return Ok((Vec::new(), false));
+        }
+        let numbers = coord.numbers("point");
+        // A large pool may serve many small geometries, and each of them scans all of it.
+        self.spend(numbers.len() as u64 / 8)?;
+        let mut positions = triples(&numbers);
+        let mut lost = usize::from(!numbers.len().is_multiple_of(3));
+        for position in positions.iter_mut().filter(|p| !p.is_finite()) {
+            *position = DVec3::ZERO;
+            lost += 1;
+        }
+        let message = "position that is not three finite numbers: 0 0 0 is used, an incomplete last one is skipped";
+        self.warn_many(&coord.source, coord.at, message, lost);
+        Ok((positions, is_shared))
+    }
+
+    /// Colours, normals and texture coordinates, with the bindings of most geometry nodes.
+    pub(super) fn attributes(
+        &mut self,
+        node: &VrmlNode,
+        surface: &mut SurfaceFields,
+    ) -> Result<(), ReadError> {
+        let binding = |name: &str| {
+            if node.flag(name, true) {
+                Binding::PerVertexIndexed
+            } else {
+                Binding::PerFace
+            }
+        };
+        if let Some(color) = self.child(node, "color")? {
+            surface.colors = self.colors(&color)?.map(|values| ValuePool {
+                values,
+                index: None,
+                binding: binding("colorPerVertex"),
+            });
+        }
+        if let Some(normal) = self.child(node, "normal")? {
+            let numbers = normal.numbers("vector");
+            self.spend(numbers.len() as u64 / 8)?;
+            surface.normals = Some(ValuePool {
+                values: triples(&numbers),
+                index: None,
+                binding: binding("normalPerVertex"),
+            });
+        }
+        surface.uvs = self.uvs(node)?.map(ValuePool::per_vertex);
+        // Fields of shaders and volumes, which azulejo does not use.
+        for field in ["attrib", "fogCoord"] {
+            let lost = node.nodes(field).len();
+            self.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
+        }
+        Ok(())
+    }
+
+    fn colors(&mut self, node: &VrmlNode) -> Result<Option<Vec<Rgb>>, ReadError> {
+        let numbers = node.numbers("color");
+        self.spend(numbers.len() as u64 / 8)?;
+        let channels = match &*node.kind {
+            "Color" => 3,
+            "ColorRGBA" => 4,
+            _ => {
+                self.skip(node);
+                return Ok(None);
+            }
+        };
+        let colors = numbers.chunks_exact(channels);
+        if channels == 4 && colors.clone().any(|c| c[3] < 1.0) {
+            self.warn_node(node, "colours with alpha (ColorRGBA): opaque");
+        }
+        let color = |c: &[f64]| limited(Rgb::new(c[0], c[1], c[2]));
+        Ok(Some(colors.map(color).collect()))
+    }
+
+    /// The texture coordinates of a geometry; of several sets, the first.
+    fn uvs(&mut self, node: &VrmlNode) -> Result<Option<Vec<DVec2>>, ReadError> {
+        let Some(mut node) = self.child(node, "texCoord")? else {
+            return Ok(None);
+        };
+        if &*node.kind == "MultiTextureCoordinate" {
+            match self.child(&node, "texCoord")? {
+                Some(first) => node = first,
+                None => return Ok(None),
+            }
+        }
+        if &*node.kind != "TextureCoordinate" {
+            self.skip(&node);
             return Ok(None);
         }
-    };
-    let colors = numbers.chunks_exact(channels);
-    if channels == 4 && colors.clone().any(|c| c[3] < 1.0) {
-        builder.warn(
-            &node.source,
-            node.at,
-            "colours with alpha (ColorRGBA): opaque",
-        );
+        let points = node.points2("point");
+        self.spend(points.len() as u64 / 4)?;
+        Ok(Some(points).filter(|p| !p.is_empty()))
     }
-    let color = |c: &[f64]| limited(Rgb::new(c[0], c[1], c[2]));
-    Ok(Some(colors.map(color).collect()))
-}
 
-/// The texture coordinates of a geometry; of several sets, the first.
-fn uvs(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<DVec2>>, ReadError> {
-    let Some(mut node) = child(builder, node, "texCoord")? else {
-        return Ok(None);
-    };
-    if &*node.kind == "MultiTextureCoordinate" {
-        match child(builder, &node, "texCoord")? {
-            Some(first) => node = first,
-            None => return Ok(None),
+    /// Adds polygons as an object.
+    fn place_surface(
+        &mut self,
+        node: &VrmlNode,
+        frame: &VrmlPlacement,
+        mut surface: SurfaceFields,
+        shape_appearance: &ShapeAppearance,
+    ) -> Result<(), ReadError> {
+        apply_texture_transform(&mut surface, shape_appearance);
+        let set = FaceSet {
+            positions: &surface.positions,
+            coord_index: &surface.coord_index,
+            colors: surface.colors.as_ref().map(ValuePool::bound),
+            normals: surface.normals.as_ref().map(ValuePool::bound),
+            uvs: surface.uvs.as_ref().map(ValuePool::bound),
+            ccw: surface.ccw,
+            crease_angle: surface.crease_angle,
+            drop_unused: surface.is_shared,
+        };
+        self.spend(set.cost())?;
+        let mut built = build(&set);
+        for (message, count) in built.problems.messages() {
+            self.warn_many(&node.source, node.at, message, count);
+        }
+        let pool = surface.colors.as_ref().map_or(&[][..], |c| &c.values);
+        self.paint(
+            &mut built.mesh,
+            &built.face_values,
+            pool,
+            &surface,
+            shape_appearance,
+        );
+        let placed = self.place_mesh(frame, None, (&node.source, node.at), built.mesh);
+        self.report(node, placed);
+        Ok(())
+    }
+
+    /// Assigns materials to the faces. `face_values` holds the index of each face's colour in `pool`,
+    /// if faces have colours of their own.
+    fn paint(
+        &mut self,
+        mesh: &mut Mesh,
+        face_values: &[u32],
+        pool: &[Rgb],
+        surface: &SurfaceFields,
+        shape_appearance: &ShapeAppearance,
+    ) {
+        let mut material = |color: Option<Rgb>| -> MaterialId {
+            let mut material = shape_appearance.textured(color);
+            material.emits_back = material.is_emitter() && !surface.solid;
+            material.sidedness = surface.sidedness;
+            self.materials.index(material)
+        };
+        if face_values.is_empty() {
+            // Vertex colours replace the reflectance, but are multiplied with it here.
+            let color = (!mesh.colors.is_empty()).then_some(Rgb::WHITE);
+            mesh.face_materials.fill(material(color));
+            return;
+        }
+        let mut known = vec![None; pool.len()];
+        for (face, &value) in mesh.face_materials.iter_mut().zip(face_values) {
+            let color = pool[value as usize];
+            *face = *known[value as usize].get_or_insert_with(|| material(Some(color)));
         }
     }
-    if &*node.kind != "TextureCoordinate" {
-        skip(builder, &node);
-        return Ok(None);
-    }
-    let points = node.points2("point");
-    builder.spend(points.len() as u64 / 4)?;
-    Ok(Some(points).filter(|p| !p.is_empty()))
-}
-
-/// Adds polygons as an object.
-fn mesh(
-    builder: &mut VrmlSceneBuilder,
-    node: &VrmlNode,
-    frame: &VrmlPlacement,
-    mut surface: SurfaceFields,
-    shape_appearance: &ShapeAppearance,
-) -> Result<(), ReadError> {
-    apply_texture_transform(&mut surface, shape_appearance);
-    let set = FaceSet {
-        positions: &surface.positions,
-        coord_index: &surface.coord_index,
-        colors: surface.colors.as_ref().map(ValuePool::bound),
-        normals: surface.normals.as_ref().map(ValuePool::bound),
-        uvs: surface.uvs.as_ref().map(ValuePool::bound),
-        ccw: surface.ccw,
-        crease_angle: surface.crease_angle,
-        drop_unused: surface.is_shared,
-    };
-    builder.spend(set.cost())?;
-    let mut built = build(&set);
-    for (message, count) in built.problems.messages() {
-        builder.warn_many(&node.source, node.at, message, count);
-    }
-    let pool = surface.colors.as_ref().map_or(&[][..], |c| &c.values);
-    paint(
-        builder,
-        &mut built.mesh,
-        &built.face_values,
-        pool,
-        &surface,
-        shape_appearance,
-    );
-    let placed = builder.place_mesh(frame, None, (&node.source, node.at), built.mesh);
-    report(builder, &node.source, node.at, &node.kind, placed);
-    Ok(())
 }
 
 /// Generates texture coordinates for a textured surface without any, and applies the texture
@@ -326,34 +347,5 @@ fn apply_texture_transform(surface: &mut SurfaceFields, shape_appearance: &Shape
         for uv in &mut uvs.values {
             *uv = map.transform_point2(*uv);
         }
-    }
-}
-
-/// Assigns materials to the faces. `face_values` holds the index of each face's colour in `pool`,
-/// if faces have colours of their own.
-fn paint(
-    builder: &mut VrmlSceneBuilder,
-    mesh: &mut Mesh,
-    face_values: &[u32],
-    pool: &[Rgb],
-    surface: &SurfaceFields,
-    shape_appearance: &ShapeAppearance,
-) {
-    let mut material = |color: Option<Rgb>| -> MaterialId {
-        let mut material = shape_appearance.textured(color);
-        material.emits_back = material.is_emitter() && !surface.solid;
-        material.sidedness = surface.sidedness;
-        builder.materials.index(material)
-    };
-    if face_values.is_empty() {
-        // Vertex colours replace the reflectance, but are multiplied with it here.
-        let color = (!mesh.colors.is_empty()).then_some(Rgb::WHITE);
-        mesh.face_materials.fill(material(color));
-        return;
-    }
-    let mut known = vec![None; pool.len()];
-    for (face, &value) in mesh.face_materials.iter_mut().zip(face_values) {
-        let color = pool[value as usize];
-        *face = *known[value as usize].get_or_insert_with(|| material(Some(color)));
     }
 }

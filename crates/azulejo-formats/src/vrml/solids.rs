@@ -5,7 +5,6 @@ use super::builder::{ShapeOutcome, VrmlPlacement, VrmlSceneBuilder};
 use super::shape::sidedness;
 use super::solid::PlacedPrimitive;
 use super::tree::VrmlNode;
-use super::world::report;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Mesh};
 use glam::DVec3;
@@ -42,13 +41,7 @@ pub(super) fn place(
 ) -> Result<(), ReadError> {
     let mut sizes = ["size", "radius", "bottomRadius", "height"].into_iter();
     if sizes.any(|size| node.numbers(size).iter().any(|x| *x <= 0.0)) {
-        report(
-            builder,
-            &node.source,
-            node.at,
-            &node.kind,
-            ShapeOutcome::Degenerate,
-        );
+        builder.report(node, ShapeOutcome::Degenerate);
         return Ok(());
     }
     let is_textured = shape_appearance
@@ -68,7 +61,7 @@ pub(super) fn place(
     let mesh = polygons(solid, material, shape_appearance, is_textured);
     builder.spend(mesh.positions.len() as u64)?;
     let placed = builder.place_mesh(frame, None, (&node.source, node.at), mesh);
-    report(builder, &node.source, node.at, &node.kind, placed);
+    builder.report(node, placed);
     Ok(())
 }
 

@@ -1,7 +1,7 @@
 //! X3D's sets of triangles and quadrilaterals, with and without an index.
 
 use super::builder::VrmlSceneBuilder;
-use super::shape::{SurfaceFields, attributes, coordinates};
+use super::shape::SurfaceFields;
 use super::tree::VrmlNode;
 use crate::ReadError;
 use std::borrow::Cow;
@@ -57,7 +57,7 @@ pub(super) fn surface<'n>(
     node: &'n VrmlNode,
     layout: TriangleLayout,
 ) -> Result<SurfaceFields<'n>, ReadError> {
-    let (positions, is_shared) = coordinates(builder, node)?;
+    let (positions, is_shared) = builder.coordinates(node)?;
     let list = layout.list.map(|field| node.integers(field));
     let list = list.unwrap_or_default();
     // A strip has one triangle per corner, and an index has three corners and an end marker for
@@ -90,7 +90,7 @@ pub(super) fn surface<'n>(
     let shares = layout.indexed || !matches!(layout.order, CornerOrder::Each(_));
     let smooth = shares && node.flag("normalPerVertex", true);
     surface.crease_angle = if smooth { PI } else { 0.0 };
-    attributes(builder, node, &mut surface)?;
+    builder.attributes(node, &mut surface)?;
     if let Some(colors) = &mut surface.colors {
         // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored and always TRUE.
         colors.binding = super::faces::Binding::PerVertexIndexed;

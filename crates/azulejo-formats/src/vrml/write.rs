@@ -86,8 +86,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
 
 /// The highlight of a material, as these formats have it.
 fn highlight(material: &Material) -> Option<Highlight> {
-    let found = Highlight::of(material).filter(|_| material.mirror.is_black());
-    found.map(|h| h.around_normal())
+    let highlight = Highlight::of(material).filter(|_| material.mirror.is_black());
+    highlight.map(|h| h.around_normal())
 }
 
 /// Valid and different names for nodes.

@@ -93,9 +93,11 @@ struct XmlError {
 
 impl XmlError {
     fn new(text: &str, e: &roxmltree::Error) -> XmlError {
-        let said = e.to_string();
+        let message = e.to_string();
         // The crate's messages end with the position; at the end of the text they have none.
-        let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
+        let what = message
+            .rsplit_once(" at ")
+            .map_or(&*message, |(what, _)| what);
         let place = e.pos();
         let at = match (place.row, place.col) {
             (1, 1) => text.len(),
@@ -394,79 +396,56 @@ fn value(field: &str, text: &str) -> FieldValue {
     }
 }
 
-/// The default container field of a node: ISO/IEC 19776-1, 6.2.
+/// The default container fields, ISO/IEC 19776-1, 6.2, each with the nodes that it is for; it is `children`
+/// for all others.
+const CONTAINERS: [(&str, &str); 16] = [
+    ("appearance", "Appearance"),
+    (
+        "material",
+        "Material TwoSidedMaterial PhysicalMaterial UnlitMaterial",
+    ),
+    (
+        "texture",
+        "ImageTexture PixelTexture MovieTexture MultiTexture ComposedCubeMapTexture ImageCubeMapTexture \
+         GeneratedCubeMapTexture ComposedTexture3D ImageTexture3D PixelTexture3D RenderedTexture",
+    ),
+    (
+        "textureTransform",
+        "TextureTransform MultiTextureTransform TextureTransform3D TextureTransformMatrix3D",
+    ),
+    ("textureProperties", "TextureProperties"),
+    ("lineProperties", "LineProperties"),
+    ("pointProperties", "PointProperties"),
+    ("fillProperties", "FillProperties"),
+    ("coord", "Coordinate CoordinateDouble GeoCoordinate"),
+    ("color", "Color ColorRGBA"),
+    ("normal", "Normal"),
+    (
+        "texCoord",
+        "TextureCoordinate MultiTextureCoordinate TextureCoordinateGenerator TextureCoordinate3D \
+         TextureCoordinate4D",
+    ),
+    ("fontStyle", "FontStyle ScreenFontStyle"),
+    (
+        "geometry",
+        "Arc2D ArcClose2D Box Circle2D Cone Cylinder Disk2D ElevationGrid Extrusion GeoElevationGrid \
+         IndexedFaceSet IndexedLineSet IndexedQuadSet IndexedTriangleFanSet IndexedTriangleSet \
+         IndexedTriangleStripSet LineSet NurbsPatchSurface NurbsSweptSurface NurbsSwungSurface \
+         NurbsTrimmedSurface NurbsCurve PointSet Polyline2D Polypoint2D QuadSet Rectangle2D Sphere Text \
+         TriangleFanSet TriangleSet TriangleSet2D TriangleStripSet",
+    ),
+    ("shaders", "ComposedShader PackagedShader ProgramShader"),
+    (
+        "metadata",
+        "MetadataBoolean MetadataDouble MetadataFloat MetadataInteger MetadataSet MetadataString",
+    ),
+];
+
+/// The default container field of a node.
 fn container(kind: &str) -> &'static str {
-    match kind {
-        "Appearance" => "appearance",
-        "Material" | "TwoSidedMaterial" | "PhysicalMaterial" | "UnlitMaterial" => "material",
-        "ImageTexture"
-        | "PixelTexture"
-        | "MovieTexture"
-        | "MultiTexture"
-        | "ComposedCubeMapTexture"
-        | "ImageCubeMapTexture"
-        | "GeneratedCubeMapTexture"
-        | "ComposedTexture3D"
-        | "ImageTexture3D"
-        | "PixelTexture3D"
-        | "RenderedTexture" => "texture",
-        "TextureTransform"
-        | "MultiTextureTransform"
-        | "TextureTransform3D"
-        | "TextureTransformMatrix3D" => "textureTransform",
-        "TextureProperties" => "textureProperties",
-        "LineProperties" => "lineProperties",
-        "PointProperties" => "pointProperties",
-        "FillProperties" => "fillProperties",
-        "Coordinate" | "CoordinateDouble" | "GeoCoordinate" => "coord",
-        "Color" | "ColorRGBA" => "color",
-        "Normal" => "normal",
-        "TextureCoordinate"
-        | "MultiTextureCoordinate"
-        | "TextureCoordinateGenerator"
-        | "TextureCoordinate3D"
-        | "TextureCoordinate4D" => "texCoord",
-        "FontStyle" | "ScreenFontStyle" => "fontStyle",
-        "Arc2D"
-        | "ArcClose2D"
-        | "Box"
-        | "Circle2D"
-        | "Cone"
-        | "Cylinder"
-        | "Disk2D"
-        | "ElevationGrid"
-        | "Extrusion"
-        | "GeoElevationGrid"
-        | "IndexedFaceSet"
-        | "IndexedLineSet"
-        | "IndexedQuadSet"
-        | "IndexedTriangleFanSet"
-        | "IndexedTriangleSet"
-        | "IndexedTriangleStripSet"
-        | "LineSet"
-        | "NurbsPatchSurface"
-        | "NurbsSweptSurface"
-        | "NurbsSwungSurface"
-        | "NurbsTrimmedSurface"
-        | "NurbsCurve"
-        | "PointSet"
-        | "Polyline2D"
-        | "Polypoint2D"
-        | "QuadSet"
-        | "Rectangle2D"
-        | "Sphere"
-        | "Text"
-        | "TriangleFanSet"
-        | "TriangleSet"
-        | "TriangleSet2D"
-        | "TriangleStripSet" => "geometry",
-        "CADFace" => "children",
-        "MetadataBoolean" | "MetadataDouble" | "MetadataFloat" | "MetadataInteger"
-        | "MetadataSet" | "MetadataString" => "metadata",
-        "HAnimHumanoid" => "children",
-        "ComposedShader" | "PackagedShader" | "ProgramShader" => "shaders",
-        _ => "children",
-    }
+    let holds = |nodes: &str| nodes.split(' ').any(|node| node == kind);
+    let field = CONTAINERS.iter().find(|(_, nodes)| holds(nodes));
+    field.map_or("children", |(field, _)| field)
 }
 
 /// A truncated text without its incomplete last tag and with the open elements closed. `None` if

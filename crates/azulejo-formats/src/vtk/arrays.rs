@@ -1,4 +1,4 @@
-//! Arrays of XML files: as words, as base64 in place, or behind the XML, compressed or not.
+//! Arrays of XML files: as words, as base64 in place, or after the XML, compressed or not.
 
 use super::values::{VtkType, VtkValues};
 use crate::reading::base64::ByteStream;
@@ -9,7 +9,7 @@ use flate2::read::ZlibDecoder;
 use roxmltree::{Document, Node};
 use std::io::Read;
 
-/// The bytes behind the XML.
+/// The bytes after the XML.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AppendedBytes<'a> {
     pub bytes: &'a [u8],
@@ -28,13 +28,13 @@ pub(super) struct XmlArrays<'a> {
     is_compressed: bool,
     /// Most bytes of memory that compressed arrays together may still take.
     unpacked_left: u64,
-    /// Most bytes behind the XML that arrays may still take: several arrays may begin at one byte.
+    /// Most bytes after the XML that arrays may still take: several arrays may begin at one byte.
     shared_left: u64,
     /// Bytes that the last array took.
     taken: u64,
 }
 
-/// How often arrays may take the bytes behind the XML, on average.
+/// How often arrays may take the bytes after the XML, on average.
 const MOST_SHARED: u64 = 4;
 
 impl<'a> XmlArrays<'a> {

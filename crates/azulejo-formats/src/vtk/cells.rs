@@ -13,7 +13,7 @@ pub(super) enum CellClass {
     Line,
     /// A polygon of all its points.
     Polygon,
-    /// A polygon of its first points, so many.
+    /// A polygon of this number of its first points.
     Corners(usize),
     /// A polygon of the first half of its points.
     FirstHalf,
@@ -24,7 +24,7 @@ pub(super) enum CellClass {
     Voxel,
     Cell(CellKind),
     Polyhedron,
-    /// A prism of so many corners at each end.
+    /// A prism with this number of corners at each end.
     Column(usize),
     Unknown,
 }

@@ -163,7 +163,7 @@ impl LegacyReader<'_, '_> {
         start: usize,
     ) -> Result<(), ReadError> {
         let mut rest = list;
-        let mut found = 0;
+        let mut cells = 0;
         while let Some((&points, behind)) = rest.split_first() {
             let cell = usize::try_from(points)
                 .ok()
@@ -177,14 +177,14 @@ impl LegacyReader<'_, '_> {
             };
             self.piece.cell(kind.unwrap_or(0), cell.iter().copied());
             rest = behind;
-            found += 1;
+            cells += 1;
         }
-        if found == count {
+        if cells == count {
             return Ok(());
         }
         Err(self.source.error(
             start,
-            format!("{found} cells"),
+            format!("{cells} cells"),
             format!("{count}, as stated"),
         ))
     }
@@ -226,13 +226,7 @@ impl LegacyReader<'_, '_> {
         if keyword == "COLOR_SCALARS" {
             let components = self.source.count("a number of channels")?;
             self.source.end_line();
-            // Shares of one in text.
-            let kind = if self.source.is_binary {
-                VtkType::Unsigned(1)
-            } else {
-                VtkType::Real(4)
-            };
-            return self.array(&name, kind, self.values, components);
+            return self.array(&name, self.color_kind(), self.values, components);
         }
         let components = match keyword {
             "TEXTURE_COORDINATES" => self.source.count("a number of coordinates")?,
@@ -255,12 +249,15 @@ impl LegacyReader<'_, '_> {
         self.source.word();
         let count = self.source.count("a number of colours")?;
         self.source.end_line();
-        let kind = if self.source.is_binary {
-            VtkType::Unsigned(1)
-        } else {
-            VtkType::Real(4)
-        };
-        self.source.skip(kind, count, 4)
+        self.source.skip(self.color_kind(), count, 4)
+    }
+
+    /// The type of the channels of colours, which are shares of one in text.
+    fn color_kind(&self) -> VtkType {
+        match self.source.is_binary {
+            true => VtkType::Unsigned(1),
+            false => VtkType::Real(4),
+        }
     }
 
     /// Arrays by the new form, each with its own length.

@@ -21,7 +21,7 @@ use crate::surface::named::NamedSurfaces;
 use crate::surface::single;
 use crate::surface::weld::Welder;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use azulejo_scene::{Scene, Units, Up};
+use azulejo_scene::Scene;
 use cells::{CellClass, add_volume, polygons};
 use glam::DVec3;
 use piece::VtkPiece;
@@ -156,7 +156,7 @@ impl VtkBuilder<'_> {
         }
     }
 
-    /// Counts a cell that is no surface.
+    /// Counts a cell that is not a surface.
     fn is_kept(&mut self, piece: &VtkPiece, cell: usize, class: CellClass) -> bool {
         let counts = &mut self.counts;
         let count = match class {
@@ -263,15 +263,7 @@ impl VtkBuilder<'_> {
             self.warnings
                 .add_many(self.file, message.to_owned(), count, || Position::Whole);
         }
-        let mut scene = Scene {
-            units: Units {
-                up: Up::Z,
-                ..Units::default()
-            },
-            ..Scene::default()
-        };
-        self.surfaces
-            .finish(&self.positions, &mut scene, self.file, &mut self.warnings);
+        let scene = (self.surfaces).scene(&self.positions, self.file, &mut self.warnings);
         (scene, self.warnings)
     }
 }

@@ -30,28 +30,11 @@ pub(super) struct CellRows {
 
 /// Names of cell arrays that divide a mesh into surfaces, the first of which counts: azulejo's own, those
 /// of gmsh, meshio, OpenFOAM, ParaView and others.
-const ROWS: [&str; 18] = [
-    "object",
-    "group",
-    "surface",
-    "name",
-    "physicalids",
-    "gmsh:physical",
-    "cellentityids",
-    "materialids",
-    "materialid",
-    "material",
-    "patchid",
-    "regionid",
-    "groupids",
-    "boundary",
-    "cell_tags",
-    "medit:ref",
-    "gmsh:geometrical",
-    "geometryids",
-];
+const ROWS: &str = "object group surface name physicalids gmsh:physical cellentityids materialids materialid \
+     material patchid regionid groupids boundary cell_tags medit:ref gmsh:geometrical \
+     geometryids";
 
-/// Which cells are no part of a piece: duplicates of another's, and hidden ones.
+/// Which cells are not part of a piece: duplicates of another's, and hidden ones.
 const GHOST_ARRAY: &str = "vtkghosttype";
 
 /// What a cell array is used for.
@@ -67,7 +50,7 @@ impl ArrayUse {
     /// The use of an array by its name.
     pub fn of(name: &str) -> ArrayUse {
         let name = name.to_ascii_lowercase();
-        match ROWS.iter().position(|known| *known == name) {
+        match ROWS.split(' ').position(|known| known == name) {
             Some(rank) => ArrayUse::Rows(rank),
             None if name == GHOST_ARRAY => ArrayUse::Ghosts,
             None => ArrayUse::Nothing,

@@ -26,8 +26,8 @@ fn check_error(text: &str, expected: &str) {
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
+    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(messages, expected);
 }
 
 fn meshes(loaded: &Loaded) -> Vec<&Mesh> {
@@ -152,9 +152,9 @@ fn columns_have_sides() {
             .flat_map(ring)
             .map(|(x, y, z)| format!("{x} {y} {z}\n"))
             .collect();
-        let all: Vec<u32> = (0..2 * corners).collect();
+        let cell: Vec<u32> = (0..2 * corners).collect();
         let count = 2 * corners;
-        let text = legacy(&[(10 + corners as u8, &all)], "")
+        let text = legacy(&[(10 + corners as u8, &cell)], "")
             .replace(CUBE, &format!("POINTS {count} double\n{points}"));
         let loaded = load(&text);
         assert_eq!(objects(&loaded), [("surfaces", corners as usize + 2)]);

@@ -5,11 +5,11 @@ use crate::reading::words::Words;
 /// A type of the numbers in an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum VtkType {
-    /// An integer of so many bytes.
+    /// An integer, with its size in bytes.
     Signed(usize),
-    /// A non-negative integer of so many bytes.
+    /// A non-negative integer, with its size in bytes.
     Unsigned(usize),
-    /// A floating-point number of so many bytes.
+    /// A floating-point number, with its size in bytes.
     Real(usize),
     /// Eight values of 0 or 1 in a byte.
     Bit,
@@ -175,7 +175,7 @@ impl VtkValues {
 /// The next word as a number; `None` at the end.
 ///
 /// # Errors
-/// Its offset, if it is none.
+/// Its offset, if it is not a number.
 pub(super) fn next_real(words: &mut Words) -> Option<Result<f64, usize>> {
     words.skip_blanks();
     let start = words.offset();
@@ -185,7 +185,7 @@ pub(super) fn next_real(words: &mut Words) -> Option<Result<f64, usize>> {
 /// The next word as an integer; `None` at the end.
 ///
 /// # Errors
-/// Its offset, if it is none.
+/// Its offset, if it is not a number.
 pub(super) fn next_integer(words: &mut Words) -> Option<Result<i64, usize>> {
     let word = words.word()?;
     let word_text = std::str::from_utf8(word).unwrap_or_default();

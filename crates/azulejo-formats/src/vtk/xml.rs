@@ -231,7 +231,7 @@ impl<'a> XmlReader<'a, '_> {
         let mut start = 0;
         let mut cells = Vec::new();
         for &end in ends.iter().take(kinds.len()) {
-            // Cells that are no polyhedra have −1.
+            // Cells that are not polyhedra have −1.
             let Ok(end) = usize::try_from(end) else {
                 cells.push(Vec::new());
                 continue;
@@ -274,8 +274,8 @@ impl<'a> XmlReader<'a, '_> {
             }
             Some(stream)
         };
-        let found: Option<Vec<Vec<i64>>> = (0..cells.len()).map(&mut cell).collect();
-        found.ok_or_else(|| {
+        let streams: Option<Vec<Vec<i64>>> = (0..cells.len()).map(&mut cell).collect();
+        streams.ok_or_else(|| {
             let expected = "faces and points that exist";
             self.arrays
                 .error(list, "a polyhedron whose faces do not exist", expected)

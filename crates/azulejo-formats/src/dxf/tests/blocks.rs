@@ -163,8 +163,8 @@ fn depth_is_limited() {
     }
     // The depth from below equals the depth from above.
     let inserts: String = (0..200).map(|i| format!("0 INSERT; 2 b{i};")).collect();
-    let all = load(drawing(&blocks, &inserts));
-    assert_eq!(all.scene.objects.len(), 63);
+    let loaded = load(drawing(&blocks, &inserts));
+    assert_eq!(loaded.scene.objects.len(), 63);
 }
 
 #[test]

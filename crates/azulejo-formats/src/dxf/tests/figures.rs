@@ -25,10 +25,10 @@ fn check_area(entities: &str, area: f64) {
     let drawing = drawing(entities);
     assert!(drawing.warnings.is_empty(), "{:?}", drawing.warnings);
     assert_eq!(drawing.shapes.len(), 1, "{entities}");
-    let found = drawing.shapes[0].figure.signed_area().abs();
+    let actual = drawing.shapes[0].figure.signed_area().abs();
     assert!(
-        (found - area).abs() < 1e-4 * area,
-        "{entities} {found} {area}"
+        (actual - area).abs() < 1e-4 * area,
+        "{entities} {actual} {area}"
     );
 }
 

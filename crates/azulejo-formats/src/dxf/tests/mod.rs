@@ -118,14 +118,14 @@ fn polygons(mesh: &Mesh) -> Vec<Vec<DVec3>> {
 
 /// Checks polygons corner by corner, up to rounding.
 fn check_polygons(mesh: &Mesh, expected: &[&[[f64; 3]]]) {
-    let found = polygons(mesh);
+    let actual = polygons(mesh);
     let same = |a: &DVec3, b: &[f64; 3]| (*a - DVec3::from_array(*b)).length() < 1e-9;
     let same_polygon = |a: &Vec<DVec3>, b: &&[[f64; 3]]| {
         a.len() == b.len() && a.iter().zip(*b).all(|(a, b)| same(a, b))
     };
-    let is_same = found.len() == expected.len()
-        && found.iter().zip(expected).all(|(a, b)| same_polygon(a, b));
-    assert!(is_same, "{found:?}\nand not {expected:?}");
+    let is_same = actual.len() == expected.len()
+        && actual.iter().zip(expected).all(|(a, b)| same_polygon(a, b));
+    assert!(is_same, "{actual:?}\nand not {expected:?}");
 }
 
 /// Checks that a mesh is closed and that its fronts are outside: every edge occurs once in each

@@ -1,7 +1,7 @@
 //! `ext figure`: contours of lines and cubic curves.
 
 use super::super::document::{BlockKind, BoxedError, NameKind};
-use super::super::entries::ExtensionEntries;
+use super::super::entries::GrfEntries;
 use super::super::parse::BlockEnd;
 use super::super::parser::{GrfParser, ParseResult};
 use super::super::write::{GrfOutput, pair};
@@ -16,18 +16,17 @@ const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 impl<'a> GrfParser<'a, '_, '_> {
     /// Reads a figure, after `ext figure begin`.
     pub fn figure(&mut self, offset: usize) -> ParseResult<BlockKind> {
-        let mut entries = ExtensionEntries::new("`ext figure`", offset);
+        let mut entries = GrfEntries::new("`ext figure`", offset);
         let mut contours = Vec::new();
         self.entries_and(&mut entries, |parser| parser.contour(&mut contours))?;
         self.end(offset, &EXTENSION)?;
         let name = self.defined_name(&mut entries, NameKind::Figure)?;
-        let rule = match self.take_word(&mut entries, "rule")? {
-            None | Some(("even_odd", _)) => FillRule::EvenOdd,
-            Some(("non_zero", _)) => FillRule::NonZero,
-            Some((word, offset)) => {
-                return Err(self.fail(offset, format!("`{word}`"), "`even_odd` or `non_zero`"));
-            }
-        };
+        let rules = [
+            ("even_odd", FillRule::EvenOdd),
+            ("non_zero", FillRule::NonZero),
+        ];
+        let rule = self.take_choice(&mut entries, "rule", &rules)?;
+        let rule = rule.unwrap_or(FillRule::EvenOdd);
         self.warn_of_rest(&entries);
         contours.shrink_to_fit();
         Ok(BlockKind::Figure(FigureBlock {

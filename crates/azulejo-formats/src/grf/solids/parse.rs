@@ -1,8 +1,8 @@
 //! Parses solids: extensions with nested members.
 
 use super::super::document::{BlockKind, BoxedError, GrfName, MeshBlock, NameKind, ObjectNotes};
-use super::super::entries::{EntryValue, ExtensionEntries};
-use super::super::mesh::LargestIndex;
+use super::super::entries::{EntryValue, GrfEntries, Taken};
+use super::super::mesh::OpenMesh;
 use super::super::parse::BlockEnd;
 use super::super::parser::{GrfParser, ParseResult};
 use super::{
@@ -71,11 +71,11 @@ impl<'a> GrfParser<'a, '_, '_> {
         let mut notes = ObjectNotes::default();
         let solids = match form(name) {
             Some((_, form, _)) => {
-                let entries = ExtensionEntries::new(format!("`ext {name}`"), offset);
+                let entries = GrfEntries::new(format!("`ext {name}`"), offset);
                 vec![self.solid(*form, entries, &EXTENSION)?]
             }
             None => {
-                let mut entries = ExtensionEntries::new("`ext solids`", offset);
+                let mut entries = GrfEntries::new("`ext solids`", offset);
                 let solids = self.members(&mut entries, &EXTENSION)?;
                 notes.material = self.take_name(&mut entries, "material", NameKind::Brdf)?;
                 self.warn_of_rest(&entries);
@@ -91,7 +91,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     /// Reads a definition, after `ext define begin`.
     pub fn solid_definition(&mut self, offset: usize) -> ParseResult<BlockKind> {
-        let mut entries = ExtensionEntries::new("`ext define`", offset);
+        let mut entries = GrfEntries::new("`ext define`", offset);
         let solids = self.members(&mut entries, &EXTENSION)?;
         let name = self.defined_name(&mut entries, NameKind::Solid)?;
         let material = self.take_name(&mut entries, "material", NameKind::Brdf)?;
@@ -106,7 +106,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// Reads keys, solids, and the end.
     fn members(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         ending: &BlockEnd,
     ) -> ParseResult<Vec<SolidBlock>> {
         let mut solids = Vec::new();
@@ -131,7 +131,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 format!("at most {DEEPEST} nested levels"),
             ));
         }
-        let entries = ExtensionEntries::new(format!("`{name}`"), offset);
+        let entries = GrfEntries::new(format!("`{name}`"), offset);
         solids.push(self.solid(*form, entries, ending)?);
         self.shared.solid_depth -= 1;
         Ok(true)
@@ -141,7 +141,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn solid(
         &mut self,
         form: SolidKeyword,
-        mut entries: ExtensionEntries<'a>,
+        mut entries: GrfEntries<'a>,
         ending: &BlockEnd,
     ) -> ParseResult<SolidBlock> {
         let place = self.place(entries.offset);
@@ -173,20 +173,18 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn simple(
         &mut self,
         form: SolidKeyword,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
     ) -> ParseResult<SolidKind> {
         match form {
             SolidKeyword::Prism => {
-                let figure = self.take_name(entries, "figure", NameKind::Figure)?;
-                let figure = self.required(entries, "figure", figure)?;
+                let figure = self.needed_name(entries, "figure", NameKind::Figure)?;
                 let map = self.take_map(entries)?;
                 let map = self.required(entries, "map", map)?;
                 Ok(SolidKind::Prism(figure, Box::new(map)))
             }
             SolidKeyword::Patch => self.patch(entries),
             SolidKeyword::Instance => {
-                let of = self.take_name(entries, "of", NameKind::Solid)?;
-                let of = self.required(entries, "of", of)?;
+                let of = self.needed_name(entries, "of", NameKind::Solid)?;
                 let map = self.take_map(entries)?;
                 Ok(SolidKind::Instance(of, map.map(Box::new)))
             }
@@ -197,9 +195,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
     }
 
-    fn patch(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<SolidKind> {
-        let entry = entries.take("points");
-        let entry = self.required(entries, "points", entry)?;
+    fn patch(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<SolidKind> {
+        let entry = self.needed(entries, "points")?;
         match &entry.value {
             EntryValue::Vectors(list) if list.len() == 16 => {
                 let point = |k: usize| DVec3::from_array(list[k]);
@@ -211,7 +208,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// `map = ...`, which must be invertible.
-    fn take_map(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<DAffine3>> {
+    fn take_map(&mut self, entries: &mut GrfEntries<'a>) -> Taken<DAffine3> {
         let Some(entry) = entries.take("map") else {
             return Ok(None);
         };
@@ -223,11 +220,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    fn csg(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        ending: &BlockEnd,
-    ) -> ParseResult<SolidKind> {
+    fn csg(&mut self, entries: &mut GrfEntries<'a>, ending: &BlockEnd) -> ParseResult<SolidKind> {
         let (mut left, mut right) = (Vec::new(), Vec::new());
         self.entries_and(entries, |parser| {
             Ok(parser.side(&LEFT, &mut left)? || parser.side(&RIGHT, &mut right)?)
@@ -246,23 +239,18 @@ impl<'a> GrfParser<'a, '_, '_> {
         })))
     }
 
-    fn operation(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Operation> {
-        let word = self.take_word(entries, "operation")?;
-        let (word, offset) = self.required(entries, "operation", word)?;
-        match word {
-            "union" => Ok(Operation::Union),
-            "difference" => Ok(Operation::Difference),
-            "intersection" => Ok(Operation::Intersection),
-            _ => Err(self.fail(
-                offset,
-                format!("`{word}`"),
-                "`union`, `difference` or `intersection`",
-            )),
-        }
+    fn operation(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<Operation> {
+        let operations = [
+            ("union", Operation::Union),
+            ("difference", Operation::Difference),
+            ("intersection", Operation::Intersection),
+        ];
+        let operation = self.take_choice(entries, "operation", &operations)?;
+        self.required(entries, "operation", operation)
     }
 
     #[cold]
-    fn without_side(&mut self, entries: &ExtensionEntries<'_>, side: &str) -> BoxedError {
+    fn without_side(&mut self, entries: &GrfEntries<'_>, side: &str) -> BoxedError {
         self.fail(
             entries.offset,
             format!("{} without a solid on its {side} side", entries.title),
@@ -284,11 +272,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 impl<'a> GrfParser<'a, '_, '_> {
-    fn text(
-        &mut self,
-        entries: &mut ExtensionEntries<'a>,
-        ending: &BlockEnd,
-    ) -> ParseResult<SolidKind> {
+    fn text(&mut self, entries: &mut GrfEntries<'a>, ending: &BlockEnd) -> ParseResult<SolidKind> {
         let mut glyphs = Vec::new();
         self.entries_and(entries, |parser| parser.glyph(&mut glyphs))?;
         self.end(entries.offset, ending)?;
@@ -320,7 +304,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// The map given by the keys of a [`TextFrame`].
-    fn frame(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DAffine3> {
+    fn frame(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<DAffine3> {
         let origin = self.take_point(entries, "origin")?;
         let frame = TextFrame {
             origin: origin.unwrap_or_default(),
@@ -342,7 +326,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 
     fn take_direction(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         key: &str,
         default: DVec3,
     ) -> ParseResult<DVec3> {
@@ -358,7 +342,7 @@ impl<'a> GrfParser<'a, '_, '_> {
     }
 
     /// One scale for all directions, or one for each.
-    fn take_scale(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DVec3> {
+    fn take_scale(&mut self, entries: &mut GrfEntries<'a>) -> ParseResult<DVec3> {
         let Some(entry) = entries.take("scale") else {
             return Ok(DVec3::ONE);
         };
@@ -374,14 +358,20 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// Vertices and faces without appearance, and the keys that describe them further.
     pub fn polygons(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         ending: &BlockEnd,
     ) -> ParseResult<Box<MeshBlock>> {
-        let mut mesh = Box::<MeshBlock>::default();
-        let mut largest = None;
-        self.entries_and(entries, |parser| parser.list(&mut mesh, &mut largest))?;
-        self.check_indices(&mesh, largest)?;
+        let mut open = OpenMesh::default();
+        self.entries_and(entries, |parser| {
+            let is_list = parser.lexer.eat_word("begin");
+            if is_list {
+                parser.mesh_list(&mut open)?;
+            }
+            Ok(is_list)
+        })?;
+        self.check_indices(&open)?;
         self.end(entries.offset, ending)?;
+        let mut mesh = Box::new(open.block);
         if !mesh.changes.is_empty() {
             return Err(self.fail(
                 entries.offset,
@@ -406,11 +396,10 @@ impl<'a> GrfParser<'a, '_, '_> {
     /// `normals`, a list, and `corners`, the index of each corner's normal.
     fn corner_normals(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         corners: usize,
     ) -> ParseResult<Attribute<DVec3>> {
-        let entry = entries.take("normals");
-        let entry = self.required(entries, "normals", entry)?;
+        let entry = self.needed(entries, "normals")?;
         let EntryValue::Vectors(list) = &entry.value else {
             return Err(self.wrong(&entry, "vectors (x, y, z)"));
         };
@@ -433,22 +422,13 @@ impl<'a> GrfParser<'a, '_, '_> {
         })
     }
 
-    fn list(&mut self, mesh: &mut MeshBlock, largest: &mut LargestIndex) -> ParseResult<bool> {
-        if !self.lexer.eat_word("begin") {
-            return Ok(false);
-        }
-        self.mesh_list(mesh, largest)?;
-        Ok(true)
-    }
-
     /// The name that an extension defines.
     pub fn defined_name(
         &mut self,
-        entries: &mut ExtensionEntries<'a>,
+        entries: &mut GrfEntries<'a>,
         kind: NameKind,
     ) -> ParseResult<GrfName> {
-        let word = self.take_word(entries, "name")?;
-        let (word, offset) = self.required(entries, "name", word)?;
+        let (word, offset) = self.needed_word(entries, "name")?;
         let name = self.shared.intern(word);
         self.define(offset, kind, &name);
         self.record_definition(offset, kind, &name);

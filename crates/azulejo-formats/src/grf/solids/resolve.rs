@@ -1,13 +1,13 @@
 //! Converts blocks to solids: resolves figures and definitions by name, and copies instances.
 
 use super::super::document::{BlockKind, GrfBlock, GrfName, MeshBlock, NameKind, SourcePosition};
-use super::super::placement::OuterTransform;
+use super::super::placement::BlockPlace;
 use super::super::resolve::{GrfResolver, ResolveResult};
 use super::{
     CsgBlock, DEEPEST, ExactBlock, SolidBlock, SolidDefinition, SolidKind, TextBlock, has_inverse,
 };
 use azulejo_scene::{
-    BicubicPatch, Csg, Exact, Figure, MaterialId, Mesh, Object, Primitive, Prism, Shape, Solid,
+    BicubicPatch, Csg, Exact, Figure, MaterialId, Mesh, Primitive, Prism, Shape, Solid,
 };
 use glam::DAffine3;
 use std::rc::Rc;
@@ -47,8 +47,8 @@ impl<'d> GrfResolver<'d> {
     fn defined(&mut self, name: &'d GrfName, place: SourcePosition) -> ResolveResult<Rc<Made>> {
         let name: &'d str = name;
         let mut scopes = self.scopes.iter_mut().enumerate().rev();
-        let found = scopes.find_map(|(level, s)| Some((level, s.solids.get_mut(name)?)));
-        let Some((level, slot)) = found else {
+        let defined = scopes.find_map(|(level, s)| Some((level, s.solids.get_mut(name)?)));
+        let Some((level, slot)) = defined else {
             return Err(self.undefined(NameKind::Solid, name, place));
         };
         let (definition, at) = match slot {
@@ -92,46 +92,35 @@ impl<'d> GrfResolver<'d> {
     }
 
     fn figure_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<Arc<Figure>> {
-        let scopes = self.scopes.iter().rev();
-        let found = scopes.filter_map(|s| s.figures.get(&**name)).next();
-        let found = found.map(|&figure| Arc::clone(figure));
-        found.ok_or_else(|| self.undefined(NameKind::Figure, name, place))
+        let figure = self.lookup(NameKind::Figure, name, place, |s| &s.figures)?;
+        Ok(Arc::clone(figure))
     }
 }
 
 impl<'d> GrfResolver<'d> {
-    pub fn exact(
-        &mut self,
-        block: &'d ExactBlock,
-        place: SourcePosition,
-        outer: OuterTransform,
-    ) -> ResolveResult<()> {
+    pub fn exact(&mut self, block: &'d ExactBlock, place: BlockPlace) -> ResolveResult<()> {
         let mut made = Made::default();
         self.solids(&block.solids, block.notes.material.as_ref(), &mut made)?;
         if !self.instances.keeps() {
             return Ok(());
         }
         let mut exact = Exact::new(made.solids);
-        if let Some(map) = outer {
+        if let Some(map) = place.outer {
             exact.transform(&map);
         }
         if !exact.solids.iter().all(is_placed) {
             return Err(self.fail(
-                place,
+                place.source,
                 "a shape that transforms flatten, or that overflows",
                 "invertible transforms",
             ));
         }
         if let Some(skin) = &block.skin {
-            let materials = self.skin_materials(skin, &exact, place)?;
-            let mesh = self.built_mesh(&skin.mesh, materials, place, outer)?;
+            let materials = self.skin_materials(skin, &exact, place.source)?;
+            let mesh = self.built_mesh(&skin.mesh, materials, place)?;
             exact.proxy = Some(Box::new(mesh));
         }
-        let shape = Shape::Exact(exact);
-        self.scene
-            .objects
-            .push(Object::new(&*block.notes.name, shape));
-        Ok(())
+        self.push_object(&block.notes, Shape::Exact(exact))
     }
 
     /// Adds the solids of blocks; `around` is the brdf of the enclosing block.
@@ -306,7 +295,11 @@ impl<'d> GrfResolver<'d> {
             0 => Vec::new(),
             _ => vec![self.named_material(brdf, None, place)?; faces],
         };
-        self.built_mesh(mesh, materials, place, None)
+        let place = BlockPlace {
+            source: place,
+            outer: None,
+        };
+        self.built_mesh(mesh, materials, place)
     }
 
     fn instance(

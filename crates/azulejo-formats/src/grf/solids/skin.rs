@@ -1,7 +1,7 @@
 //! `ext skin`: the proxy mesh of an exact shape in the first pass, with its irradiance.
 
 use super::super::document::{BlockKind, GrfBlock, MeshBlock, ObjectNotes};
-use super::super::entries::ExtensionEntries;
+use super::super::entries::GrfEntries;
 use super::super::from_scene::polygons;
 use super::super::parse::BlockEnd;
 use super::super::parser::{GrfParser, ParseResult};
@@ -19,7 +19,7 @@ const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 impl GrfParser<'_, '_, '_> {
     /// Reads a skin, after `ext skin begin`; the exact shape is the block `before`.
     pub fn skin(&mut self, offset: usize, before: Option<&mut GrfBlock>) -> ParseResult<()> {
-        let mut entries = ExtensionEntries::new("`ext skin`", offset);
+        let mut entries = GrfEntries::new("`ext skin`", offset);
         let mesh = self.polygons(&mut entries, &EXTENSION)?;
         let leaves = if entries.has("leaves") {
             self.counts(&mut entries, "leaves", (mesh.faces.len(), "face"))?

@@ -20,8 +20,8 @@ fn text_of(material: &Material) -> String {
 fn must_fail(brdf: &str, expected: &str) {
     let text = format!("def a =\nbrdf {brdf}\n");
     let error = read(text.as_bytes(), "test.grf", &Memory::new()).map(|l| l.scene);
-    let said = error.expect_err(brdf).to_string();
-    let first = said.lines().next().unwrap_or_default();
+    let message = error.expect_err(brdf).to_string();
+    let first = message.lines().next().unwrap_or_default();
     assert_eq!(first, format!("test.grf:2:{expected}"));
 }
 
@@ -70,9 +70,9 @@ fn colours_multiply_what_is_diffuse() {
     // A colour sets what the brdf leaves undefined.
     let red = material("rgb (0.5, 0, 0) brdf lewis n = 20 ks = 0.25");
     assert_eq!(red.diffuse, Rgb::new(0.5, 0.0, 0.0));
-    let said = "def a = brdf lewis n = 20 ks = 0.25 kd = 0.5 begin \
+    let definition = "def a = brdf lewis n = 20 ks = 0.25 kd = 0.5 begin \
         ext material begin of = a diffuse = (0.1, 0.2, 0.3) end ext ";
-    let painted = scene(&format!("{said} {} end", triangle("use brdf a")));
+    let painted = scene(&format!("{definition} {} end", triangle("use brdf a")));
     assert_eq!(painted.materials[0].diffuse, Rgb::new(0.1, 0.2, 0.3));
     assert!(painted.materials[0].brdf.is_some());
     assert_eq!(scene(&written(&painted)), painted);
@@ -125,17 +125,23 @@ fn errors_say_where_and_what_is_nearest() {
 
 #[test]
 fn doubtful_models_are_named() {
-    let said = warnings(&triangle("brdf phong n = 20 ks = 0.2 kd = 0.4"));
-    assert!(said[0].contains("`phong` is not reciprocal"), "{said:?}");
+    let messages = warnings(&triangle("brdf phong n = 20 ks = 0.2 kd = 0.4"));
+    assert!(
+        messages[0].contains("`phong` is not reciprocal"),
+        "{messages:?}"
+    );
     // The one does not hide the other; 20 reflects too much where 2000 does not.
     for n in [20, 2000] {
-        let said = warnings(&triangle(&format!("brdf phong n = {n} ks = 1 kd = 0.9")));
+        let messages = warnings(&triangle(&format!("brdf phong n = {n} ks = 1 kd = 0.9")));
         let second = if n == 20 { "degrees" } else { "kd + ks of 1.9" };
-        assert!(said[0].contains("`phong` is not reciprocal"), "{said:?}");
-        assert!(said[1].contains(second), "{said:?}");
+        assert!(
+            messages[0].contains("`phong` is not reciprocal"),
+            "{messages:?}"
+        );
+        assert!(messages[1].contains(second), "{messages:?}");
     }
-    let said = warnings(&triangle("brdf ward_duer ax = 0.3 ks = 1"));
-    assert!(said[0].contains("at 85 degrees"), "{said:?}");
+    let messages = warnings(&triangle("brdf ward_duer ax = 0.3 ks = 1"));
+    assert!(messages[0].contains("at 85 degrees"), "{messages:?}");
     let none: [String; 0] = [];
     assert_eq!(warnings(&triangle("brdf ward_gmd ax = 0.3 ks = 1")), none);
     assert_eq!(
@@ -182,17 +188,20 @@ fn files_that_are_missing_or_wrong() {
     assert_eq!(scene(&text).materials[0].diffuse, Rgb::grey(0.5));
     let files = Memory::new().with("bad.brdf", "begin brdf\n model wurd\nend brdf");
     let error = read(triangle("brdf \"bad.brdf\"").as_bytes(), "test.grf", &files);
-    let said = error.map(|l| l.scene).unwrap_err().to_string();
+    let message = error.map(|l| l.scene).unwrap_err().to_string();
     assert!(
-        said.starts_with("bad.brdf:2:8: found the reflection model `wurd`"),
-        "{said}"
+        message.starts_with("bad.brdf:2:8: found the reflection model `wurd`"),
+        "{message}"
     );
-    assert!(said.ends_with("included from test.grf:1"), "{said}");
+    assert!(message.ends_with("included from test.grf:1"), "{message}");
     let folder = Folder::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src"));
     let outside = triangle("brdf \"../Cargo.toml\"");
     let loaded = read(outside.as_bytes(), "test.grf", &folder).unwrap();
-    let said = loaded.warnings[0].to_string();
-    assert!(said.contains("leads out of the model's folder"), "{said}");
+    let message = loaded.warnings[0].to_string();
+    assert!(
+        message.contains("leads out of the model's folder"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -200,8 +209,8 @@ fn hostile_models() {
     let check = |brdf: String, expected: &str| {
         let text = triangle(&format!("brdf {brdf}"));
         let error = read(text.as_bytes(), "test.grf", &Memory::new()).map(|l| l.scene);
-        let said = error.unwrap_err().to_string();
-        assert!(said.contains(expected), "{said}");
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
     };
     check(format!("lewis {}", "n = 1 ".repeat(1_000_000)), "`n` again");
     let sum = format!("combination {}", "weight = 0 lewis n = 1 ".repeat(100_000));
@@ -213,6 +222,6 @@ fn hostile_models() {
         .map(|k| format!("brdf lewis n = {k} (0,1,2) "))
         .collect();
     let error = read(triangle(&faces).as_bytes(), "test.grf", &Memory::new());
-    let said = error.map(|l| l.scene).unwrap_err().to_string();
-    assert!(said.contains("at most 4096 distinct ones"), "{said}");
+    let message = error.map(|l| l.scene).unwrap_err().to_string();
+    assert!(message.contains("at most 4096 distinct ones"), "{message}");
 }

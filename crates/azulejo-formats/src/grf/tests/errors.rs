@@ -12,8 +12,8 @@ fn error_with(text: &str, files: &dyn Files) -> String {
 }
 
 fn check(text: &str, expected: &str) {
-    let said = error_with(text, &Memory::new());
-    let first = said.lines().next().unwrap_or("");
+    let message = error_with(text, &Memory::new());
+    let first = message.lines().next().unwrap_or("");
     assert_eq!(first, expected, "{text}");
 }
 
@@ -189,7 +189,10 @@ fn includes() {
 fn an_include_may_not_leave_the_folder() {
     let folder = crate::Folder::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src"));
     for name in ["../Cargo.toml", "/etc/passwd", "a/../../Cargo.toml"] {
-        let said = error_with(&format!("include \"{name}\""), &folder);
-        assert!(said.contains(&FileError::Outside.to_string()), "{said}");
+        let message = error_with(&format!("include \"{name}\""), &folder);
+        assert!(
+            message.contains(&FileError::Outside.to_string()),
+            "{message}"
+        );
     }
 }

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 
 fn must_fail(text: &str, files: &Memory, reason: &str) {
     let error = read(text.as_bytes(), "test.grf", files).err();
-    let said = error.map(|e| e.to_string()).unwrap_or_default();
-    assert!(said.contains(reason), "{said}");
+    let message = error.map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains(reason), "{message}");
 }
 
 #[test]

@@ -103,11 +103,11 @@ fn every_place_keeps_its_light() {
 fn an_instance_of_nothing() {
     let text = "ext mesh_instance begin of = chair map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext";
     let error = read(text.as_bytes(), "test.grf", &Memory::new()).unwrap_err();
-    let said = error.to_string();
-    assert!(said.starts_with("test.grf:1:"), "{said}");
+    let message = error.to_string();
+    assert!(message.starts_with("test.grf:1:"), "{message}");
     assert!(
-        said.contains("the name of an `ext shared_mesh` before it"),
-        "{said}"
+        message.contains("the name of an `ext shared_mesh` before it"),
+        "{message}"
     );
     let flat = format!(
         "{} ext shared_mesh begin name = a map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext \
@@ -187,9 +187,13 @@ fn includes_of_includes_are_shared() {
     };
     let twice = plain("transform scale (1, 1, -2) begin include \"leaf.grf\" end");
     let alone = twice.unfolded();
-    let found = scene.unfolded();
+    let unfolded = scene.unfolded();
     assert_eq!(
-        found.objects[1].shape.mesh().unwrap().face_area_vector(0),
+        unfolded.objects[1]
+            .shape
+            .mesh()
+            .unwrap()
+            .face_area_vector(0),
         alone.objects[0].shape.mesh().unwrap().face_area_vector(0)
     );
 }

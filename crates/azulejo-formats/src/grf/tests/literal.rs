@@ -85,14 +85,14 @@ fn only_irad_is_added() {
         end vertices begin faces 3 0 1 2 end end mesh\r\nend\r\nend def   ";
     let once = written_in_place(&files, text.as_bytes(), 0.5).bytes;
     assert_eq!(without_light(&once), text);
-    let said = String::from_utf8(once.clone()).unwrap();
+    let lit_text = String::from_utf8(once.clone()).unwrap();
     assert!(
-        said.contains(" irad (0.5, 0.5, 0.5) (0 ,0,0)// first"),
-        "{said}"
+        lit_text.contains(" irad (0.5, 0.5, 0.5) (0 ,0,0)// first"),
+        "{lit_text}"
     );
     assert!(
-        said.contains("uv (0, 1)   irad (1.5, 1.5, 1.5) (1.,0,0) irad"),
-        "{said}"
+        lit_text.contains("uv (0, 1)   irad (1.5, 1.5, 1.5) (1.,0,0) irad"),
+        "{lit_text}"
     );
     // Solved again: other numbers in the same places.
     let again = written_in_place(&files, &once, 0.25).bytes;
@@ -137,14 +137,14 @@ fn everything_takes_its_light() {
     lamp.irradiance_error = vec![Rgb::grey(0.01); 3];
     assert_eq!(again, solved);
     assert_eq!((result.exact, result.backs), (2, 0));
-    let said = String::from_utf8(result.bytes).unwrap();
+    let lit_text = String::from_utf8(result.bytes).unwrap();
     for kept in [
         "rotation (0, 0, 90)",
         "end nothing end ext",
         "dependent 3",
         "def paper = texture",
     ] {
-        assert!(said.contains(kept), "{kept}: {said}");
+        assert!(lit_text.contains(kept), "{kept}: {lit_text}");
     }
 }
 
@@ -165,14 +165,14 @@ fn exact_shapes_get_skins_and_backs_an_extension() {
             error: Vec::new(),
         }));
     }
-    let found = text_with(&files, &text).lit(&solved, &files).unwrap();
-    assert_eq!(found.backs, 1);
-    let said = String::from_utf8(found.bytes).unwrap();
+    let lit = text_with(&files, &text).lit(&solved, &files).unwrap();
+    assert_eq!(lit.backs, 1);
+    let lit_text = String::from_utf8(lit.bytes).unwrap();
     assert!(
-        said.contains("// the floor\next irad_back begin\nvertices = 0\n"),
-        "{said}"
+        lit_text.contains("// the floor\next irad_back begin\nvertices = 0\n"),
+        "{lit_text}"
     );
-    assert!(said.ends_with("end ext\n;"), "{said}");
+    assert!(lit_text.ends_with("end ext\n;"), "{lit_text}");
 }
 
 #[test]
@@ -189,14 +189,14 @@ fn each_use_of_a_part_gets_its_own_light() {
         result.unfolded.iter().collect::<Vec<_>>(),
         ["parts/chair.grf"]
     );
-    let said = String::from_utf8(result.bytes.clone()).unwrap();
+    let lit_text = String::from_utf8(result.bytes.clone()).unwrap();
     assert!(
-        said.starts_with("include \"colors.grf\"\ntransform"),
-        "{said}"
+        lit_text.starts_with("include \"colors.grf\"\ntransform"),
+        "{lit_text}"
     );
-    assert_eq!(said.matches("// a chair").count(), 2);
-    assert_eq!(said.matches("texture \"parts/grain.png\"").count(), 2);
-    assert!(said.contains(" // the second\n"));
+    assert_eq!(lit_text.matches("// a chair").count(), 2);
+    assert_eq!(lit_text.matches("texture \"parts/grain.png\"").count(), 2);
+    assert!(lit_text.contains(" // the second\n"));
     let again = scene_with(&files, &result.bytes);
     assert_eq!(again.objects.len(), 2);
     assert_eq!(
@@ -218,13 +218,13 @@ fn parts_of_parts_are_unfolded_where_they_have_surfaces() {
     let result = written_in_place(&files, text.as_bytes(), 1.0);
     let names: Vec<&str> = result.unfolded.iter().map(String::as_str).collect();
     assert_eq!(names, ["parts/chair.grf", "parts/set.grf"]);
-    let said = String::from_utf8(result.bytes.clone()).unwrap();
+    let lit_text = String::from_utf8(result.bytes.clone()).unwrap();
     assert!(
-        said.contains("\ninclude \"parts/more/colors.grf\"\n")
-            || said.contains(" include \"parts/more/colors.grf\"\n"),
-        "{said}"
+        lit_text.contains("\ninclude \"parts/more/colors.grf\"\n")
+            || lit_text.contains(" include \"parts/more/colors.grf\"\n"),
+        "{lit_text}"
     );
-    assert_eq!(said.matches("texture \"parts/a.png\"").count(), 2);
+    assert_eq!(lit_text.matches("texture \"parts/a.png\"").count(), 2);
     assert_eq!(scene_with(&files, &result.bytes).objects.len(), 2);
 }
 
@@ -233,14 +233,14 @@ fn the_encoding_is_kept() {
     let files = Memory::new();
     let text = format!("// silla de niño\n{}", triangle(""));
     let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
-    let found = written_in_place(&files, &latin, 1.0).bytes;
-    assert!(found.starts_with(b"// silla de ni\xf1o\n"));
+    let bytes = written_in_place(&files, &latin, 1.0).bytes;
+    assert!(bytes.starts_with(b"// silla de ni\xf1o\n"));
     let wide: Vec<u8> = [0xff, 0xfe]
         .into_iter()
         .chain(text.encode_utf16().flat_map(u16::to_le_bytes))
         .collect();
-    let found = written_in_place(&files, &wide, 1.0).bytes;
-    assert!(found.starts_with(&wide[..20]) && found.len() > wide.len());
+    let bytes = written_in_place(&files, &wide, 1.0).bytes;
+    assert!(bytes.starts_with(&wide[..20]) && bytes.len() > wide.len());
     let marked = format!("\u{feff}{text}");
     assert!(
         written_in_place(&files, marked.as_bytes(), 1.0)

@@ -93,8 +93,8 @@ fn loaded(text: &str) -> Loaded {
 }
 
 fn warnings(text: &str) -> Vec<String> {
-    let all = loaded(text).warnings;
-    all.iter().map(ToString::to_string).collect()
+    let warnings = loaded(text).warnings;
+    warnings.iter().map(ToString::to_string).collect()
 }
 
 fn mesh(scene: &Scene, object: usize) -> &Mesh {

@@ -105,7 +105,7 @@ fn faces_that_one_mesh_cannot_hold_are_several() {
     assert!(text.contains("// a table\nbegin mesh\n"), "{text}");
     let again = super::scene(&text);
     assert_eq!(again.objects.len(), 4);
-    let found: Vec<(usize, &Material)> = (0..4)
+    let materials: Vec<(usize, &Material)> = (0..4)
         .map(|k| {
             let mesh = mesh(&again, k);
             (
@@ -114,12 +114,15 @@ fn faces_that_one_mesh_cannot_hold_are_several() {
             )
         })
         .collect();
-    assert_eq!(found.iter().map(|f| f.0).collect::<Vec<_>>(), [2, 1, 1, 1]);
-    assert_eq!(found[0].1.diffuse, Rgb::grey(0.5));
-    assert_eq!(found[1].1.emission, Rgb::grey(9.0));
-    assert_eq!(found[2].1.mirror, Rgb::grey(0.8));
-    assert!(found[2].1.textures.is_empty());
-    assert_eq!(found[3].1.textures.len(), 1);
+    assert_eq!(
+        materials.iter().map(|f| f.0).collect::<Vec<_>>(),
+        [2, 1, 1, 1]
+    );
+    assert_eq!(materials[0].1.diffuse, Rgb::grey(0.5));
+    assert_eq!(materials[1].1.emission, Rgb::grey(9.0));
+    assert_eq!(materials[2].1.mirror, Rgb::grey(0.8));
+    assert!(materials[2].1.textures.is_empty());
+    assert_eq!(materials[3].1.textures.len(), 1);
 }
 
 #[test]

@@ -332,11 +332,11 @@ fn small_liberties_are_warned_of_once() {
         ]
     );
     let text = triangle("").replace("(0,0,0)", "irad (1,-1,1) (0,0,0)");
-    let found = warnings(&text);
-    assert!(found[0].contains("negative"), "{found:?}");
+    let messages = warnings(&text);
+    assert!(messages[0].contains("negative"), "{messages:?}");
     assert!(
-        found[1].contains("without `irad`") && found[1].contains("(2 times)"),
-        "{found:?}"
+        messages[1].contains("without `irad`") && messages[1].contains("(2 times)"),
+        "{messages:?}"
     );
     let flat = triangle("(0, 0, 1) (1, 2, 1)");
     assert_eq!(

@@ -222,8 +222,8 @@ fn check(text: &str, expected: &str) {
     let Err(error) = read(text.as_bytes(), "test.grf", &Memory::new()) else {
         panic!("read without error: {text}")
     };
-    let said = error.to_string();
-    assert_eq!(said.lines().next().unwrap_or(""), expected, "{text}");
+    let message = error.to_string();
+    assert_eq!(message.lines().next().unwrap_or(""), expected, "{text}");
 }
 
 /// Where the texts of these tests begin.
@@ -410,8 +410,8 @@ fn the_deepest_nesting_is_read_and_written() {
 fn check_hostile(text: &str, reason: &str) {
     let options = ReadOptions::in_proportion(text.len());
     let error = super::super::read_with(text.as_bytes(), "test.grf", &Memory::new(), &options);
-    let said = error.err().map(|e| e.to_string()).unwrap_or_default();
-    assert!(said.contains(reason), "{said}");
+    let message = error.err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains(reason), "{message}");
 }
 
 #[test]

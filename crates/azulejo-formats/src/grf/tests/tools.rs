@@ -22,8 +22,8 @@ fn words(text: &str) -> Vec<String> {
 }
 
 fn comments(text: &str) -> Vec<&str> {
-    let found = text.lines().filter_map(|l| l.split_once("//"));
-    found.map(|(_, comment)| comment.trim_end()).collect()
+    let comments = text.lines().filter_map(|l| l.split_once("//"));
+    comments.map(|(_, comment)| comment.trim_end()).collect()
 }
 
 /// Checks that only blanks change, and that formatting again changes nothing.
@@ -37,7 +37,7 @@ fn check_format(text: &str) -> String {
 
 #[test]
 fn files_get_the_canonical_layout() {
-    let found = check_format(
+    let laid_out = check_format(
         "//head\n\n\n\n def  a=rgb(1,0 ,0)//red\nb = brdf phong n=20 ks=(.1,.1,.1) kd=0.5 begin\r\n\
          begin mesh use color a begin vertexs irad (1,2,3)(0,0,0) normal(0,0,1) (1,0,0)\n(0,1,0) end\n\
          begin faces use brdf b rgb (1, 0,0) (0,1,2) // one\n(0 ,1,2) 3 0 1 2 3 0 2 1 brdf phong n=20 ks=(1,1,1) \
@@ -78,28 +78,28 @@ begin
   you like end ext
 end def
 ";
-    assert_eq!(found, expected);
+    assert_eq!(laid_out, expected);
 }
 
 #[test]
 fn formatting_changes_no_scene() {
     for text in [CUBE, EVERYTHING] {
-        let found = check_format(text);
-        assert_eq!(scene(&found), scene(text));
+        let laid_out = check_format(text);
+        assert_eq!(scene(&laid_out), scene(text));
     }
-    let found = check_format(
+    let laid_out = check_format(
         "include lamp//a.grf // not a comment before\nuse_me = 1"
             .split_once("\nuse")
             .unwrap()
             .0,
     );
-    assert_eq!(found, "include lamp//a.grf // not a comment before\n");
+    assert_eq!(laid_out, "include lamp//a.grf // not a comment before\n");
     // Names that another file defines, and textures that are not there.
     check_format(&triangle("use color elsewhere texture a(1).png"));
     // A blank of another alphabet is part of a name.
-    let found = check_format("def a\u{a0}b = rgb (1, 0, 0)\u{c}def c=rgb(0,0,0)");
+    let spaced = check_format("def a\u{a0}b = rgb (1, 0, 0)\u{c}def c=rgb(0,0,0)");
     assert_eq!(
-        found,
+        spaced,
         "def a\u{a0}b = rgb (1, 0, 0)\ndef c = rgb (0, 0, 0)\n"
     );
     assert_eq!(format_text(""), "");
@@ -111,9 +111,9 @@ fn formatting_changes_no_scene() {
 
 fn check_lint(text: &str, expected: &[&str]) {
     let files = Memory::new().with("part.grf", triangle("use color a"));
-    let found = lint(text.as_bytes(), "test.grf", &files);
-    let said: Vec<String> = found.iter().map(ToString::to_string).collect();
-    assert_eq!(said, expected);
+    let findings = lint(text.as_bytes(), "test.grf", &files);
+    let messages: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    assert_eq!(messages, expected);
 }
 
 #[test]

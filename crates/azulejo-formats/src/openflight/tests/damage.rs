@@ -195,9 +195,9 @@ fn old_revisions_are_said() {
             .add(face())
             .with(|f| f.add(FltRecord::new(7, 16))),
     );
-    let said: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
+    let messages: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
     assert_eq!(
-        said,
+        messages,
         [
             "revision 12: colours and vertices before revision 14 have other formats, which are not supported",
             "absolute vertex (before revision 13) (opcode 7): skipped",
@@ -212,13 +212,19 @@ fn levels_end() {
     let deep = (0..200).fold(Flt::new(), |f, _| {
         f.add(group("")).add(FltRecord::new(PUSH, 4))
     });
-    let said = error(&deep.0, &ReadOptions::default());
-    assert!(said.contains("nodes nested more than 128 deep"), "{said}");
+    let message = error(&deep.0, &ReadOptions::default());
+    assert!(
+        message.contains("nodes nested more than 128 deep"),
+        "{message}"
+    );
     let faces = (0..200).fold(Flt::new(), |f, _| {
         f.add(face()).add(FltRecord::new(PUSH, 4))
     });
-    let said = error(&faces.0, &ReadOptions::default());
-    assert!(said.contains("nodes nested more than 128 deep"), "{said}");
+    let message = error(&faces.0, &ReadOptions::default());
+    assert!(
+        message.contains("nodes nested more than 128 deep"),
+        "{message}"
+    );
 }
 
 /// Instances of instances: 16 of each in the next, ten levels.
@@ -264,8 +270,8 @@ fn check_budget(bytes: &[u8]) {
         most_elements: 100_000,
         ..ReadOptions::default()
     };
-    let said = error(bytes, &options);
-    assert!(said.contains("expand to more than 100000"), "{said}");
+    let message = error(bytes, &options);
+    assert!(message.contains("expand to more than 100000"), "{message}");
 }
 
 /// Truncates a file at every byte and changes every byte: it must be read or rejected, and any

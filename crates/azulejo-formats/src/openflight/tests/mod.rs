@@ -49,8 +49,8 @@ fn drawn(loaded: &Loaded) -> Vec<(&str, Vec<[f64; 3]>)> {
 
 /// Messages and counts of the warnings.
 fn said(loaded: &Loaded) -> Vec<(&str, usize)> {
-    let said = loaded.warnings.iter();
-    said.map(|w| (w.message.as_str(), w.count)).collect()
+    let warnings = loaded.warnings.iter();
+    warnings.map(|w| (w.message.as_str(), w.count)).collect()
 }
 
 /// Checks the objects of a file without warnings.
@@ -68,15 +68,15 @@ fn check_loaded(loaded: &Loaded, expected: &[(&str, &[[f64; 3]])], warnings: &[(
         .iter()
         .map(|(name, faces)| (*name, faces.to_vec()))
         .collect();
-    let found = drawn(loaded);
-    assert_eq!(found.len(), expected.len(), "{found:?}");
-    for (found, expected) in found.iter().zip(&expected) {
+    let objects = drawn(loaded);
+    assert_eq!(objects.len(), expected.len(), "{objects:?}");
+    for (object, expected) in objects.iter().zip(&expected) {
         let near = |a: &[f64; 3], b: &[f64; 3]| DVec3::from(*a).abs_diff_eq(DVec3::from(*b), 1e-6);
-        let pairs = found.1.iter().zip(&expected.1);
-        let is_same = found.0 == expected.0
-            && found.1.len() == expected.1.len()
+        let pairs = object.1.iter().zip(&expected.1);
+        let is_same = object.0 == expected.0
+            && object.1.len() == expected.1.len()
             && pairs.into_iter().all(|(a, b)| near(a, b));
-        assert!(is_same, "{found:?}, expected {expected:?}");
+        assert!(is_same, "{object:?}, expected {expected:?}");
     }
     assert_eq!(said(loaded), warnings);
 }

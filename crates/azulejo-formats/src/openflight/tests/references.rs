@@ -26,8 +26,8 @@ fn load(flt: Flt, files: &Memory) -> Loaded {
 
 /// A file that refers to `names`, below group `g`.
 fn referring(names: &[&str]) -> Flt {
-    let all = |f: Flt| names.iter().fold(f, |f, name| f.add(reference(name, OWN)));
-    Flt::new().with(|f| f.add(group("g")).with(all))
+    let with_references = |f: Flt| names.iter().fold(f, |f, name| f.add(reference(name, OWN)));
+    Flt::new().with(|f| f.add(group("g")).with(with_references))
 }
 
 #[test]
@@ -75,9 +75,9 @@ fn cycles_are_refused() {
         .with("b.flt", back)
         .with("self.flt", referring(&["./self.flt"]).0);
     let loaded = load(referring(&["b.flt", "self.flt"]), &files);
-    let said: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
+    let messages: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
     assert_eq!(
-        said,
+        messages,
         [
             "file \"A.FLT\" skipped: it refers to itself",
             "file \"./self.flt\" skipped: it refers to itself",
@@ -93,8 +93,11 @@ fn chains_end() {
         files.with(name(k), referring(&[&name(k + 1)]).0)
     });
     let loaded = load(referring(&["0.flt"]), &files);
-    let said = &loaded.warnings[0].message;
-    assert!(said.contains("files nested more than 16 deep"), "{said}");
+    let message = &loaded.warnings[0].message;
+    assert!(
+        message.contains("files nested more than 16 deep"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -105,8 +108,8 @@ fn the_bytes_of_all_files_are_limited() {
         ..ReadOptions::default()
     };
     let loaded = load_with(referring(&["b.flt"]), &files, &options);
-    let said = &loaded.warnings[0].message;
-    assert!(said.contains("exceed the size limit"), "{said}");
+    let message = &loaded.warnings[0].message;
+    assert!(message.contains("exceed the size limit"), "{message}");
 }
 
 #[test]

@@ -152,16 +152,16 @@ fn check_material_of(
         .fold(Flt::of(header).square(), Flt::add);
     let loaded = load(flt.face(face));
     let near = |a: Rgb, b: Rgb| (a - b).map(f64::abs).max_channel() < 1e-6;
-    let found = loaded.scene.materials[0].clone();
-    assert!(near(found.diffuse, expected.diffuse), "{found:?}");
-    let (diffuse, emission) = (found.diffuse, found.emission);
-    assert!(near(emission, expected.emission), "{found:?}");
+    let material = loaded.scene.materials[0].clone();
+    assert!(near(material.diffuse, expected.diffuse), "{material:?}");
+    let (diffuse, emission) = (material.diffuse, material.emission);
+    assert!(near(emission, expected.emission), "{material:?}");
     let expected = Material {
         diffuse,
         emission,
         ..expected
     };
-    assert_eq!(found, expected);
+    assert_eq!(material, expected);
     assert_eq!(said(&loaded), warnings);
 }
 
@@ -452,24 +452,27 @@ fn check_mesh(primitives: &[FltRecord], expected: &[&[u32]]) {
         let number = |&v: &u32| mesh.positions[v as usize].x as u32;
         face.iter().map(number).collect()
     };
-    let found: Vec<Vec<u32>> = mesh.faces.iter().map(numbers).collect();
-    assert_eq!(found, expected);
+    let faces: Vec<Vec<u32>> = mesh.faces.iter().map(numbers).collect();
+    assert_eq!(faces, expected);
 }
 
 #[test]
 fn mesh_primitives() {
-    let all = [0, 1, 2, 3, 4, 5];
+    let corners = [0, 1, 2, 3, 4, 5];
     for size in [1, 2, 4] {
         check_mesh(
-            &[primitive(1, size, &all)],
+            &[primitive(1, size, &corners)],
             &[&[0, 1, 2], &[2, 1, 3], &[2, 3, 4], &[4, 3, 5]],
         );
     }
-    check_mesh(&[primitive(2, 2, &all[..4])], &[&[0, 1, 2], &[0, 2, 3]]);
-    check_mesh(&[primitive(3, 2, &all)], &[&[0, 1, 3, 2], &[2, 3, 5, 4]]);
+    check_mesh(&[primitive(2, 2, &corners[..4])], &[&[0, 1, 2], &[0, 2, 3]]);
     check_mesh(
-        &[primitive(4, 2, &all), primitive(4, 1, &[5, 0, 1])],
-        &[&all, &[5, 0, 1]],
+        &[primitive(3, 2, &corners)],
+        &[&[0, 1, 3, 2], &[2, 3, 5, 4]],
+    );
+    check_mesh(
+        &[primitive(4, 2, &corners), primitive(4, 1, &[5, 0, 1])],
+        &[&corners, &[5, 0, 1]],
     );
 }
 

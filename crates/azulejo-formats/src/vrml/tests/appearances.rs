@@ -39,13 +39,13 @@ fn materials() {
         (lamp.emission, lamp.emits_back),
         (Rgb::new(1.0, 1.0, 0.0), true)
     );
-    let said = |geometry: &str| {
+    let sidedness = |geometry: &str| {
         let (scene, _) = look("material Material { }", geometry);
         scene.materials[0].sidedness
     };
-    assert_eq!(said("solid FALSE"), Sidedness::Two);
-    assert_eq!(said("solid TRUE"), Sidedness::One);
-    assert_eq!(said(""), Sidedness::Unsaid);
+    assert_eq!(sidedness("solid FALSE"), Sidedness::Two);
+    assert_eq!(sidedness("solid TRUE"), Sidedness::One);
+    assert_eq!(sidedness(""), Sidedness::Unsaid);
     assert_eq!(material("material Material { }").diffuse, Rgb::grey(0.8));
     assert_eq!(material("").diffuse, Rgb::grey(0.8));
     let mirror = material("material Material { diffuseColor 1 0.5 0 mirror 0.75 }");
@@ -241,8 +241,8 @@ fn texture_coordinates_are_transformed() {
             "texCoord TextureCoordinate {{ point [ {} {}, 1 0, 1 1, 0 1 ] }}",
             uv.x, uv.y
         );
-        let found = uvs(&look(&picture, &coordinates).0)[0];
-        assert!((found - expected).length() < 1e-12, "{fields}: {found}");
+        let uv = uvs(&look(&picture, &coordinates).0)[0];
+        assert!((uv - expected).length() < 1e-12, "{fields}: {uv}");
     };
     check("scale 2 3", DVec2::ONE, DVec2::new(2.0, 3.0));
     check("translation 1 2", DVec2::ONE, DVec2::new(2.0, 3.0));

@@ -79,8 +79,8 @@ fn indices_beyond_the_coordinates_cost_their_faces() {
 #[test]
 fn nothing_usable_is_an_error() {
     let check = |text: &str, expected: &str| {
-        let found = error(text);
-        assert!(found.contains(expected), "{found}");
+        let message = error(text);
+        assert!(message.contains(expected), "{message}");
     };
     check(
         "#VRML V2.0 utf8\n ]",
@@ -220,18 +220,18 @@ fn crowded_elements_are_refused() {
         names.collect()
     };
     let shape = format!("<X3D>\n<Scene><Shape{}/></Scene></X3D>", many("a", 300_000));
-    let said = error(&shape);
-    assert!(said.starts_with("a.x3d:2:8"), "{said}");
-    assert!(said.contains("more than 1000 attributes"), "{said}");
+    let message = error(&shape);
+    assert!(message.starts_with("a.x3d:2:8"), "{message}");
+    assert!(message.contains("more than 1000 attributes"), "{message}");
     let spaces = many("xmlns:a", 60_000);
     let groups = "<a59999:Group/>".repeat(300_000);
-    let said = error(&format!("<X3D{spaces}><Scene>{groups}</Scene></X3D>"));
-    assert!(said.contains("more than"), "{said}");
+    let message = error(&format!("<X3D{spaces}><Scene>{groups}</Scene></X3D>"));
+    assert!(message.contains("more than"), "{message}");
     let nested: String = (0..60_000)
         .map(|k| format!("<Group xmlns:a{k}='u{k}'>"))
         .collect();
-    let said = error(&format!("<X3D><Scene>{nested}"));
-    assert!(said.contains("more than 256 namespaces"), "{said}");
+    let message = error(&format!("<X3D><Scene>{nested}"));
+    assert!(message.contains("more than 256 namespaces"), "{message}");
 }
 
 /// Children in fields of their own, and fields of a prototype that are connected one by one.

@@ -66,11 +66,14 @@ fn check_lossy(text: &str, objects: &[&str], warnings: &[&str]) {
     expect_warnings(&found, warnings);
 }
 
-fn expect_warnings(found: &[String], expected: &[&str]) {
-    assert_eq!(found.len(), expected.len(), "{found:#?}");
-    for (found, expected) in found.iter().zip(expected) {
-        let found = found.strip_prefix("model.wrl").unwrap_or(found);
-        assert!(found.starts_with(expected), "{found:?} is not {expected:?}");
+fn expect_warnings(messages: &[String], expected: &[&str]) {
+    assert_eq!(messages.len(), expected.len(), "{messages:#?}");
+    for (message, expected) in messages.iter().zip(expected) {
+        let message = message.strip_prefix("model.wrl").unwrap_or(message);
+        assert!(
+            message.starts_with(expected),
+            "{message:?} is not {expected:?}"
+        );
     }
 }
 

@@ -32,8 +32,8 @@ fn exact_solids() {
 fn open_solids() {
     let check = |geometry: &str, area: f64| {
         let mesh = mesh(&shape(geometry));
-        let found = mesh.area();
-        assert!((found / area - 1.0).abs() < 1e-2, "{geometry}: {found}");
+        let actual = mesh.area();
+        assert!((actual / area - 1.0).abs() < 1e-2, "{geometry}: {actual}");
         for face in 0..mesh.faces.len() {
             let (p, n) = (mesh.face_positions(face)[0], mesh.face_area_vector(face));
             assert!(p.dot(n) >= 0.0, "{geometry}, face {face} looks inside");
@@ -199,10 +199,10 @@ fn extrusions_are_closed_and_look_outside() {
     let check = |geometry: &str, expected: f64, faces: usize| {
         let mesh = mesh(&shape(&format!("Extrusion {{ {geometry} }}")));
         assert_eq!(mesh.faces.len(), faces, "{geometry}");
-        let found = volume(&mesh);
+        let actual = volume(&mesh);
         assert!(
-            (found - expected).abs() < 1e-9 * expected.abs().max(1.0),
-            "{geometry}: {found}"
+            (actual - expected).abs() < 1e-9 * expected.abs().max(1.0),
+            "{geometry}: {actual}"
         );
     };
     check("", 4.0, 6);

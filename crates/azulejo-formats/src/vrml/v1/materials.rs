@@ -191,7 +191,7 @@ impl V1Traversal<'_, '_, '_> {
             Some(image) => self.builder.textures.add_pixels(name, image),
             None => Err("it has fewer pixels than its size requires".to_owned()),
         };
-        let said = |why| self.warn(node, format!("pixels of a texture not used: {why}"));
-        drawn.map_err(said).ok()
+        let warn = |why| self.warn(node, format!("pixels of a texture not used: {why}"));
+        drawn.map_err(warn).ok()
     }
 }

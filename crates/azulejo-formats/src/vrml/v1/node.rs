@@ -72,8 +72,8 @@ pub(super) enum V1FieldType {
     Image,
 }
 
-/// A known field: its name and the syntax of its value.
-pub(super) type V1FieldSpec = (&'static str, V1FieldType);
+/// Known fields of one syntax: it, and their names with blanks between them.
+type V1FieldSpec = (V1FieldType, &'static str);
 
 /// The type of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,13 +145,16 @@ impl V1NodeKind {
         )
     }
 
-    /// The fields that are read.
-    pub fn fields(self) -> &'static [V1FieldSpec] {
-        let known = TYPES.iter().find(|known| known.1 == self);
-        known.map_or(&[], |known| known.2)
+    /// The name and the syntax of a field that is read.
+    pub fn field(self, word: &[u8]) -> Option<(&'static str, V1FieldType)> {
+        let (_, _, fields) = TYPES.iter().find(|known| known.1 == self)?;
+        fields.iter().find_map(|&(form, names)| {
+            let name = names.split(' ').find(|name| name.as_bytes() == word)?;
+            Some((name, form))
+        })
     }
 
-    /// The kind of that name, [`V1NodeKind::Unknown`] if it is none.
+    /// The kind of that name, [`V1NodeKind::Unknown`] if there is none.
     pub fn named(name: &[u8]) -> V1NodeKind {
         let known = TYPES.iter().find(|known| known.0.as_bytes() == name);
         known.map_or(V1NodeKind::Unknown, |known| known.1)
@@ -176,20 +179,12 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
     ("WWWAnchor", V1NodeKind::Separator, ANCHOR),
     ("TransformSeparator", V1NodeKind::TransformSeparator, &[]),
     ("Group", V1NodeKind::Group, &[]),
-    ("Switch", V1NodeKind::Switch, &[("whichChild", NUMBER)]),
+    ("Switch", V1NodeKind::Switch, SWITCH),
     ("LOD", V1NodeKind::Lod, LOD),
     ("LevelOfDetail", V1NodeKind::Lod, LOD),
     ("WWWInline", V1NodeKind::Inline, INLINE),
-    (
-        "Coordinate3",
-        V1NodeKind::Coordinate3,
-        &[("point", V1FieldType::Vectors)],
-    ),
-    (
-        "Normal",
-        V1NodeKind::Normal,
-        &[("vector", V1FieldType::Vectors)],
-    ),
+    ("Coordinate3", V1NodeKind::Coordinate3, POINTS),
+    ("Normal", V1NodeKind::Normal, NORMALS),
     ("NormalBinding", V1NodeKind::NormalBinding, BINDING),
     ("Material", V1NodeKind::Material, MATERIAL),
     ("MaterialBinding", V1NodeKind::MaterialBinding, BINDING),
@@ -199,54 +194,18 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         V1NodeKind::Texture2Transform,
         TEXTURE_TRANSFORM,
     ),
-    (
-        "TextureCoordinate2",
-        V1NodeKind::TextureCoordinate2,
-        &[("point", V1FieldType::Vectors2)],
-    ),
+    ("TextureCoordinate2", V1NodeKind::TextureCoordinate2, PAIRS),
     ("ShapeHints", V1NodeKind::ShapeHints, HINTS),
     ("Transform", V1NodeKind::Transform, TRANSFORM),
-    (
-        "Translation",
-        V1NodeKind::Translation,
-        &[("translation", TRIPLE)],
-    ),
-    (
-        "Rotation",
-        V1NodeKind::Rotation,
-        &[("rotation", V1FieldType::Exactly(4))],
-    ),
-    ("Scale", V1NodeKind::Scale, &[("scaleFactor", TRIPLE)]),
-    (
-        "MatrixTransform",
-        V1NodeKind::MatrixTransform,
-        &[("matrix", V1FieldType::Exactly(16))],
-    ),
+    ("Translation", V1NodeKind::Translation, TRANSLATION),
+    ("Rotation", V1NodeKind::Rotation, ROTATION),
+    ("Scale", V1NodeKind::Scale, SCALE),
+    ("MatrixTransform", V1NodeKind::MatrixTransform, MATRIX),
     ("IndexedFaceSet", V1NodeKind::IndexedFaceSet, FACE_SET),
-    (
-        "Cube",
-        V1NodeKind::Cube,
-        &[("width", NUMBER), ("height", NUMBER), ("depth", NUMBER)],
-    ),
-    ("Sphere", V1NodeKind::Sphere, &[("radius", NUMBER)]),
-    (
-        "Cylinder",
-        V1NodeKind::Cylinder,
-        &[
-            ("parts", V1FieldType::Words),
-            ("radius", NUMBER),
-            ("height", NUMBER),
-        ],
-    ),
-    (
-        "Cone",
-        V1NodeKind::Cone,
-        &[
-            ("parts", V1FieldType::Words),
-            ("bottomRadius", NUMBER),
-            ("height", NUMBER),
-        ],
-    ),
+    ("Cube", V1NodeKind::Cube, CUBE),
+    ("Sphere", V1NodeKind::Sphere, SPHERE),
+    ("Cylinder", V1NodeKind::Cylinder, CYLINDER),
+    ("Cone", V1NodeKind::Cone, CONE),
     ("PointLight", V1NodeKind::PointLight, LIGHT),
     ("SpotLight", V1NodeKind::SpotLight, LIGHT),
     ("DirectionalLight", V1NodeKind::DirectionalLight, LIGHT),
@@ -256,115 +215,100 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         V1NodeKind::OrthographicCamera,
         ORTHOGRAPHIC,
     ),
-    ("Info", V1NodeKind::Info, &[("string", V1FieldType::Words)]),
+    ("Info", V1NodeKind::Info, INFO),
     ("AsciiText", V1NodeKind::NoSurface, NO_SURFACE),
     ("IndexedLineSet", V1NodeKind::NoSurface, NO_SURFACE),
     ("PointSet", V1NodeKind::NoSurface, NO_SURFACE),
     ("FontStyle", V1NodeKind::Silent, FONT),
 ];
 
-const ANCHOR: &[V1FieldSpec] = &[
-    ("name", V1FieldType::Words),
-    ("description", V1FieldType::Words),
-    ("map", V1FieldType::Words),
-];
+const ANCHOR: &[V1FieldSpec] = &[(V1FieldType::Words, "name description map")];
 const LOD: &[V1FieldSpec] = &[
-    ("range", V1FieldType::Numbers),
-    ("center", TRIPLE),
-    ("screenArea", V1FieldType::Numbers),
+    (V1FieldType::Numbers, "range screenArea"),
+    (TRIPLE, "center"),
 ];
 const INLINE: &[V1FieldSpec] = &[
-    ("name", V1FieldType::Words),
-    ("bboxSize", TRIPLE),
-    ("bboxCenter", TRIPLE),
+    (V1FieldType::Words, "name"),
+    (TRIPLE, "bboxSize bboxCenter"),
 ];
-const BINDING: &[V1FieldSpec] = &[("value", V1FieldType::Words)];
+const BINDING: &[V1FieldSpec] = &[(V1FieldType::Words, "value")];
 const MATERIAL: &[V1FieldSpec] = &[
-    ("ambientColor", V1FieldType::Colors),
-    ("diffuseColor", V1FieldType::Colors),
-    ("specularColor", V1FieldType::Colors),
-    ("emissiveColor", V1FieldType::Colors),
-    ("shininess", V1FieldType::Numbers),
-    ("transparency", V1FieldType::Numbers),
-    ("mirror", V1FieldType::Numbers),
+    (
+        V1FieldType::Colors,
+        "ambientColor diffuseColor specularColor emissiveColor",
+    ),
+    (V1FieldType::Numbers, "shininess transparency mirror"),
 ];
 const TEXTURE: &[V1FieldSpec] = &[
-    ("filename", V1FieldType::Words),
-    ("image", V1FieldType::Image),
-    ("wrapS", V1FieldType::Words),
-    ("wrapT", V1FieldType::Words),
+    (V1FieldType::Words, "filename wrapS wrapT"),
+    (V1FieldType::Image, "image"),
 ];
 const TEXTURE_TRANSFORM: &[V1FieldSpec] = &[
-    ("translation", V1FieldType::Exactly(2)),
-    ("rotation", NUMBER),
-    ("scaleFactor", V1FieldType::Exactly(2)),
-    ("center", V1FieldType::Exactly(2)),
+    (V1FieldType::Exactly(2), "translation scaleFactor center"),
+    (NUMBER, "rotation"),
 ];
 const HINTS: &[V1FieldSpec] = &[
-    ("vertexOrdering", V1FieldType::Words),
-    ("shapeType", V1FieldType::Words),
-    ("faceType", V1FieldType::Words),
-    ("creaseAngle", NUMBER),
+    (V1FieldType::Words, "vertexOrdering shapeType faceType"),
+    (NUMBER, "creaseAngle"),
 ];
 const TRANSFORM: &[V1FieldSpec] = &[
-    ("translation", TRIPLE),
-    ("rotation", V1FieldType::Exactly(4)),
-    ("scaleFactor", TRIPLE),
-    ("scaleOrientation", V1FieldType::Exactly(4)),
-    ("center", TRIPLE),
+    (TRIPLE, "translation scaleFactor center"),
+    (V1FieldType::Exactly(4), "rotation scaleOrientation"),
 ];
-const FACE_SET: &[V1FieldSpec] = &[
-    ("coordIndex", V1FieldType::Integers),
-    ("materialIndex", V1FieldType::Integers),
-    ("normalIndex", V1FieldType::Integers),
-    ("textureCoordIndex", V1FieldType::Integers),
-];
+const FACE_SET: &[V1FieldSpec] = &[(
+    V1FieldType::Integers,
+    "coordIndex materialIndex normalIndex textureCoordIndex",
+)];
 const LIGHT: &[V1FieldSpec] = &[
-    ("on", V1FieldType::Words),
-    ("intensity", NUMBER),
-    ("color", V1FieldType::Colors),
-    ("location", TRIPLE),
-    ("direction", TRIPLE),
-    ("dropOffRate", NUMBER),
-    ("cutOffAngle", NUMBER),
+    (V1FieldType::Words, "on"),
+    (NUMBER, "intensity dropOffRate cutOffAngle"),
+    (V1FieldType::Colors, "color"),
+    (TRIPLE, "location direction"),
 ];
 const CAMERA: &[V1FieldSpec] = &[
-    ("position", TRIPLE),
-    ("orientation", V1FieldType::Exactly(4)),
-    ("focalDistance", NUMBER),
-    ("heightAngle", NUMBER),
-    ("nearDistance", NUMBER),
-    ("farDistance", NUMBER),
-    ("aspectRatio", NUMBER),
-    ("viewportMapping", V1FieldType::Words),
+    (TRIPLE, "position"),
+    (V1FieldType::Exactly(4), "orientation"),
+    (
+        NUMBER,
+        "focalDistance heightAngle nearDistance farDistance aspectRatio",
+    ),
+    (V1FieldType::Words, "viewportMapping"),
 ];
 const ORTHOGRAPHIC: &[V1FieldSpec] = &[
-    ("position", TRIPLE),
-    ("orientation", V1FieldType::Exactly(4)),
-    ("focalDistance", NUMBER),
-    ("height", NUMBER),
-    ("nearDistance", NUMBER),
-    ("farDistance", NUMBER),
-    ("aspectRatio", NUMBER),
-    ("viewportMapping", V1FieldType::Words),
+    (TRIPLE, "position"),
+    (V1FieldType::Exactly(4), "orientation"),
+    (
+        NUMBER,
+        "focalDistance height nearDistance farDistance aspectRatio",
+    ),
+    (V1FieldType::Words, "viewportMapping"),
 ];
 const NO_SURFACE: &[V1FieldSpec] = &[
-    ("coordIndex", V1FieldType::Integers),
-    ("materialIndex", V1FieldType::Integers),
-    ("normalIndex", V1FieldType::Integers),
-    ("textureCoordIndex", V1FieldType::Integers),
-    ("startIndex", NUMBER),
-    ("numPoints", NUMBER),
-    ("string", V1FieldType::Words),
-    ("spacing", NUMBER),
-    ("justification", V1FieldType::Words),
-    ("width", V1FieldType::Numbers),
+    (
+        V1FieldType::Integers,
+        "coordIndex materialIndex normalIndex textureCoordIndex",
+    ),
+    (NUMBER, "startIndex numPoints spacing"),
+    (V1FieldType::Words, "string justification"),
+    (V1FieldType::Numbers, "width"),
 ];
-const FONT: &[V1FieldSpec] = &[
-    ("size", NUMBER),
-    ("family", V1FieldType::Words),
-    ("style", V1FieldType::Words),
+const FONT: &[V1FieldSpec] = &[(NUMBER, "size"), (V1FieldType::Words, "family style")];
+const SWITCH: &[V1FieldSpec] = &[(NUMBER, "whichChild")];
+const POINTS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "point")];
+const NORMALS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "vector")];
+const PAIRS: &[V1FieldSpec] = &[(V1FieldType::Vectors2, "point")];
+const TRANSLATION: &[V1FieldSpec] = &[(TRIPLE, "translation")];
+const ROTATION: &[V1FieldSpec] = &[(V1FieldType::Exactly(4), "rotation")];
+const SCALE: &[V1FieldSpec] = &[(TRIPLE, "scaleFactor")];
+const MATRIX: &[V1FieldSpec] = &[(V1FieldType::Exactly(16), "matrix")];
+const CUBE: &[V1FieldSpec] = &[(NUMBER, "width height depth")];
+const SPHERE: &[V1FieldSpec] = &[(NUMBER, "radius")];
+const CYLINDER: &[V1FieldSpec] = &[(V1FieldType::Words, "parts"), (NUMBER, "radius height")];
+const CONE: &[V1FieldSpec] = &[
+    (V1FieldType::Words, "parts"),
+    (NUMBER, "bottomRadius height"),
 ];
+const INFO: &[V1FieldSpec] = &[(V1FieldType::Words, "string")];
 
 impl V1Node<'_> {
     fn value(&self, field: &str) -> Option<&V1Value<'_>> {
@@ -455,8 +399,9 @@ mod tests {
     fn names_find_their_fields() {
         assert_eq!(V1NodeKind::named(b"WWWAnchor"), V1NodeKind::Separator);
         assert_eq!(V1NodeKind::named(b"Cubist"), V1NodeKind::Unknown);
-        assert_eq!(V1NodeKind::Sphere.fields(), [("radius", NUMBER)]);
-        assert!(V1NodeKind::Unknown.fields().is_empty());
+        let radius = V1NodeKind::Sphere.field(b"radius");
+        assert_eq!(radius, Some(("radius", NUMBER)));
+        assert_eq!(V1NodeKind::Unknown.field(b"radius"), None);
         for (name, kind, _) in TYPES {
             assert_eq!(V1NodeKind::named(name.as_bytes()), *kind);
         }

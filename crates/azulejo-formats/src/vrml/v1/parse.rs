@@ -68,8 +68,8 @@ impl<'a> V1Parser<'a, '_, '_> {
                 Some(word) if self.begins_node(word) => roots.extend(self.node(at, word)?),
                 Some(word) => self.stray(at, word),
                 None => {
-                    let found = self.lexer.found();
-                    self.warn(at, format!("{found} outside all nodes: skipped"));
+                    let token = self.lexer.found();
+                    self.warn(at, format!("{token} outside all nodes: skipped"));
                     self.lexer.skip_token();
                 }
             }
@@ -196,8 +196,8 @@ impl<'a> V1Parser<'a, '_, '_> {
                 self.warn(at, "the file ends inside a node");
                 return Ok(());
             } else {
-                let found = self.lexer.found();
-                self.warn(at, format!("{found} instead of a field: skipped"));
+                let token = self.lexer.found();
+                self.warn(at, format!("{token} instead of a field: skipped"));
                 self.lexer.skip_token();
             }
         }
@@ -210,8 +210,7 @@ impl<'a> V1Parser<'a, '_, '_> {
         word: &'a [u8],
         node: &mut V1Node<'a>,
     ) -> Result<(), ReadError> {
-        let mut known = node.kind.fields().iter();
-        if let Some(&(name, form)) = known.find(|(name, _)| name.as_bytes() == word) {
+        if let Some((name, form)) = node.kind.field(word) {
             let value = self.value(name, form);
             // Inventor marks values that are to be ignored.
             if !self.lexer.take_word(b"~") {
@@ -377,8 +376,8 @@ impl<'a> V1Parser<'a, '_, '_> {
                 true
             }
             Some(_) => {
-                let found = self.lexer.found();
-                self.warn(at, format!("{found} among the values of {name}: skipped"));
+                let token = self.lexer.found();
+                self.warn(at, format!("{token} among the values of {name}: skipped"));
                 self.lexer.skip_token();
                 false
             }

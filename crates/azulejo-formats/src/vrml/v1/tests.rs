@@ -38,16 +38,20 @@ fn summary(object: &Object) -> String {
 /// Checks the objects of some nodes, without warnings.
 fn check(body: &str, expected: &[&str]) {
     let loaded = loaded(body);
-    let found: Vec<String> = loaded.scene.objects.iter().map(summary).collect();
-    assert_eq!(found, expected, "{body}");
+    let objects: Vec<String> = loaded.scene.objects.iter().map(summary).collect();
+    assert_eq!(objects, expected, "{body}");
     assert_eq!(loaded.warnings, [], "{body}");
 }
 
 /// Checks that some warning of these nodes contains a text, with its count.
 fn check_warning(body: &str, expected: &str, count: usize) {
     let warnings = loaded(body).warnings;
-    let found = warnings.iter().find(|w| w.message.contains(expected));
-    assert_eq!(found.map(|w| w.count), Some(count), "{body}: {warnings:?}");
+    let warning = warnings.iter().find(|w| w.message.contains(expected));
+    assert_eq!(
+        warning.map(|w| w.count),
+        Some(count),
+        "{body}: {warnings:?}"
+    );
 }
 
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
@@ -271,11 +275,11 @@ fn material_bindings() {
         let loaded = loaded(&format!(
             "{materials} MaterialBinding {{ value {binding} }} {set}"
         ));
-        let found = [0, 1].map(|face| {
+        let colors = [0, 1].map(|face| {
             let color = material(&loaded, 0, face).diffuse.to_array();
             color.iter().position(|c| *c == 1.0).unwrap()
         });
-        assert_eq!(found, expected, "{binding}");
+        assert_eq!(colors, expected, "{binding}");
         assert!(mesh(&loaded, 0).colors.is_empty());
         assert_eq!(loaded.warnings, []);
         assert_eq!(material(&loaded, 0, 1).is_emitter(), expected[1] > 0);
@@ -352,8 +356,8 @@ fn normal_bindings() {
         let mesh = mesh(&loaded, 0);
         let normals = mesh.normals.as_ref().unwrap();
         // The corners at points 4 of the first and 5 of the second square.
-        let found = [2, 6].map(|corner| normals.at(corner, mesh.faces.corners[corner]));
-        assert_eq!(found, expected, "{binding}");
+        let actual = [2, 6].map(|corner| normals.at(corner, mesh.faces.corners[corner]));
+        assert_eq!(actual, expected, "{binding}");
         assert_eq!(loaded.warnings, []);
     };
     check("DEFAULT", "", [DVec3::X, DVec3::Y]);
@@ -502,9 +506,9 @@ fn lights_and_cameras() {
     let camera = &scene.cameras[0];
     assert!(near(camera.eye, DVec3::new(0.0, 5.0, 0.0)) && near(camera.target, DVec3::ZERO));
     assert!(near(camera.up, -DVec3::Z) && camera.vertical_fov == 0.6 && camera.name == "view");
-    let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+    let messages: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
     assert_eq!(
-        said,
+        messages,
         [
             "light with on FALSE: skipped",
             "OrthographicCamera is not supported: skipped"
@@ -550,13 +554,13 @@ fn files_inside_files() {
         DEF b WWWInline { name \"parts/b.wrl\" bboxSize 1 1 1 } WWWInline { name \"\" } Cube {}
         WWWInline { name none.wrl }";
     let loaded = read_with(body, &files, &ReadOptions::default());
-    let found: Vec<String> = loaded.scene.objects.iter().map(summary).collect();
+    let objects: Vec<String> = loaded.scene.objects.iter().map(summary).collect();
     let expected = [
         "b/box: Cuboid from 4 -1 -1 to 6 1 1",
         "b: Sphere from 4 -1 -1 to 6 1 1",
         ": Cuboid from 4 -1 -1 to 6 1 1",
     ];
-    assert_eq!(found, expected);
+    assert_eq!(objects, expected);
     assert_eq!(material(&loaded, 0, 0).diffuse, Rgb::grey(0.8));
     assert_eq!(loaded.warnings.len(), 2, "{:?}", loaded.warnings);
 }
@@ -565,20 +569,20 @@ fn files_inside_files() {
 fn unknown_nodes_and_fields() {
     let cube = [": Cuboid from -1 -1 -1 to 1 1 1"];
     let square = "MySquare { fields [ SFFloat side, MFString isA ] isA [ \"Their\", \"Cube\" ] side 3 width 6 }";
-    let found = loaded(square);
+    let model = loaded(square);
     assert_eq!(
-        summary(&found.scene.objects[0]),
+        summary(&model.scene.objects[0]),
         ": Cuboid from -3 -1 -1 to 3 1 1"
     );
     check_warning(square, "MySquare.side", 1);
     let check = |body: &str, warning: &str| {
-        let found = loaded(body);
-        let objects: Vec<String> = found.scene.objects.iter().map(summary).collect();
+        let model = loaded(body);
+        let objects: Vec<String> = model.scene.objects.iter().map(summary).collect();
         assert_eq!(objects, cube, "{body}");
         assert!(
-            found.warnings[0].message.contains(warning),
+            model.warnings[0].message.contains(warning),
             "{body}: {:?}",
-            found.warnings
+            model.warnings
         );
     };
     let inside = "unknown node Selection: its content is read as in a Separator";
@@ -612,13 +616,13 @@ fn unknown_nodes_and_fields() {
 fn text_that_is_not_right() {
     let cube = [": Cuboid from -1 -1 -1 to 1 1 1"];
     let check = |body: &str, warning: &str| {
-        let found = loaded(body);
-        let objects: Vec<String> = found.scene.objects.iter().map(summary).collect();
+        let model = loaded(body);
+        let objects: Vec<String> = model.scene.objects.iter().map(summary).collect();
         assert_eq!(objects, cube, "{body}");
         assert!(
-            found.warnings.iter().any(|w| w.message.contains(warning)),
+            model.warnings.iter().any(|w| w.message.contains(warning)),
             "{body}: {:?}",
-            found.warnings
+            model.warnings
         );
     };
     check("Cube {} }", "outside all nodes");
@@ -689,9 +693,9 @@ fn groups_may_use_each_other_deeper_than_a_stack() {
         "Switch {{ DEF g0 Cube {{}} {} }} USE g19999",
         chain.collect::<String>()
     );
-    let found = loaded(&text);
-    assert_eq!(found.scene.objects.len(), 1);
-    assert!(found.scene.objects[0].name.len() <= 200);
+    let model = loaded(&text);
+    assert_eq!(model.scene.objects.len(), 1);
+    assert!(model.scene.objects[0].name.len() <= 200);
 }
 
 proptest! {

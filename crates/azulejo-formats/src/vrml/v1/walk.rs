@@ -193,9 +193,9 @@ impl<'d> V1Traversal<'d, '_, '_> {
         let which = node.number("whichChild", -1.0);
         // By convention, the cameras of a file are the children of a switch with that name, which
         // selects the initial one; the others are available, too.
-        let all = which == -3.0 || node.name.as_deref() == Some("Cameras");
+        let shows_every = which == -3.0 || node.name.as_deref() == Some("Cameras");
         let chosen: &[NodeId] = match node.children.get(which as usize..) {
-            _ if all => &node.children,
+            _ if shows_every => &node.children,
             Some([first, ..]) if which >= 0.0 => std::slice::from_ref(first),
             _ => &[],
         };
@@ -233,7 +233,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             return Ok(());
         }
         let frame = self.frame().named(node.name.as_deref());
-        crate::vrml::include(self.builder, self.source, node.at, &names, &frame)
+        self.builder.include(self.source, node.at, &names, &frame)
     }
 
     /// Conventions supported by browsers of the time.
