@@ -7,7 +7,7 @@ use super::solid::PlacedPrimitive;
 use super::tree::VrmlNode;
 use super::world::report;
 use crate::ReadError;
-use azulejo_scene::{MaterialId, Mesh};
+use azulejo_scene::Mesh;
 use glam::DVec3;
 
 /// The primitive of a node; `None` if it is of another type.
@@ -65,20 +65,17 @@ pub(super) fn place(
             return Ok(());
         }
     }
-    let mesh = polygons(solid, material, shape_appearance, is_textured);
-    builder.spend(mesh.positions.len() as u64)?;
+    let Some(mut mesh) = builder.polygons(solid, &vec![material; solid.parts.len()])? else {
+        return Ok(());
+    };
+    map_texture(&mut mesh, shape_appearance, is_textured);
     let placed = builder.place_mesh(frame, None, (&node.source, node.at), mesh);
     report(builder, &node.source, node.at, &node.kind, placed);
     Ok(())
 }
 
-fn polygons(
-    solid: &PlacedPrimitive,
-    material: MaterialId,
-    shape_appearance: &ShapeAppearance,
-    is_textured: bool,
-) -> Mesh {
-    let mut mesh = solid.polygons(&vec![material; solid.parts.len()]);
+/// Transforms the texture coordinates of a primitive, or removes them if there is no texture.
+fn map_texture(mesh: &mut Mesh, shape_appearance: &ShapeAppearance, is_textured: bool) {
     if !is_textured {
         mesh.uvs = None;
     }
@@ -88,5 +85,4 @@ fn polygons(
             *uv = if mapped.is_finite() { mapped } else { *uv };
         }
     }
-    mesh
 }
