@@ -1,7 +1,7 @@
 //! Whatever the input is: a clear message, the right exit code, no panic.
 
 use crate::support::Folder;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// A GRF triangle with holes for whatever should be wrong.
 fn triangle(vertex: &str, face: &str) -> String {

@@ -87,7 +87,7 @@ fn an_action_waits_for_what_it_began_and_a_picture_for_its_paths() {
     let folder = TestFolder::new("script-waits");
     let lit = folder.path("lit.grf");
     let text = format!(
-        "open {}\npatches 100\nsolve 50%\nsave {}\naction Solve\naction Save\npicture 3\nquit\n",
+        "open {}\nsolve 50%\nsave {}\naction Solve\naction Save\npicture 3\nquit\n",
         folder.copy("shapes.grf").display(),
         lit.display()
     );
