@@ -121,3 +121,47 @@ impl BoxGrid {
 fn square(x: f64, level: i32) -> i64 {
     (x * f64::from(-level).exp2()).floor() as i64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes that all lie on one another.
+    fn crowd(count: u32) -> BoxGrid {
+        let boxed = |k: u32| {
+            let low = DVec2::splat(f64::from(k) * 1e-6);
+            PageBox::around(0, &[low, low + 1.0])
+        };
+        BoxGrid::new((0..count).map(boxed).collect(), 0.0)
+    }
+
+    /// Boxes looked at near all boxes of a grid, and whether those were all there are.
+    fn looks(grid: &BoxGrid) -> (usize, bool) {
+        let mut looks = 0;
+        let mut is_complete = true;
+        for of in 0..grid.boxes.len() as u32 {
+            is_complete &= grid.near(of, |_| {
+                looks += 1;
+                true
+            });
+        }
+        (looks, is_complete)
+    }
+
+    #[test]
+    fn pairs_in_a_crowd_are_looked_at_up_to_a_limit() {
+        let mut grid = crowd(1000);
+        assert_eq!(looks(&grid), (1000 * 999 / 2, true));
+        grid.most_looks = 100;
+        let (few, is_complete) = looks(&grid);
+        assert!(few <= 1000 * 100 && !is_complete, "{few}");
+        // The more boxes, the fewer looks for each.
+        for count in [100_000, 300_000] {
+            let each = crowd(count).most_looks;
+            assert!(
+                each * count as usize <= MOST_LOOKS && each >= LOOKS_EACH[0],
+                "{each}"
+            );
+        }
+    }
+}

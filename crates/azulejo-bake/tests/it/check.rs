@@ -204,7 +204,7 @@ fn nothing_that_a_file_says_is_too_much() {
 
 /// Triangles that all lie on one another, and slivers whose boxes all do.
 #[test]
-fn crowds_take_bounded_time() {
+fn crowds_are_compared_in_part() {
     let crowd = checked(sheet(&vec![LOWER; 30_000]));
     assert_eq!(crowd.overlaps.count, 30_000);
     let slivers: Vec<Uvs> = (0..30_000)
@@ -213,10 +213,9 @@ fn crowds_take_bounded_time() {
             [[x, 0.0], [x + 0.2, 0.9], [x + 0.2 + 1e-5, 0.9]]
         })
         .collect();
-    let start = std::time::Instant::now();
     let slivers = checked(sheet(&slivers));
     assert_eq!(slivers.overlaps.count, 0);
-    assert!(start.elapsed().as_secs() < 120);
+    assert!(!slivers.is_complete);
 }
 
 fn receivers(scene: &Scene) -> Vec<Receiver> {

@@ -6,7 +6,6 @@ use azulejo_scene::Scene;
 use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;
 use std::collections::HashSet;
-use std::time::Instant;
 
 /// Squares of one size, or of many.
 fn squares(count: u32, side: impl Fn(u32) -> f64) -> Vec<Receiver> {
@@ -36,7 +35,11 @@ fn a_size_that_would_do_is_named() {
     let tracer = Tracer::new(&Scene::default());
     let sized = |receivers: &[Receiver], size: u32, options: &UnwrapOptions| {
         let options = UnwrapOptions { size, ..*options };
-        unwrap(receivers, &tracer, &options, &Progress::new())
+        let progress = Progress::new();
+        let layout = unwrap(receivers, &tracer, &options, &progress);
+        // No size is found by trying: charts are made once, whether they fit or not.
+        assert_eq!(progress.done(), progress.total(), "{size}");
+        layout
     };
     // 2601 cells of 5 texels are all that 256² has.
     for (count, size, padding, blocks) in [
@@ -52,7 +55,6 @@ fn a_size_that_would_do_is_named() {
         };
         for side in [|_: u32| 1.0, |k: u32| 0.1 + f64::from(k % 50)] {
             let receivers = squares(count, side);
-            let start = Instant::now();
             let failed = sized(&receivers, size, &options);
             let Err(LayoutError::TooManyCharts { enough, .. }) = failed else {
                 panic!("{count} on {size}: {:?}", failed.map(|l| l.charts));
@@ -62,8 +64,6 @@ fn a_size_that_would_do_is_named() {
                 said.contains(&format!("a size of {enough} texels")),
                 "{said}"
             );
-            // Two seconds on one core, and tests share it.
-            assert!(start.elapsed().as_secs() < 60, "{count} on {size}");
             let found = sized(&receivers, enough, &options);
             let found = found.unwrap_or_else(|e| panic!("{count} on {enough}: {e}"));
             assert_eq!(found.charts, count);

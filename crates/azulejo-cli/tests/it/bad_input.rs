@@ -1,7 +1,7 @@
 //! Whatever the input is: a clear message, the right exit code, no panic.
 
 use crate::support::Folder;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// A GRF triangle with holes for whatever should be wrong.
 fn triangle(vertex: &str, face: &str) -> String {
@@ -194,12 +194,13 @@ fn coincident_rooms_are_named_as_what_they_are() {
     ] {
         folder.write("rooms.obj", coincident_rooms(rooms));
         let line = format!("form-factors rooms.obj --patch-size 0 --engine {engine} -o f.npz");
-        let found = folder.json(&line);
+        let run = folder.ok(&format!("{line} --json"));
+        let found: Value = serde_json::from_str(&run.out).unwrap();
         assert_eq!(found["patches"], json!(1 + 6 * rooms), "{engine}");
         let [error, missing] =
             ["row_error", "unaccounted_mean"].map(|k| found[k].as_f64().unwrap());
         assert!(error >= missing && missing > 0.5, "{engine}: {found}");
-        let words = folder.ok(&line).err;
+        let words = run.err;
         assert!(words.contains("remove duplicates"), "{engine}: {words}");
     }
     // Formulas know nothing of coincident faces; rays do, and contradict them.

@@ -256,10 +256,11 @@ fn rewritten(glb: &[u8], change: impl Fn(&mut Value)) -> Vec<u8> {
 #[test]
 fn coordinates_of_files_are_kept() {
     let folder = Folder::with_room();
-    folder.ok("bake room.obj -o plain.glb --as plain --size 128 --error 30%");
+    folder.ok("bake room.obj -o plain.glb --as plain --size 128 --patches 100 --error 30%");
     let given = rewritten(&folder.read("plain.glb"), |_| {});
     folder.write("given.glb", &given);
-    let run = folder.ok("bake given.glb -o kept.glb --size 128 --error 30% --uv keep");
+    let run =
+        folder.ok("bake given.glb -o kept.glb --size 128 --patches 100 --error 30% --uv keep");
     assert!(run.err.contains("TEXCOORD_1 are kept"), "{}", run.err);
     let (before, after) = (json(&given), json(&folder.read("kept.glb")));
     assert_eq!(before["accessors"], after["accessors"]);
@@ -273,7 +274,8 @@ fn coordinates_of_files_are_kept() {
     folder.ok("bake kept.glb --strip -o again.glb");
     assert!(folder.read("again.glb") == given);
     // At this size charts are too near one another.
-    let coarse = folder.run("bake given.glb -o coarse.glb --size 32 --error 30% --uv keep");
+    let coarse =
+        folder.run("bake given.glb -o coarse.glb --size 32 --patches 100 --error 30% --uv keep");
     assert_eq!(coarse.code, Some(1));
     assert!(coarse.err.contains("charts near others"), "{}", coarse.err);
     // All objects have the coordinates of the first.
@@ -293,11 +295,11 @@ fn coordinates_of_files_are_kept() {
         }),
     );
     assert!(wall.is_u64());
-    let run = folder.ok("bake twice.glb -o repacked.glb --size 128 --error 30%");
+    let run = folder.ok("bake twice.glb -o repacked.glb --size 128 --patches 100 --error 30%");
     assert!(run.err.contains("overlapping triangles"), "{}", run.err);
     assert!(run.err.contains("are repacked"), "{}", run.err);
     assert_eq!(folder.json("bake repacked.glb --check")["ok"], true);
-    let run = folder.ok("bake twice.glb -o new.glb --size 128 --error 30% --uv new");
+    let run = folder.ok("bake twice.glb -o new.glb --size 128 --patches 100 --error 30% --uv new");
     assert!(!run.err.contains("TEXCOORD_1"), "{}", run.err);
     for (line, said) in [
         ("bake room.obj -o x.glb --uv keep", "only a glTF file"),

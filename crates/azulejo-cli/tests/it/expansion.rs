@@ -58,9 +58,25 @@ fn solids_of_grf() {
 #[test]
 fn arrays_of_mgf() {
     let corners = "v a =\n p 0 0 0\nv b =\n p 1 0 0\nv c =\n p 0 1 0\n";
-    for (name, surface) in [("face.mgf", "f a b c"), ("ball.mgf", "sph a 1")] {
-        let array = "xf -a 1000 -t 1 0 0 -a 1000 -t 0 1 0 -a 1000 -t 0 0 1";
-        check(name, format!("{corners}{array}\n{surface}\nxf\n"), TOO_MUCH);
+    // Arrays in arrays have to be counted, which takes seconds; of a large one it is known at once.
+    let nested = "xf -a 1000 -t 1 0 0\nxf -a 1000 -t 0 1 0\nxf -a 1000 -t 0 0 1";
+    let large = "xf -a 1000 -t 1 0 0 -a 1000 -t 0 1 0 -a 1000 -t 0 0 1";
+    let (face, ball) = ("f a b c", "sph a 1");
+    let mut cases = vec![
+        ("face.mgf", large, face, 1),
+        ("ball.mgf", large, ball, 1),
+        ("faces.mgf", nested, face, 3),
+    ];
+    if azulejo_testing::is_thorough() {
+        cases.push(("balls.mgf", nested, ball, 3));
+    }
+    for (name, array, surface, depth) in cases {
+        let ends = "xf\n".repeat(depth);
+        check(
+            name,
+            format!("{corners}{array}\n{surface}\n{ends}"),
+            TOO_MUCH,
+        );
     }
 }
 
@@ -86,11 +102,17 @@ fn reused_nodes_of_vrml_and_x3d() {
         let first = format!("#VRML V2.0 utf8\nDEF g0 Group {{ children [ {shape} ] }}\n");
         check(name, doubled(&first, group), TOO_MUCH);
     }
-    let first = "#VRML V1.0 ascii\nSeparator { DEF g0 Separator { Cube {} }\n";
-    let old = doubled(first, |k| {
-        format!("DEF g{} Separator {{ USE g{k} USE g{k} }}\n", k + 1)
-    });
-    check("old.wrl", old + "}", TOO_MUCH);
+    let mut old_shapes = vec![("old-ball.wrl", "Texture2 { image 1 1 1 9 } Sphere {}")];
+    if azulejo_testing::is_thorough() {
+        old_shapes.push(("old-cube.wrl", "Cube {}"));
+    }
+    for (name, shape) in old_shapes {
+        let first = format!("#VRML V1.0 ascii\nSeparator {{ DEF g0 Separator {{ {shape} }}\n");
+        let old = doubled(&first, |k| {
+            format!("DEF g{} Separator {{ USE g{k} USE g{k} }}\n", k + 1)
+        });
+        check(name, old + "}", TOO_MUCH);
+    }
     let first = "<X3D><Scene><Group DEF='g0'><Shape><Box/></Shape></Group>\n";
     let x3d = doubled(first, |k| {
         format!(

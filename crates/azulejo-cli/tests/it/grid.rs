@@ -44,14 +44,16 @@ fn a_wall_keeps_its_thickness_and_its_place() {
     let folder = folder();
     folder.ok("convert wall.obj --place wall.obj:up=z -o wall.glb");
     check(&folder, "wall.glb", CORNER);
-    folder.ok("solve wall.obj --place wall.obj:up=z --sky 1 --rays 4 -o solved.glb");
+    folder.ok("solve wall.obj --place wall.obj:up=z --sky 1 --patches 50 --rays 4 -o solved.glb");
     check(&folder, "solved.glb", CORNER);
-    folder.ok("bake wall.obj --place wall.obj:up=z --sky 1 --size 32 --rays 4 -o baked.glb");
+    folder.ok(
+        "bake wall.obj --place wall.obj:up=z --sky 1 --size 32 --patches 50 --rays 4 -o baked.glb",
+    );
     check(&folder, "baked.glb", CORNER);
     // Light goes into the file as it is.
-    folder.ok("solve wall.glb --keep-mesh --sky 1 --rays 4 -o kept.glb");
+    folder.ok("solve wall.glb --keep-mesh --sky 1 --patches 50 --rays 4 -o kept.glb");
     check(&folder, "kept.glb", CORNER);
-    folder.ok("bake wall.glb --sky 1 --size 32 --rays 4 -o rebaked.glb");
+    folder.ok("bake wall.glb --sky 1 --size 32 --patches 50 --rays 4 -o rebaked.glb");
     check(&folder, "rebaked.glb", CORNER);
 }
 

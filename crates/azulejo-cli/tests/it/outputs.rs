@@ -402,9 +402,11 @@ fn light_on_the_vertices_of_the_file_itself() {
     });
     folder.write("turned.obj", turned.collect::<String>());
     folder.ok("convert turned.obj -o turned.glb");
-    let run = folder.ok("solve turned.glb -o other.glb --keep-mesh --error 10%");
+    // The room behind its walls is so dark that no error is within reach.
+    let line = "solve turned.glb -o other.glb --keep-mesh --patches 100 --rays 16";
+    let run = folder.ok(line);
     assert!(run.err.contains("some faces are turned"), "{}", run.err);
-    let run = folder.ok("solve turned.glb -o other.glb --keep-mesh --sides front --error 10%");
+    let run = folder.ok(&format!("{line} --sides front"));
     assert!(!run.err.contains("turned"), "{}", run.err);
     // A lightmap takes the place of it.
     let run = folder.ok("bake lit.glb -o baked.glb --size 32 --error 30%");

@@ -576,7 +576,7 @@ fn interrupted_points_go_on_to_the_same_bytes() {
     let folder = Folder::with_room();
     // Two blocks, of so many rays that there is time to interrupt the second.
     folder.write("p.txt", floor(700));
-    let line = "probe room.obj --points p.txt --patches 50 --rays 20000";
+    let line = "probe room.obj --points p.txt --patches 50 --rays 12000";
     folder.ok(&format!("{line} -o whole.npy"));
     let shard = format!("{line} --shard 1/1 -o part");
     let mut child = started(&folder, &shard, "part", 30_000);

@@ -91,13 +91,16 @@ fn ask(case: Case, options: &FormFactorOptions) -> Answered {
 }
 
 /// Cases of perfect mirrors that show each other without end, in poses in which images that coincide differ by rounding:
-/// by the analytic engine, each takes as long as all others together.
-const ENDLESS: [(&str, Pose); 7] = [
+/// by the analytic engine, each takes as long as many others together.
+const ENDLESS: [(&str, Pose); 10] = [
     ("wedge_inf_90", Pose::Rounded),
     ("corridor_1", Pose::Rounded),
     ("prism_mir_12", Pose::Turned),
     ("wedge45_mir_11", Pose::Turned),
     ("prism_mir_B", Pose::Turned),
+    ("prism_mir_12", Pose::Rounded),
+    ("wedge45_mir_11", Pose::Rounded),
+    ("furnace_spec", Pose::Turned),
     ("furnace_spec", Pose::Rounded),
     ("plates", Pose::Rounded),
 ];

@@ -135,7 +135,11 @@ fn turned_and_rounded_rooms_are_closed() {
 /// Pairs of which a table hides a part, too.
 #[test]
 fn turned_and_rounded_tables_hide_what_they_hid() {
-    let room = room_with_table(200);
+    let room = room_with_table(if azulejo_testing::is_thorough() {
+        200
+    } else {
+        100
+    });
     let options = FormFactorOptions {
         accuracy: Some(5e-6),
         ..options(PatchSize::Edge(0.0))

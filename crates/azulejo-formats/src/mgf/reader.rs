@@ -520,7 +520,12 @@ impl<'r> MgfReader<'r> {
             && instances.next < instances.transform.instances()
         {
             self.builder.close();
-            self.repeated += usize::from(instances.next == 1);
+            if instances.next == 1 {
+                self.repeated += 1;
+                // An array of a billion is refused before the first million of it is read.
+                let rest = instances.transform.instances() - 1;
+                self.budget.check(rest.saturating_mul(REPEATED))?;
+            }
             let (next, outer) = (instances.next, instances.outer);
             instances.next += 1;
             source.lines.return_to(instances.start);

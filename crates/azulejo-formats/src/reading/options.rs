@@ -135,6 +135,17 @@ impl Budget {
         self.left
     }
 
+    /// Checks that at least `elements` are left, where it is known that so many will be created.
+    ///
+    /// # Errors
+    /// [`Exhausted`] if fewer are left.
+    pub fn check(&self, elements: u64) -> Result<(), Exhausted> {
+        if elements > self.left {
+            return Err(Exhausted(self.most));
+        }
+        Ok(())
+    }
+
     /// Subtracts `elements`, before they are created.
     ///
     /// # Errors
@@ -219,6 +230,8 @@ mod tests {
             ..ReadOptions::default()
         });
         assert_eq!(budget.spend(7), Ok(()));
+        assert_eq!(budget.check(3), Ok(()));
+        assert!(budget.check(4).is_err());
         assert_eq!(budget.spend(3), Ok(()));
         assert_eq!(budget.spend(0), Ok(()));
         let error = budget.spend(1).unwrap_err().error("a.mgf").to_string();

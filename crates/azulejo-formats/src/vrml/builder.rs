@@ -1,6 +1,7 @@
 //! The scene under construction, shared by all files of a model, whatever their version of VRML.
 
 use super::appearance::AppearanceCache;
+use super::solid::PlacedPrimitive;
 use super::tree::{VrmlDocument, VrmlNode};
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened};
@@ -197,6 +198,20 @@ impl<'a> VrmlSceneBuilder<'a> {
     pub fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
         let exhausted = |e: crate::reading::options::Exhausted| e.error(&self.model);
         self.budget.spend(elements).map_err(exhausted)
+    }
+
+    /// Takes the vertices of a primitive's polygons from the budget; returns the polygons, or `None` if they are
+    /// only counted.
+    ///
+    /// # Errors
+    /// The budget is exhausted.
+    pub fn polygons(
+        &mut self,
+        solid: &PlacedPrimitive,
+        materials: &[MaterialId],
+    ) -> Result<Option<Mesh>, ReadError> {
+        self.spend(solid.vertex_count())?;
+        Ok(self.budget.keeps().then(|| solid.polygons(materials)))
     }
 
     /// Adds a mesh as an object; those of a node that is used several times share one. `mesh` is in object

@@ -1,6 +1,6 @@
 //! Spheres, boxes, cylinders and cones, as exact primitives or as polygons.
 
-use azulejo_scene::{Attribute, MaterialId, Mesh, Primitive, PrimitiveKind};
+use azulejo_scene::{Attribute, MaterialId, Mesh, Primitive, PrimitiveKind, SurfaceGrid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -68,11 +68,24 @@ impl PlacedPrimitive {
         self.parts.iter().all(|is_there| *is_there)
     }
 
+    /// The primitive, and the grids of its parts.
+    fn grids(&self) -> (Primitive, Vec<SurfaceGrid>) {
+        let primitive = Primitive::new(self.kind, self.object_from_unit, 0);
+        let grids = primitive.grids(CHORD_ERROR * primitive.bounds().diagonal(), f64::INFINITY);
+        (primitive, grids)
+    }
+
+    /// The number of vertices of its polygons.
+    pub fn vertex_count(&self) -> u64 {
+        let grids = self.grids().1;
+        let parts = grids.iter().zip(&self.parts).filter(|part| *part.1);
+        parts.map(|(grid, _)| grid.vertices() as u64).sum()
+    }
+
     /// The polygons of the parts that are present, each with its material, with texture
     /// coordinates.
     pub fn polygons(&self, materials: &[MaterialId]) -> Mesh {
-        let primitive = Primitive::new(self.kind, self.object_from_unit, 0);
-        let grids = primitive.grids(CHORD_ERROR * primitive.bounds().diagonal(), f64::INFINITY);
+        let (primitive, grids) = self.grids();
         let whole = primitive.tessellate(&grids);
         let (mut mesh, mut normals, mut uvs) = (Mesh::default(), Vec::new(), Vec::new());
         let (mut first_vertex, mut first_face) = (0, 0);

@@ -6,7 +6,7 @@ use super::shape::sidedness;
 use super::solid::PlacedPrimitive;
 use super::tree::VrmlNode;
 use crate::ReadError;
-use azulejo_scene::{MaterialId, Mesh};
+use azulejo_scene::Mesh;
 use glam::DVec3;
 
 /// The primitive of a node; `None` if it is of another type.
@@ -58,20 +58,17 @@ pub(super) fn place(
             return Ok(());
         }
     }
-    let mesh = polygons(solid, material, shape_appearance, is_textured);
-    builder.spend(mesh.positions.len() as u64)?;
+    let Some(mut mesh) = builder.polygons(solid, &vec![material; solid.parts.len()])? else {
+        return Ok(());
+    };
+    map_texture(&mut mesh, shape_appearance, is_textured);
     let placed = builder.place_mesh(frame, None, (&node.source, node.at), mesh);
     builder.report(node, placed);
     Ok(())
 }
 
-fn polygons(
-    solid: &PlacedPrimitive,
-    material: MaterialId,
-    shape_appearance: &ShapeAppearance,
-    is_textured: bool,
-) -> Mesh {
-    let mut mesh = solid.polygons(&vec![material; solid.parts.len()]);
+/// Transforms the texture coordinates of a primitive, or removes them if there is no texture.
+fn map_texture(mesh: &mut Mesh, shape_appearance: &ShapeAppearance, is_textured: bool) {
     if !is_textured {
         mesh.uvs = None;
     }
@@ -81,5 +78,4 @@ fn polygons(
             *uv = if mapped.is_finite() { mapped } else { *uv };
         }
     }
-    mesh
 }

@@ -59,7 +59,7 @@ fn check_shared<T: PartialEq + Send + Sync>(
     work: impl Fn(&dyn Blocks) -> T + Sync,
 ) {
     let (mut alone, mut most_busy) = (None, 0);
-    for processes in [2, 3, 5] {
+    for processes in [2, 5] {
         let found = together(processes, |blocks| {
             let blocks = CountedBlocks::new(blocks);
             (work(&blocks), blocks.items())
@@ -83,8 +83,8 @@ fn processes_do_not_matter() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let tracer = Tracer::new(&scene);
     let pass = || FirstPass {
-        size: PatchSize::Count(120),
-        ..pass()
+        size: PatchSize::Count(60),
+        ..rays(64)
     };
     let by_error = FirstPass {
         rays: None,
@@ -114,7 +114,7 @@ fn processes_do_not_matter() {
         });
     }
     let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
-    let (tracer, points) = (Tracer::new(&scene), points_on_cube(200));
+    let (tracer, points) = (Tracer::new(&scene), points_on_cube(100));
     let whole = probe(&scene, &tracer, &points, &by_error, &Progress::new()).unwrap();
     check_shared("points", &whole.estimates, |blocks| {
         let progress = Progress::new();

@@ -62,11 +62,12 @@ fn check_measures(pass: &FirstPass) {
 
 #[test]
 fn a_solution_leaves_a_falling_residual_and_its_error() {
-    check_measures(&pass());
-    let shot = FirstPass {
-        memory: 0,
+    let pass = FirstPass {
+        error: Some(0.04),
         ..pass()
     };
+    check_measures(&pass);
+    let shot = FirstPass { memory: 0, ..pass };
     check_measures(&shot);
 }
 
@@ -129,7 +130,7 @@ fn previews_show_the_light_and_do_not_change_it() {
 fn rounds_of_the_gather_are_shown_too() {
     let scene = cornell_box(CornellVariant::Diffuse);
     let fine = FirstPass {
-        error: Some(0.005),
+        error: Some(0.01),
         ..pass()
     };
     let mut errors = Vec::new();
@@ -139,7 +140,11 @@ fn rounds_of_the_gather_are_shown_too() {
         }
     });
     let better = errors.iter().all(|&e| e > light.report.error);
-    assert!(better, "{errors:?} before {}", light.report.error);
+    assert!(
+        better && !errors.is_empty(),
+        "{errors:?} before {}",
+        light.report.error
+    );
 }
 
 #[test]

@@ -431,7 +431,7 @@ mod tests {
 
     #[test]
     fn large_pictures_keep_the_budget() {
-        let size = 3000u32;
+        let size = 1200u32;
         let pixel = |k: u32| [(k.wrapping_mul(2_654_435_761) >> 24) as f32 / 256.0; 3];
         let scene = sheet(Image::opaque(
             size,

@@ -1,5 +1,6 @@
 //! A mesh in many places is lit and seen as its copies are.
 
+use azulejo::factors::PatchSize;
 use azulejo::radiosity::{Engine, FirstPass, solve};
 use azulejo::render::{ReferencePass, SecondPass, radiance, reference_radiance};
 use azulejo::scene::math::Ray;
@@ -159,7 +160,7 @@ fn both_passes_and_the_reference_see_instances_as_their_copies() {
     let progress = Progress::new();
     let truths = [&shared, &copies].map(|scene| {
         let pass = ReferencePass {
-            samples_per_pixel: 1024,
+            samples_per_pixel: 256,
             ..ReferencePass::default()
         };
         reference_radiance(scene, &Tracer::new(scene), &rays(), &pass, &progress).unwrap()
@@ -169,7 +170,8 @@ fn both_passes_and_the_reference_see_instances_as_their_copies() {
         let solved = [&shared, &copies].map(|scene| {
             let pass = FirstPass {
                 engine: engine.clone(),
-                rays: Some(1024),
+                rays: Some(512),
+                size: PatchSize::Count(800),
                 keep_mesh: true,
                 ..FirstPass::default()
             };

@@ -1,6 +1,7 @@
 //! Surfaces that emit pictures: both passes, by every engine that shoots or gathers, against the
 //! reference.
 
+use azulejo::factors::PatchSize;
 use azulejo::radiosity::{Engine, FirstPass, solve};
 use azulejo::render::{FinalGather, ReferencePass, SecondPass, radiance, reference_radiance};
 use azulejo::scene::brdf::Description;
@@ -122,7 +123,7 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
 fn passes_and_reference_agree_under_pictured_lamps() {
     let given = room(windows());
     let options = ReferencePass {
-        samples_per_pixel: 4096,
+        samples_per_pixel: 1024,
         ..ReferencePass::default()
     };
     let tracer = Tracer::new(&given);
@@ -169,6 +170,7 @@ fn power_is_the_integral_of_the_picture() {
     for engine in [Engine::default(), Engine::Particles] {
         let pass = FirstPass {
             engine,
+            size: PatchSize::Count(500),
             ..FirstPass::default()
         };
         let solved = |threads: usize| {

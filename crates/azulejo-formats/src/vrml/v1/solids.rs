@@ -53,8 +53,9 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 return Ok(());
             }
         }
-        let mut mesh = solid.polygons(&materials);
-        self.builder.spend(mesh.positions.len() as u64)?;
+        let Some(mut mesh) = self.builder.polygons(&solid, &materials)? else {
+            return Ok(());
+        };
         if is_textured {
             self.map_texture(&mut mesh)
         } else {
