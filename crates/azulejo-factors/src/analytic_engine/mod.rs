@@ -20,7 +20,7 @@ mod horizon;
 mod images;
 mod occluders;
 mod partial;
-mod planes;
+pub(crate) mod planes;
 mod shaft;
 mod slabs;
 mod traversal;

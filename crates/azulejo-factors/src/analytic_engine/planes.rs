@@ -33,7 +33,7 @@ const GRAZE: [f64; 2] = [1e-10, 8.0 * f64::EPSILON];
 
 /// A plane that surfaces lie in.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SurfacePlane {
+pub(crate) struct SurfacePlane {
     /// Unit normal, and normal · p of its points.
     pub normal: DVec3,
     pub offset: f64,
@@ -42,7 +42,7 @@ pub(super) struct SurfacePlane {
 }
 
 /// The planes of all flat patches.
-pub(super) struct SurfacePlanes {
+pub(crate) struct SurfacePlanes {
     planes: Vec<SurfacePlane>,
     /// For each patch its plane, or [`CURVED`].
     of_patch: Vec<u32>,

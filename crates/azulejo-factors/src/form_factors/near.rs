@@ -5,6 +5,7 @@ use super::boxes::{BoxTree, distance};
 use super::shaft::{Occluders, Shaft};
 use super::sides::Sides;
 use crate::analytic::exchange_area;
+use crate::analytic_engine::planes::SurfacePlanes;
 use crate::patch::Polygon;
 use crate::shadow_rays::View;
 use azulejo_scene::math::Aabb;
@@ -131,6 +132,8 @@ struct FlatRow {
 
 struct PairSelector<'a> {
     sides: &'a Sides<'a>,
+    /// Sides in one plane, such as both of a patch, exchange nothing, however rounding has bent them.
+    planes: SurfacePlanes,
     /// Flat rows; the others are left to rays.
     facets: Vec<Option<FlatRow>>,
     is_lamp: Vec<bool>,
@@ -145,8 +148,12 @@ impl<'a> PairSelector<'a> {
         let material =
             |i: usize| &surfaces.scene.materials[sides.patches.material(sides.patch(i)) as usize];
         let is_lamp = |i: usize| !material(i).emission_from(!sides.is_back(i)).is_black();
+        let corners = |i: usize| sides.patches.polygon(i).map(|p| p.to_vec());
+        let flat = (0..sides.patches.len()).filter_map(corners);
+        let bounds = Aabb::around(flat.flatten());
         PairSelector {
             sides,
+            planes: SurfacePlanes::new(sides.patches, surfaces.scene, &bounds),
             facets: (0..sides.len()).into_par_iter().map(facet).collect(),
             is_lamp: (0..sides.len()).map(is_lamp).collect(),
         }
@@ -214,7 +221,8 @@ impl<'a> PairSelector<'a> {
         let (Some(a), Some(b)) = (&self.facets[i], &self.facets[j]) else {
             return false;
         };
-        a.centre.distance(b.centre) < radius && a.faces(b) && b.faces(a)
+        let [first, second] = [i, j].map(|row| self.planes.number(self.sides.patch(row)));
+        a.centre.distance(b.centre) < radius && first != second && a.faces(b) && b.faces(a)
     }
 
     fn lamp_pairs(&self) -> impl Iterator<Item = (u32, u32)> {

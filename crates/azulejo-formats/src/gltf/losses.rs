@@ -3,114 +3,100 @@
 use super::write_image_based::{has_bright_spot, is_around};
 use super::write_material::{bright_lightmaps, finish_texture, is_one_colour, only_around};
 use crate::surface::gloss::is_repainted;
+use crate::surface::losses::LossList;
 use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
-use azulejo_scene::{FinishMaps, LightKind, Material, Mesh, ReliefKind, Rgb, Scene};
+use azulejo_scene::{FinishMaps, LightKind, Material, ReliefKind, Rgb, Scene};
 
 /// What [`write()`](super::write()) would omit from a scene or change, as text: "2 lights".
 ///
 /// The rounding of all numbers to single precision is not mentioned.
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = |lost: fn(&Mesh) -> bool| {
-        let meshes = scene.objects.iter().filter_map(|o| o.shape.mesh());
-        meshes.filter(|m| lost(m)).count()
-    };
-    let materials =
-        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let lights =
         |lost: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| lost(&l.kind)).count();
     let [primitives, solids] = exact_counts(scene);
-    let watts = !scene.units.photometric && scene.has_light();
-    let counts = [
-        (
-            meshes(|m| m.faces.triangle_count() > m.faces.len()),
+    let shapes = LossList::empty(scene)
+        .placed_meshes(
+            |m| m.faces.triangle_count() > m.faces.len(),
             "meshes whose polygons become triangles",
-        ),
-        (primitives, "exact primitives that become polygons"),
-        (solids, "exact shapes that become polygons"),
-        (meshes(|m| m.faces.is_empty()), "objects without faces"),
-        (
-            meshes(|m| !m.smoothing.is_empty()),
+        )
+        .count(primitives, "exact primitives that become polygons")
+        .count(solids, "exact shapes that become polygons")
+        .placed_meshes(|m| m.faces.is_empty(), "objects without faces")
+        .placed_meshes(
+            |m| !m.smoothing.is_empty(),
             "meshes whose smoothing groups are left out",
-        ),
-        (
-            meshes(|m| !m.irradiance_error.is_empty()),
+        )
+        .placed_meshes(
+            |m| !m.irradiance_error.is_empty(),
             "meshes whose errors of irradiance are left out",
-        ),
-        (
-            meshes(|m| m.back.is_some()),
+        )
+        .placed_meshes(
+            |m| m.back.is_some(),
             "meshes whose sheets are written twice, once with the light of each side",
-        ),
-        (
-            materials(|m| m.textures.len() > 1),
+        );
+    let materials = shapes
+        .materials(
+            |m| m.textures.len() > 1,
             "materials of which only the first picture is kept",
-        ),
-        (
-            materials(|m| {
-                m.finish.is_none() && m.brdf.is_some() && (gltf_mr(m).is_none() || is_repainted(m))
-            }),
+        )
+        .materials(
+            |m| m.finish.is_none() && m.brdf.is_some() && (gltf_mr(m).is_none() || is_repainted(m)),
             "reflection models that become the nearest metal",
-        ),
-        (
-            materials(|m| m.finish.is_some_and(|f| is_split(&f))),
+        )
+        .materials(
+            |m| m.finish.is_some_and(|f| is_split(&f)),
             "pictures of metalness and roughness, of which the factors are kept",
-        ),
-        (
-            materials(|m| {
-                m.relief
-                    .is_some_and(|r| matches!(r.kind, ReliefKind::Heights { .. }))
-            }),
+        )
+        .materials(
+            |m| matches!(m.relief.map(|r| r.kind), Some(ReliefKind::Heights { .. })),
             "pictures of heights",
-        ),
-        (
-            materials(|m| m.dielectric.is_none() && m.brdf.is_none() && !is_one_colour(m)),
+        )
+        .materials(
+            |m| m.dielectric.is_none() && m.brdf.is_none() && !is_one_colour(m),
             "materials whose mirror and diffuse colours differ",
-        ),
-        (
-            materials(|m| m.opacity.is_some() && m.dielectric.is_some()),
+        )
+        .materials(
+            |m| m.opacity.is_some() && m.dielectric.is_some(),
             "opacities of glass, of which programs make other things",
-        ),
-        (
-            materials(is_odd_glass),
+        )
+        .materials(
+            is_odd_glass,
             "dielectrics that glTF cannot describe exactly",
-        ),
-        (
+        )
+        .count(
             bright_lightmaps(scene).len(),
             "pictures of lightmaps that become PNG, with coarse steps in the dark",
-        ),
-        (
+        );
+    materials
+        .count(
             lights(|l| matches!(l, LightKind::Environment(_))),
             "environments that become cube maps of 128 rows and 8 bits, without sharp detail",
-        ),
-        (
+        )
+        .count(
             bright_spots(scene),
             "environments with a sun or a lamp in the picture, which becomes larger and less bright",
-        ),
-        (
-            several_around(scene),
-            "lights from all around that become one",
-        ),
-        (
+        )
+        .count(several_around(scene), "lights from all around that become one")
+        .count(
             only_around(scene).len(),
             "pictures of the surroundings, of which a file is not written",
-        ),
-        (
+        )
+        .count(
             lights(|l| matches!(l, LightKind::Directional { half_angle, .. } if *half_angle > 0.0)),
             "sizes of suns",
-        ),
-        (
+        )
+        .count(
             lights(|l| matches!(l, LightKind::Spot { outer, .. } if *outer > MOST_CONE)),
             "spot lights wider than a half space",
-        ),
-        (usize::from(scene.background.is_some()), "background"),
-        (usize::from(scene.fog.is_some()), "fog"),
-        (
-            usize::from(watts),
+        )
+        .count(usize::from(scene.background.is_some()), "background")
+        .count(usize::from(scene.fog.is_some()), "fog")
+        .count(
+            usize::from(!scene.units.photometric && scene.has_light()),
             "light unit (watts), whose values other programs take for lumens",
-        ),
-    ];
-    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(described).collect()
+        )
+        .finish()
 }
 
 fn bright_spots(scene: &Scene) -> usize {

@@ -65,9 +65,8 @@ pub(super) fn assemble(
 /// Names and face ranges of the parts: what precedes the first `o` or `g`, and from each to the
 /// next.
 fn parts(raw: &ObjLists) -> Vec<(&str, Range<usize>)> {
-    let all = raw.face_materials.len();
     let starts = raw.parts.iter().map(|p| p.first_face);
-    let ends = starts.clone().chain([all]);
+    let ends = starts.clone().chain([raw.face_materials.len()]);
     let names = raw.parts.iter().map(|p| p.name.as_str());
     let ranges = [0].into_iter().chain(starts).zip(ends);
     let named = [""].into_iter().chain(names).zip(ranges);

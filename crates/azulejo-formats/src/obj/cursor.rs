@@ -196,8 +196,8 @@ impl<'a> StatementCursor<'a> {
             let number = number::parse(self.text.rest())
                 .filter(|number| !number.misplaced_sign)
                 .filter(|number| {
-                    let behind = self.text.peek_at(number.length);
-                    behind.is_none_or(|b| is_blank(b) || is_line_end(b))
+                    let next = self.text.peek_at(number.length);
+                    next.is_none_or(|b| is_blank(b) || is_line_end(b))
                 });
             let Some(number) = number else {
                 self.text = before;
@@ -219,28 +219,22 @@ impl<'a> StatementCursor<'a> {
         if self.at_end() {
             return Ok(None);
         }
-        if let Some(found) = number::parse(self.text.rest()) {
+        if let Some(number) = number::parse(self.text.rest()) {
             let before = self.text;
-            self.text.advance(found.length);
+            self.text.advance(number.length);
             if self.at_delimiter() {
-                return Ok(Some(found));
+                return Ok(Some(number));
             }
             self.text = before;
         }
         self.odd_number().map(Some)
     }
 
-    /// What C libraries print for values that are not numbers: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
     #[cold]
     fn odd_number(&mut self) -> Result<number::Number, ReadError> {
         let start = self.text.offset();
-        let word = text(self.word().unwrap_or_default()).to_ascii_lowercase();
-        let bare = word.trim_start_matches(['+', '-']);
-        let value = match bare {
-            _ if bare.starts_with("nan") || bare.starts_with("1.#") => f64::NAN,
-            "inf" | "infinity" => f64::INFINITY,
-            _ => return Err(self.error_at(start, "a number")),
-        };
+        let word = self.word().unwrap_or_default();
+        let value = number::non_finite(word).ok_or_else(|| self.error_at(start, "a number"))?;
         Ok(number::Number {
             value,
             length: word.len(),
@@ -274,9 +268,9 @@ impl<'a> StatementCursor<'a> {
     /// Consumes a `/` if it comes next.
     #[inline]
     pub fn slash(&mut self) -> bool {
-        let found = self.at_slash();
-        self.text.advance(usize::from(found));
-        found
+        let is_slash = self.at_slash();
+        self.text.advance(usize::from(is_slash));
+        is_slash
     }
 
     /// Whether a `/` comes next.

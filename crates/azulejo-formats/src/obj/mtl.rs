@@ -70,9 +70,10 @@ impl Library {
 
     /// The grey material of faces without `usemtl`.
     pub fn default_material(&mut self) -> MaterialId {
+        let id = self.materials.len() as MaterialId;
         self.materials
             .push(Material::diffuse("default", DEFAULT_REFLECTANCE));
-        (self.materials.len() - 1) as MaterialId
+        id
     }
 
     /// The texture placement of a material; `None` if it follows the model's texture coordinates.
@@ -242,7 +243,7 @@ impl MtlParser<'_> {
         }
     }
 
-    /// A statement without effect if it is zero, as Blender writes it for most materials.
+    /// A statement that has no effect if it is zero, as Blender writes it for most materials.
     fn unless_zero(&mut self, keyword: &[u8]) {
         self.cursor.skip_blanks();
         if self.cursor.plain_numbers() != Some([0.0]) {
@@ -411,9 +412,7 @@ impl MtlParser<'_> {
 
     /// Converts a finished block to a material.
     fn define(&mut self, m: Definition) {
-        let mut material = Material {
-            ..Material::default()
-        };
+        let mut material = Material::default();
         (material.emission, material.emission_picture) = self.emission(&m);
         match self.surface(&m) {
             MtlSurface::Diffuse => self.diffuse(&m, &mut material),

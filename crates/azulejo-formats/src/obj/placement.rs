@@ -32,9 +32,9 @@ impl PicturePlacement {
 /// Transforms the texture coordinates of faces whose material has a placement.
 pub(super) fn apply_placement(
     mesh: &mut Mesh,
-    placement_of: impl Fn(MaterialId) -> Option<PicturePlacement>,
+    find_placement: impl Fn(MaterialId) -> Option<PicturePlacement>,
 ) {
-    let placement = |m: &MaterialId| placement_of(*m);
+    let placement = |m: &MaterialId| find_placement(*m);
     let mut materials = mesh.face_materials.iter();
     if !materials.any(|m| placement(m).is_some()) {
         return;
@@ -67,16 +67,16 @@ pub(super) fn per_vertex_if_possible<T: Copy>(
     corners: Vec<u32>,
 ) -> Attribute<T> {
     const UNKNOWN: u32 = u32::MAX;
-    let mut of_vertex = vec![UNKNOWN; mesh.positions.len()];
+    let mut value_indices = vec![UNKNOWN; mesh.positions.len()];
     let unique = mesh.faces.corners.iter().zip(&corners).all(|(&v, &k)| {
-        let known = &mut of_vertex[v as usize];
+        let known = &mut value_indices[v as usize];
         let agrees = *known == UNKNOWN || *known == k;
         *known = k;
         agrees
     });
     if unique {
         // Every vertex has a value, because a mesh holds only vertices that its faces use.
-        Attribute::per_vertex(of_vertex.iter().map(|&k| values[k as usize]).collect())
+        Attribute::per_vertex(value_indices.iter().map(|&k| values[k as usize]).collect())
     } else {
         Attribute {
             values,

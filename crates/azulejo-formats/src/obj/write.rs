@@ -1,12 +1,13 @@
 //! Writes scenes as OBJ and MTL.
 
 use crate::surface::gloss::is_repainted;
+use crate::surface::losses::LossList;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
-use crate::surface::tessellate::{self, mesh_of};
+use crate::surface::tessellate::{exact_counts, mesh_of};
 use azulejo_scene::{
     Attribute, Material, Mesh, Object, OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene,
-    Texture, WrapMode,
+    Texture, TextureId, WrapMode,
 };
 use std::collections::HashSet;
 use std::fmt;
@@ -50,49 +51,40 @@ pub fn write(
 
 /// What [`write()`] would omit from a scene or change, as text: "2 lights".
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = || scene.objects.iter().filter_map(|o| o.shape.mesh());
-    let materials =
-        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
-    let [primitives, solids] = tessellate::exact_counts(scene);
-    let textures = scene.textures.iter();
+    let [primitives, solids] = exact_counts(scene);
     let is_odd_wrap = |t: &&Texture| t.wrap[0] != t.wrap[1] || t.wrap[0] == WrapMode::Mirror;
-    let lit = meshes().filter(|m| !m.irradiance.is_empty()).count();
-    let counts = [
-        (scene.lights.len(), "lights without area"),
-        (scene.cameras.len(), "cameras"),
-        (lit, "meshes whose irradiance is not written"),
-        (primitives, "exact primitives that become polygons"),
-        (solids, "exact shapes that become polygons"),
-        (
-            materials(|m| m.textures.len() > 1),
+    LossList::new(scene)
+        .placed_meshes(
+            |m| !m.irradiance.is_empty(),
+            "meshes whose irradiance is not written",
+        )
+        .count(primitives, "exact primitives that become polygons")
+        .count(solids, "exact shapes that become polygons")
+        .materials(
+            |m| m.textures.len() > 1,
             "materials of which only the first picture is kept",
-        ),
-        (
-            materials(|m| m.brdf.is_some() && model(m).is_none()),
+        )
+        .materials(
+            |m| m.brdf.is_some() && model(m).is_none(),
             "reflection models",
-        ),
-        (
-            materials(|m| model(m).is_some_and(|model| model.is_approximate(m))),
+        )
+        .materials(
+            |m| model(m).is_some_and(|model| model.is_approximate(m)),
             "reflection models that MTL can only approximate",
-        ),
-        (
-            materials(|m| {
+        )
+        .materials(
+            |m| {
                 let opacity = m.opacity.as_ref();
                 opacity.is_some_and(|o| o.mode != OpacityMode::Blend || m.dielectric.is_some())
-            }),
+            },
             "masks that become shares of opacity, or opacities of glass that are left out",
-        ),
-        (
-            textures.filter(is_odd_wrap).count(),
+        )
+        .count(
+            scene.textures.iter().filter(is_odd_wrap).count(),
             "textures that are mirrored, or clamped along one axis, and will repeat",
-        ),
-        (
-            materials(is_odd_glass),
-            "dielectrics that MTL cannot describe exactly",
-        ),
-    ];
-    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(described).collect()
+        )
+        .materials(is_odd_glass, "dielectrics that MTL cannot describe exactly")
+        .finish()
 }
 
 /// MTL's glass is denser than its surroundings and follows the Fresnel equations alone.
@@ -204,82 +196,69 @@ impl MtlModel {
     }
 }
 
+/// Writes a block of MTL.
 pub(super) fn write_material(
     scene: &Scene,
     m: &Material,
     name: &str,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let color = |c: Rgb| c.to_array();
     let model = model(m);
     let kd = match model {
         Some(MtlModel::Rough(base, ..)) => m.finish.map_or(base, |f| f.base),
         _ => m.diffuse,
     };
-    writeln!(out, "newmtl {name}\nKd {}", Numbers(&color(kd)))?;
+    writeln!(out, "newmtl {name}\nKd {}", Numbers(&kd.to_array()))?;
     if m.is_emitter() {
-        writeln!(out, "Ke {}", Numbers(&color(m.emission)))?;
-        if let Some(picture) = m.emission_picture {
-            let texture = &scene.textures[picture as usize];
-            writeln!(
-                out,
-                "map_Ke {}{}",
-                clamped(texture),
-                one_line(&texture.path)
-            )?;
-        }
+        writeln!(out, "Ke {}", Numbers(&m.emission.to_array()))?;
+        write_map("map_Ke", "", m.emission_picture, scene, out)?;
     }
-    if let Some(glass) = m.dielectric {
-        let transmittance = color(glass.transmittance);
-        writeln!(
-            out,
-            "Tf {}\nNi {}\nillum 7",
-            Numbers(&transmittance),
-            Numbers(&[glass.ior])
-        )?;
-    } else if let Some(MtlModel::Rough(_, metallic, roughness)) = model {
-        let factors = m
-            .finish
-            .map_or((metallic, roughness), |f| (f.metallic, f.roughness));
-        let (metallic, roughness) = ([factors.0], [factors.1]);
-        let (metallic, roughness) = (Numbers(&metallic), Numbers(&roughness));
-        writeln!(out, "Pm {metallic}\nPr {roughness}\nillum 2")?;
-        write_finish(scene, m, out)?;
-    } else if !m.mirror.is_black() {
-        writeln!(out, "Ks {}\nillum 3", Numbers(&color(m.mirror)))?;
-    } else if let Some(MtlModel::Highlight(highlight)) = model {
-        let highlight = highlight.around_normal();
-        writeln!(
-            out,
-            "Ks {}\nNs {}\nillum 2",
-            Numbers(&color(highlight.ks)),
-            Numbers(&[highlight.n])
-        )?;
-    } else {
-        writeln!(out, "illum 1")?;
-    }
+    write_surface(scene, m, model, out)?;
     if let Some(opacity) = m.opacity {
         if opacity.constant < 1.0 {
             writeln!(out, "d {}", Numbers(&[opacity.constant]))?;
         }
-        if let Some(picture) = opacity.picture {
-            let texture = &scene.textures[picture.texture as usize];
-            writeln!(out, "map_d {}{}", clamped(texture), one_line(&texture.path))?;
-        }
+        write_map("map_d", "", opacity.picture.map(|p| p.texture), scene, out)?;
     }
     if let Some(relief) = &m.relief {
         write_relief(scene, relief, out)?;
     }
-    if let Some(&texture) = m.textures.first() {
-        let texture = &scene.textures[texture as usize];
-        writeln!(
-            out,
-            "map_Kd {}{}",
-            clamped(texture),
-            one_line(&texture.path)
-        )?;
-    }
+    write_map("map_Kd", "", m.textures.first().copied(), scene, out)?;
     writeln!(out)
+}
+
+/// What a surface does with light that it does not reflect diffusely, and its `illum`.
+fn write_surface(
+    scene: &Scene,
+    m: &Material,
+    model: Option<MtlModel>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if let Some(glass) = m.dielectric {
+        let transmittance = glass.transmittance.to_array();
+        let (transmittance, ior) = (Numbers(&transmittance), [glass.ior]);
+        return writeln!(out, "Tf {transmittance}\nNi {}\nillum 7", Numbers(&ior));
+    }
+    match model {
+        Some(MtlModel::Rough(_, metallic, roughness)) => {
+            let own = (metallic, roughness);
+            let (metallic, roughness) = m.finish.map_or(own, |f| (f.metallic, f.roughness));
+            let (metallic, roughness) = ([metallic], [roughness]);
+            let (metallic, roughness) = (Numbers(&metallic), Numbers(&roughness));
+            writeln!(out, "Pm {metallic}\nPr {roughness}\nillum 2")?;
+            write_finish(scene, m, out)
+        }
+        _ if !m.mirror.is_black() => {
+            writeln!(out, "Ks {}\nillum 3", Numbers(&m.mirror.to_array()))
+        }
+        Some(MtlModel::Highlight(highlight)) => {
+            let highlight = highlight.around_normal();
+            let (ks, ns) = (highlight.ks.to_array(), [highlight.n]);
+            let (ks, ns) = (Numbers(&ks), Numbers(&ns));
+            writeln!(out, "Ks {ks}\nNs {ns}\nillum 2")
+        }
+        None => writeln!(out, "illum 1"),
+    }
 }
 
 /// The pictures of metalness and roughness.
@@ -292,40 +271,46 @@ fn write_finish(scene: &Scene, m: &Material, out: &mut dyn Write) -> io::Result<
         ("map_Pr", finish.roughness_picture),
     ];
     for (keyword, picture) in pictures {
-        if let Some(picture) = picture {
-            let texture = &scene.textures[picture.texture as usize];
-            let channel = match picture.channel {
-                PictureChannel::Red => "",
-                PictureChannel::Green => "-imfchan g ",
-                PictureChannel::Blue => "-imfchan b ",
-            };
-            let (clamped, path) = (clamped(texture), one_line(&texture.path));
-            writeln!(out, "{keyword} {channel}{clamped}{path}")?;
-        }
+        let options = match picture.map(|p| p.channel) {
+            Some(PictureChannel::Green) => "-imfchan g ",
+            Some(PictureChannel::Blue) => "-imfchan b ",
+            _ => "",
+        };
+        write_map(keyword, options, picture.map(|p| p.texture), scene, out)?;
     }
     Ok(())
 }
 
 /// A relief: normals as `norm`, heights as `map_Bump`.
 fn write_relief(scene: &Scene, relief: &Relief, out: &mut dyn Write) -> io::Result<()> {
-    let texture = &scene.textures[relief.texture as usize];
     let (keyword, factor) = match relief.kind {
         ReliefKind::Normals { scale } => ("norm", scale),
         ReliefKind::Heights { slope } => ("map_Bump", slope),
     };
-    write!(out, "{keyword} ")?;
-    if factor != 1.0 {
-        write!(out, "-bm {} ", Numbers(&[factor]))?;
-    }
-    writeln!(out, "{}{}", clamped(texture), one_line(&texture.path))
+    let options = match factor {
+        1.0 => String::new(),
+        factor => format!("-bm {} ", Numbers(&[factor])),
+    };
+    write_map(keyword, &options, Some(relief.texture), scene, out)
 }
 
-/// The option of a texture that does not repeat.
-fn clamped(texture: &Texture) -> &'static str {
-    match texture.wrap {
+/// The statement of a picture, if there is one.
+fn write_map(
+    keyword: &str,
+    options: &str,
+    texture: Option<TextureId>,
+    scene: &Scene,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let Some(texture) = texture.map(|id| &scene.textures[id as usize]) else {
+        return Ok(());
+    };
+    let clamp = match texture.wrap {
         [WrapMode::Clamp, WrapMode::Clamp] => "-clamp on ",
         _ => "",
-    }
+    };
+    let path = one_line(&texture.path);
+    writeln!(out, "{keyword} {options}{clamp}{path}")
 }
 
 /// Numbers separated by blanks, each the shortest that reads back to the same value.
@@ -367,16 +352,16 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
     materials
         .iter()
         .map(|m| {
-            let mut wanted = one_line(&m.name);
-            if wanted.is_empty() {
-                wanted = "material".to_owned();
+            let mut name = one_line(&m.name);
+            if name.is_empty() {
+                name = "material".to_owned();
             }
-            let numbered = (2..).map(|i| format!("{wanted}_{i}"));
-            let free = |name: &String| taken.insert(name.clone());
-            std::iter::once(wanted.clone())
+            let numbered = (2..).map(|i| format!("{name}_{i}"));
+            let is_free = |free: &String| taken.insert(free.clone());
+            std::iter::once(name.clone())
                 .chain(numbered)
-                .find(free)
-                .unwrap_or(wanted)
+                .find(is_free)
+                .unwrap_or(name)
         })
         .collect()
 }

@@ -3,6 +3,7 @@
 use super::parse::OffLists;
 use crate::Position;
 use crate::reading::warnings::Warnings;
+use crate::stl::painted;
 use azulejo_scene::{Attribute, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -93,9 +94,4 @@ impl FaceMaterials {
             })
         })
     }
-}
-
-fn painted(color: Rgb) -> Material {
-    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
-    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
 }

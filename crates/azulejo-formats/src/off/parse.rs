@@ -21,9 +21,9 @@ pub(super) struct OffLists {
     pub lines: usize,
     /// Faces with an index into a table of colours, which only Geomview has.
     pub indexed: usize,
-    /// Faces with more behind their corners than a colour.
+    /// Faces with more after their corners than a colour.
     pub surplus: usize,
-    /// Lines behind the last face.
+    /// Lines after the last face.
     pub rest: usize,
 }
 
@@ -108,31 +108,27 @@ impl<'a> OffParser<'a> {
         };
         let mut header = OffHeader::default();
         let mut rest = kinds;
+        // The letters stand in this order, each at most once.
         for (mark, flag) in [
             (&b"ST"[..], &mut header.has_uvs),
             (b"C", &mut header.has_colors),
             (b"N", &mut header.has_normals),
         ] {
-            if let Some(behind) = rest.strip_prefix(mark) {
-                (*flag, rest) = (true, behind);
+            if let Some(others) = rest.strip_prefix(mark) {
+                (*flag, rest) = (true, others);
             }
         }
         match rest {
             b"" => {}
             b"4" | b"n" | b"4n" => {
-                return refuse(
-                    "vertices of more than three coordinates",
-                    "vertices in space (OFF)",
-                );
+                let found = "vertices of more than three coordinates";
+                return refuse(found, "vertices in space (OFF)");
             }
             _ => return Err(self.words.error(start, "OFF, COFF, NOFF, CNOFF or STOFF")),
         }
         self.words.skip_spaces();
         if self.words.line_ahead().starts_with(b"BINARY") {
-            return refuse(
-                "a binary OFF file",
-                "OFF as text, as which all programs write it",
-            );
+            return refuse("a binary OFF file", "OFF as text, which all programs write");
         }
         Ok(header)
     }
@@ -164,8 +160,7 @@ impl<'a> OffParser<'a> {
         let words = line
             .split(u8::is_ascii_whitespace)
             .filter(|w| !w.is_empty());
-        let others =
-            3 + if header.has_normals { 3 } else { 0 } + if header.has_uvs { 2 } else { 0 };
+        let others = 3 + 3 * usize::from(header.has_normals) + 2 * usize::from(header.has_uvs);
         if words.count() == others + 3 { 3 } else { 4 }
     }
 

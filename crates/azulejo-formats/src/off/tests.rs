@@ -160,7 +160,7 @@ fn errors_say_where() {
     }
     check_error(
         &changed("OFF", "OFF BINARY"),
-        "a.off:1:1: found a binary OFF file, expected OFF as text, as which all programs write it",
+        "a.off:1:1: found a binary OFF file, expected OFF as text, which all programs write",
     );
     check_error(
         &changed("OFF", "NCOFF"),

@@ -5,6 +5,7 @@ use super::faces::{FaceMaterial, PlyFaceList};
 use super::header::PlyHeader;
 use super::vertices::PlyVertices;
 use crate::reading::warnings::Warnings;
+use crate::stl::painted;
 use crate::surface::textures::Textures;
 use crate::{Files, Position};
 use azulejo_scene::{
@@ -121,10 +122,9 @@ impl PlyBuilder<'_> {
             })
             .collect();
         let plain = [FaceMaterial::default()];
-        let face_materials = if list.materials.is_empty() {
-            &plain[..]
-        } else {
-            &list.materials
+        let face_materials = match list.materials.as_slice() {
+            [] => &plain,
+            materials => materials,
         };
         let base = if vertices.colors.is_empty() {
             DEFAULT_REFLECTANCE
@@ -134,7 +134,11 @@ impl PlyBuilder<'_> {
         let ids = face_materials.iter().map(|face_material| {
             let picture = pictures.get(face_material.texture as usize).copied();
             let shown = picture.is_some_and(|p| textures.is_loaded(p));
-            let mut material = painted(face_material, if shown { Rgb::WHITE } else { base });
+            let base = if shown { Rgb::WHITE } else { base };
+            let mut material = match face_material.color {
+                Some(color) => painted(color.map(limited)),
+                None => Material::diffuse("default", base),
+            };
             material.textures.extend(picture);
             scene.add_material(material)
         });
@@ -180,9 +184,9 @@ impl PlyBuilder<'_> {
         self.count("zero or non-finite normal: taken as +z", missing);
     }
 
-    fn uvs(&mut self, of_vertices: Vec<DVec2>, of_corners: Vec<DVec2>) -> Option<Attribute<DVec2>> {
-        let by_corner = !of_corners.is_empty();
-        let mut values = if by_corner { of_corners } else { of_vertices };
+    fn uvs(&mut self, vertex_uvs: Vec<DVec2>, corner_uvs: Vec<DVec2>) -> Option<Attribute<DVec2>> {
+        let by_corner = !corner_uvs.is_empty();
+        let mut values = if by_corner { corner_uvs } else { vertex_uvs };
         let odd = values.iter_mut().filter(|uv| !uv.is_finite());
         let odd = odd.map(|uv| *uv = DVec2::ZERO).count();
         self.count(
@@ -240,14 +244,6 @@ fn limited(x: f64) -> f64 {
     if x >= 0.0 { x.min(1.0) } else { 0.0 }
 }
 
-fn painted(face_material: &FaceMaterial, base: Rgb) -> Material {
-    let Some(color) = face_material.color.map(|c| c.map(limited)) else {
-        return Material::diffuse("default", base);
-    };
-    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
-    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
-}
-
 /// One object of azulejo within the lists of the file.
 struct ObjectPiece {
     object: u32,
@@ -291,11 +287,11 @@ fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
         normals: mesh
             .normals
             .as_ref()
-            .map(|n| slice_of(n, &vertices, &corners)),
+            .map(|n| slice_attribute(n, &vertices, &corners)),
         uvs: mesh
             .uvs
             .as_ref()
-            .map(|uv| slice_of(uv, &vertices, &corners)),
+            .map(|uv| slice_attribute(uv, &vertices, &corners)),
         colors: slice(&mesh.colors),
         irradiance: slice(&mesh.irradiance),
         irradiance_error: slice(&mesh.irradiance_error),
@@ -313,7 +309,7 @@ fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
 
 /// The part of an attribute for a range of vertices and corners. Values of corners keep their
 /// order.
-fn slice_of<T: Copy>(
+fn slice_attribute<T: Copy>(
     attribute: &Attribute<T>,
     vertices: &Range<usize>,
     corners: &Range<usize>,

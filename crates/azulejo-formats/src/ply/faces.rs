@@ -65,8 +65,8 @@ impl FaceProperty {
             (PropertyType::Scalar(kind), _) => {
                 let plain = channel(["red", "green", "blue"]).filter(|_| !vertices_have_colors);
                 let own = channel(["diffuse_red", "diffuse_green", "diffuse_blue"]);
-                let found = own.or(plain);
-                found.map_or(FaceProperty::Nothing, |i| FaceProperty::Color(i, kind))
+                let channel = own.or(plain);
+                channel.map_or(FaceProperty::Nothing, |i| FaceProperty::Color(i, kind))
             }
         }
     }
@@ -242,9 +242,9 @@ impl FaceReading<'_> {
         }
         self.list.faces.starts.push(end as u32);
         if has_uvs {
-            let wanted = start.1 + end - start.0;
-            self.odd_uvs += usize::from(self.list.corner_uvs.len() != wanted);
-            self.list.corner_uvs.resize(wanted, DVec2::ZERO);
+            let uv_count = start.1 + end - start.0;
+            self.odd_uvs += usize::from(self.list.corner_uvs.len() != uv_count);
+            self.list.corner_uvs.resize(uv_count, DVec2::ZERO);
         }
         true
     }

@@ -117,7 +117,7 @@ impl RowSource for AsciiRows<'_> {
     fn index(&mut self, kind: ScalarType) -> Result<u32, RowError> {
         match self.words.small_integer() {
             Some(index) => Ok(index),
-            None => self.number(kind).map(index_of),
+            None => self.number(kind).map(index),
         }
     }
 
@@ -171,11 +171,11 @@ impl RowSource for AsciiRows<'_> {
             "line that ends before a list: the list is taken as empty",
         );
         self.words.skip_blanks();
-        let behind = LineOddity {
+        let rest = LineOddity {
             first: self.words.offset(),
             count: usize::from(!self.words.at_end()),
         };
-        add(&behind, "text after the last element: skipped");
+        add(&rest, "text after the last element: skipped");
     }
 }
 
@@ -230,7 +230,7 @@ impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
         match kind {
             ScalarType::I32 => Ok(u32::try_from(i32::from_le_bytes(self.take()?)).unwrap_or(NONE)),
             ScalarType::U32 => Ok(u32::from_le_bytes(self.take()?)),
-            _ => self.number(kind).map(index_of),
+            _ => self.number(kind).map(index),
         }
     }
 
@@ -273,7 +273,7 @@ impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
 }
 
 #[cold]
-fn index_of(number: f64) -> u32 {
+fn index(number: f64) -> u32 {
     let is_index = number >= 0.0 && number < f64::from(NONE) && number.fract() == 0.0;
     if is_index { number as u32 } else { NONE }
 }

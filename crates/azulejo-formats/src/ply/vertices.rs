@@ -91,27 +91,27 @@ impl VertexPlan {
             };
             let means = |names: &&[&str]| names.contains(&property.name.as_str());
             let known = MEANINGS.iter().position(means);
-            let wanted = known.filter(|&m| !plan.has[m] && (m != OBJECT || objects_are_named));
-            match wanted {
+            let meaning = known.filter(|&m| !plan.has[m] && (m != OBJECT || objects_are_named));
+            match meaning {
                 Some(meaning) => plan.has[meaning] = true,
                 None => reader.unused(element, &property.name),
             }
-            let slot = wanted.unwrap_or(UNUSED);
+            let slot = meaning.unwrap_or(UNUSED);
             plan.steps.push(PropertyTarget::Value(kind, slot));
             if (COLOR..IRRADIANCE).contains(&slot) {
                 plan.one[slot - COLOR] = kind.one();
             }
         }
-        plan.normals = plan.all(NORMAL, 3);
-        plan.uvs = plan.all(UV, 2);
-        plan.colors = plan.all(COLOR, 3);
-        plan.irradiance = plan.all(IRRADIANCE, 3);
-        plan.errors = plan.all(ERROR, 3);
+        plan.normals = plan.has_all(NORMAL, 3);
+        plan.uvs = plan.has_all(UV, 2);
+        plan.colors = plan.has_all(COLOR, 3);
+        plan.irradiance = plan.has_all(IRRADIANCE, 3);
+        plan.errors = plan.has_all(ERROR, 3);
         plan
     }
 
     /// Whether all properties of a group are present.
-    fn all(&self, first: usize, count: usize) -> bool {
+    fn has_all(&self, first: usize, count: usize) -> bool {
         self.has[first..first + count].iter().all(|h| *h)
     }
 
@@ -143,7 +143,7 @@ impl PlyReader<'_> {
     ) -> Result<(PlyVertices, u64), ReadError> {
         let plan = VertexPlan::new(self, element, objects_are_named);
         let mut vertices = PlyVertices::default();
-        if !plan.all(0, 3) {
+        if !plan.has_all(0, 3) {
             let found = "vertices without x, y or z";
             return Err(ReadError {
                 position: Position::Line(element.line, 1),

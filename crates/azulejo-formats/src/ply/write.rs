@@ -1,10 +1,11 @@
 //! Writes scenes as PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
+use crate::surface::losses::LossList;
 use crate::surface::single::CoordinateReach;
-use crate::surface::tessellate::{self, lit_mesh_of};
+use crate::surface::tessellate::{exact_counts, lit_mesh_of};
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Up};
+use azulejo_scene::{Attribute, Mesh, Rgb, Scene, Up};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -49,43 +50,33 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 
 /// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = || scene.objects.iter().filter_map(|o| o.shape.mesh());
-    let meshes_with = |lost: fn(&Mesh) -> bool| meshes().filter(|m| lost(m)).count();
-    let materials =
-        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
-    let [primitives, solids] = tessellate::exact_counts(scene);
-    let counts = [
-        (scene.lights.len(), "lights without area"),
-        (scene.cameras.len(), "cameras"),
-        (usize::from(scene.background.is_some()), "background"),
-        (usize::from(scene.fog.is_some()), "fog"),
-        (primitives, "exact primitives that become polygons"),
-        (solids, "exact shapes that become polygons"),
-        (
-            materials(|m| {
-                m.is_specular() || m.is_emitter() || m.brdf.is_some() || m.opacity.is_some()
-            }),
+    let [primitives, solids] = exact_counts(scene);
+    LossList::new(scene)
+        .count(usize::from(scene.background.is_some()), "background")
+        .count(usize::from(scene.fog.is_some()), "fog")
+        .count(primitives, "exact primitives that become polygons")
+        .count(solids, "exact shapes that become polygons")
+        .materials(
+            |m| m.is_specular() || m.is_emitter() || m.brdf.is_some() || m.opacity.is_some(),
             "materials of which only the diffuse reflectance is kept",
-        ),
-        (
-            materials(|m| m.textures.len() > 1),
+        )
+        .materials(
+            |m| m.textures.len() > 1,
             "materials of which only the first texture is kept",
-        ),
-        (
-            meshes_with(|m| m.back.is_some()),
+        )
+        .placed_meshes(
+            |m| m.back.is_some(),
             "meshes whose sheets are written twice, once with the light of each side",
-        ),
-        (
-            meshes_with(|m| m.smoothing.iter().any(|s| *s != 0)),
+        )
+        .placed_meshes(
+            |m| m.smoothing.iter().any(|s| *s != 0),
             "meshes whose smoothing groups are omitted",
-        ),
-        (
-            meshes_with(|m| is_by_corner(&m.normals) || is_by_corner(&m.uvs)),
+        )
+        .placed_meshes(
+            |m| is_by_corner(&m.normals) || is_by_corner(&m.uvs),
             "meshes whose vertices are split where normals or texture coordinates differ",
-        ),
-    ];
-    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(said).collect()
+        )
+        .finish()
 }
 
 fn is_by_corner<T>(attribute: &Option<Attribute<T>>) -> bool {
@@ -128,7 +119,7 @@ impl<'a> PlyPart<'a> {
         let mut is_taken = vec![false; vertices.len()];
         let mut others = HashMap::new();
         let own = std::iter::zip(0.., &mesh.faces.corners).map(|(corner, &vertex)| {
-            let wanted = PlyVertex {
+            let combined = PlyVertex {
                 vertex,
                 normal: index(mesh.normals.as_ref(), corner, vertex),
                 uv: index(mesh.uvs.as_ref(), corner, vertex),
@@ -136,13 +127,13 @@ impl<'a> PlyPart<'a> {
             let at = vertex as usize;
             if !is_taken[at] {
                 is_taken[at] = true;
-                vertices[at] = wanted;
+                vertices[at] = combined;
             }
-            if vertices[at] == wanted {
+            if vertices[at] == combined {
                 return vertex;
             }
-            *others.entry(wanted).or_insert_with(|| {
-                vertices.push(wanted);
+            *others.entry(combined).or_insert_with(|| {
+                vertices.push(combined);
                 (vertices.len() - 1) as u32
             })
         });
@@ -200,16 +191,16 @@ impl ScalarFormat {
 
     /// Single precision if that is exact for all, and the model not far from the origin: there it would look
     /// as if digits had been lost.
-    fn of_positions(positions: impl Iterator<Item = DVec3> + Clone) -> ScalarFormat {
+    fn for_positions(positions: impl Iterator<Item = DVec3> + Clone) -> ScalarFormat {
         let bounds = Aabb::around(positions.clone());
         if CoordinateReach::of(bounds).is_some_and(|extent| extent.is_far()) {
             return ScalarFormat::Double;
         }
-        ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array()))
+        ScalarFormat::for_coordinates(positions.flat_map(|p| p.to_array()))
     }
 
     /// Single precision if that is exact for all.
-    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> ScalarFormat {
+    fn for_coordinates(mut values: impl Iterator<Item = f64>) -> ScalarFormat {
         if values.all(|x| f64::from(x as f32) == x) {
             ScalarFormat::Float
         } else {
@@ -218,12 +209,12 @@ impl ScalarFormat {
     }
 
     /// Bytes if they are exact for all, as other programs expect.
-    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
+    fn for_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
         let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
         if values.clone().all(is_byte) {
             ScalarFormat::Byte
         } else {
-            ScalarFormat::of_coordinates(values)
+            ScalarFormat::for_coordinates(values)
         }
     }
 
@@ -279,16 +270,16 @@ impl PlyLayout {
         };
         let has_face_materials = has_textures || used().any(|m| m.diffuse != granted);
         PlyLayout {
-            positions: ScalarFormat::of_positions(positions.copied()),
+            positions: ScalarFormat::for_positions(positions.copied()),
             normals: has(|m| m.normals.is_some()).then_some(ScalarFormat::Float),
-            uvs: has_uvs.then(|| ScalarFormat::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
-            colors: has_colors.then(|| ScalarFormat::of_shares(colors.flat_map(|c| c.to_array()))),
+            uvs: has_uvs.then(|| ScalarFormat::for_coordinates(uvs.flat_map(|uv| uv.to_array()))),
+            colors: has_colors.then(|| ScalarFormat::for_shares(colors.flat_map(|c| c.to_array()))),
             irradiance: has(|m| !m.irradiance.is_empty()).then_some(ScalarFormat::Float),
             errors: has(|m| !m.irradiance_error.is_empty()).then_some(ScalarFormat::Float),
             has_objects: parts.len() > 1,
             wide_counts: meshes().any(|m| m.faces.iter().any(|f| f.len() > 255)),
             face_colors: has_face_materials
-                .then(|| ScalarFormat::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
+                .then(|| ScalarFormat::for_shares(used().flat_map(|m| m.diffuse.to_array()))),
             has_textures,
         }
     }

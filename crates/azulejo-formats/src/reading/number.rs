@@ -69,8 +69,8 @@ fn leading_digits(bytes: [u8; 8]) -> (u64, usize) {
     };
     let pairs = (v.wrapping_mul(10) + (v >> 8)) & 0x00ff_00ff_00ff_00ff;
     let fours = (pairs.wrapping_mul(100) + (pairs >> 16)) & 0x0000_ffff_0000_ffff;
-    let all = fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff;
-    (all, count)
+    let value = fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff;
+    (value, count)
 }
 
 /// Reads the decimal number at the start of `bytes`: optional sign, digits with an optional
@@ -172,6 +172,18 @@ fn exponent(bytes: &[u8]) -> Option<Exponent> {
         length,
         misplaced_sign,
     })
+}
+
+/// What C libraries print for values that are not finite: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
+#[cold]
+pub(crate) fn non_finite(word: &[u8]) -> Option<f64> {
+    let word = word.to_ascii_lowercase();
+    let unsigned = word.iter().position(|b| !matches!(b, b'+' | b'-'));
+    match &word[unsigned?..] {
+        bare if bare.starts_with(b"nan") || bare.starts_with(b"1.#") => Some(f64::NAN),
+        b"inf" | b"infinity" => Some(f64::INFINITY),
+        _ => None,
+    }
 }
 
 /// The standard library's conversion, for long mantissas and large exponents.

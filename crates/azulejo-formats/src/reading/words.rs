@@ -2,7 +2,7 @@
 
 use super::cursor::{TextCursor, is_line_end};
 use super::number;
-use super::text::{quoted, text};
+use super::text::quoted;
 use crate::{Position, ReadError};
 
 /// A cursor over a text of words separated by white space.
@@ -80,25 +80,15 @@ impl<'a> Words<'a> {
     #[inline]
     pub fn number(&mut self) -> Result<f64, ReadError> {
         self.skip_blanks();
-        if let Some(found) = number::parse(self.cursor.rest())
-            && self.cursor.peek_at(found.length).is_none_or(is_blank)
+        if let Some(number) = number::parse(self.cursor.rest())
+            && self.cursor.peek_at(number.length).is_none_or(is_blank)
         {
-            self.cursor.advance(found.length);
-            return Ok(found.value);
+            self.cursor.advance(number.length);
+            return Ok(number.value);
         }
-        self.odd_number()
-    }
-
-    /// What C libraries print for values that are not numbers: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
-    #[cold]
-    fn odd_number(&mut self) -> Result<f64, ReadError> {
         let start = self.offset();
-        let word = text(self.word().unwrap_or_default()).to_ascii_lowercase();
-        match word.trim_start_matches(['+', '-']) {
-            bare if bare.starts_with("nan") || bare.starts_with("1.#") => Ok(f64::NAN),
-            "inf" | "infinity" => Ok(f64::INFINITY),
-            _ => Err(self.error(start, "a number")),
-        }
+        let word = self.word().unwrap_or_default();
+        number::non_finite(word).ok_or_else(|| self.error(start, "a number"))
     }
 
     /// Skips blanks before the next word or line end.

@@ -40,13 +40,7 @@ struct StlAsciiParser<'a> {
 impl StlAsciiParser<'_> {
     fn statements(&mut self) -> Result<(), ReadError> {
         while let Some(word) = self.words.word() {
-            match word {
-                b"vertex" => self.vertex()?,
-                b"facet" | b"outer" | b"loop" | b"endfacet" => {}
-                b"normal" => self.normal(),
-                b"endloop" => self.end_loop(),
-                _ => self.rare(word)?,
-            }
+            self.statement(word, word)?;
         }
         if self.solid.is_some() {
             let at = self.length;
@@ -69,20 +63,23 @@ impl StlAsciiParser<'_> {
             .add(self.file, message.into(), || words.position(at));
     }
 
-    /// Handles statements that occur once per solid, with other capitals, or are unknown.
-    fn rare(&mut self, word: &[u8]) -> Result<(), ReadError> {
-        let at = self.words.offset() - word.len();
-        match word.to_ascii_lowercase().as_slice() {
+    /// Handles a statement: its keyword, and the word that the file has for it.
+    fn statement(&mut self, keyword: &[u8], word: &[u8]) -> Result<(), ReadError> {
+        match keyword {
+            b"vertex" => self.vertex()?,
+            b"facet" | b"outer" | b"loop" | b"endfacet" => {}
+            b"normal" => self.normal(),
+            b"endloop" => self.end_loop(),
             b"solid" => self.begin_solid(),
             b"endsolid" => {
                 self.words.rest_of_line();
                 self.end_solid();
             }
-            b"vertex" => self.vertex()?,
-            b"facet" | b"outer" | b"loop" | b"endfacet" => {}
-            b"normal" => self.normal(),
-            b"endloop" => self.end_loop(),
+            _ if keyword.iter().any(u8::is_ascii_uppercase) => {
+                self.statement(&keyword.to_ascii_lowercase(), word)?;
+            }
             _ => {
+                let at = self.words.offset() - word.len();
                 let shown = shortened(&text(word));
                 self.warn_at(
                     at,

@@ -1,10 +1,10 @@
 //! The binary format: 80 arbitrary bytes, a count, and 50 bytes for each triangle.
 
-use super::{StlSolid, default_material};
+use super::{StlSolid, default_material, painted};
 use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
-use azulejo_scene::{Material, MaterialId, Rgb, Scene};
+use azulejo_scene::{MaterialId, Rgb, Scene};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -75,12 +75,12 @@ fn triangles<'a>(
         warn(HEADER, message.into(), 1);
     }
     let lost = promised - triangles.len();
-    let behind = rest.len() - triangles.len() * TRIANGLE;
+    let surplus = rest.len() - triangles.len() * TRIANGLE;
     let message = "triangles missing from the end of the file";
     warn(START + rest.len(), message.into(), lost);
-    if lost == 0 && behind > 0 {
-        let message = format!("{behind} bytes after the last triangle: skipped");
-        warn(START + rest.len() - behind, message, 1);
+    if lost == 0 && surplus > 0 {
+        let message = format!("{surplus} bytes after the last triangle: skipped");
+        warn(START + rest.len() - surplus, message, 1);
     }
     (triangles, is_big)
 }
@@ -121,12 +121,12 @@ impl FacetColors {
     fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> FacetColors {
         let whole = magics_color(header);
         let is_own = |bits: u16| (bits & FLAG == 0) == whole.is_some();
-        let mut found = triangles.iter().map(extra);
-        let are_used = found.clone().any(is_own);
+        let mut extras = triangles.iter().map(extra);
+        let are_used = extras.clone().any(is_own);
         FacetColors {
             whole,
             are_used,
-            are_odd: found.any(|bits| bits != 0 && !is_own(bits) && whole.is_none()),
+            are_odd: extras.any(|bits| bits != 0 && !is_own(bits) && whole.is_none()),
             known: HashMap::new(),
             last: None,
         }
@@ -163,12 +163,6 @@ impl FacetColors {
 
 fn extra(triangle: &[u8; TRIANGLE]) -> u16 {
     u16::from_le_bytes([triangle[TRIANGLE - 2], triangle[TRIANGLE - 1]])
-}
-
-/// A material named after its colour.
-fn painted(color: Rgb) -> Material {
-    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
-    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
 }
 
 /// The colour after `COLOR=` in the header.

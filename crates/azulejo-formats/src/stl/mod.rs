@@ -127,3 +127,9 @@ impl StlSolid {
 fn default_material() -> Material {
     Material::diffuse("default", DEFAULT_REFLECTANCE)
 }
+
+/// A material named after its colour.
+pub(crate) fn painted(color: Rgb) -> Material {
+    let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
+    Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
+}

@@ -11,12 +11,15 @@ pub(crate) struct LossList<'a> {
 }
 
 impl<'a> LossList<'a> {
+    /// An empty list, for formats that keep lights and cameras.
+    pub fn empty(scene: &'a Scene) -> LossList<'a> {
+        let losses = Vec::new();
+        LossList { scene, losses }
+    }
+
     /// A list that begins with the lights and the cameras of a scene, all of which are lost.
     pub fn new(scene: &'a Scene) -> LossList<'a> {
-        let list = LossList {
-            scene,
-            losses: Vec::new(),
-        };
+        let list = LossList::empty(scene);
         list.count(scene.lights.len(), "lights without area")
             .count(scene.cameras.len(), "cameras")
     }
@@ -40,7 +43,14 @@ impl<'a> LossList<'a> {
         self.count(count, what)
     }
 
-    /// Adds the meshes that lose something.
+    /// Adds the meshes that lose something, shared ones at each of their places.
+    pub fn placed_meshes(self, lost: impl Fn(&Mesh) -> bool, what: &str) -> Self {
+        let shapes = self.scene.objects.iter().map(|o| &o.shape);
+        let count = shapes.filter_map(Shape::mesh).filter(|m| lost(m)).count();
+        self.count(count, what)
+    }
+
+    /// Adds the meshes that lose something, without those that are shared.
     pub fn meshes(self, lost: impl Fn(&Mesh) -> bool, what: &str) -> Self {
         let is = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
         let count = self.scene.objects.iter().filter(is).count();

@@ -85,9 +85,9 @@ impl Basis {
             _ => 2,
         };
         if parm.len() < least {
-            let found = parm.len();
+            let count = parm.len();
             return Err(format!(
-                "{found} parameter values (parm), expected {least} or more"
+                "{count} parameter values (parm), expected {least} or more"
             ));
         }
         let rises = parm.windows(2).all(|w| w[0] <= w[1]);

@@ -19,9 +19,9 @@ pub(super) struct Curve {
 impl Curve {
     /// A curve, if the number of control points matches its basis.
     pub fn new(basis: Basis, points: Vec<DVec3>) -> Result<Curve, String> {
-        let (found, expected) = (points.len(), basis.count());
-        if found != expected {
-            return Err(format!("{found} control points, expected {expected}"));
+        let (count, expected) = (points.len(), basis.count());
+        if count != expected {
+            return Err(format!("{count} control points, expected {expected}"));
         }
         Ok(Curve { basis, points })
     }

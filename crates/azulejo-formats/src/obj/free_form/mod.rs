@@ -13,6 +13,7 @@ mod tessellate;
 mod tests;
 
 use super::read::ObjReader;
+use crate::reading::options::Budget;
 use crate::reading::text::{shortened, text};
 use crate::{Position, ReadError};
 use azulejo_scene::{MaterialId, Mesh};
@@ -128,22 +129,19 @@ impl FreeForm {
         &self,
         element: &Element,
         lines: &Lines,
-        budget: &mut crate::reading::options::Budget,
+        budget: &mut Budget,
     ) -> Result<Loops, Refused> {
         let mut region = Loops::new();
         for pieces in &element.loops {
             let mut points: Vec<DVec2> = Vec::new();
             for piece in pieces {
                 let curve = self.curves.get(piece.curve).and_then(Option::as_ref);
-                let curve = curve.ok_or_else(|| {
-                    Refused::Reason("a loop with a trimming curve that does not exist".to_owned())
-                })?;
+                let curve = curve.ok_or("a loop with a trimming curve that does not exist")?;
                 points.extend(curve.flatten(piece.from, piece.to, lines, budget)?);
             }
             points.dedup();
             if !points.iter().all(|p| p.is_finite()) {
-                let why = "a trimming curve with points that are not finite";
-                return Err(Refused::Reason(why.to_owned()));
+                return Err("a trimming curve with points that are not finite".into());
             }
             if points.len() >= 3 {
                 region.push(points);
@@ -442,10 +440,9 @@ impl ObjReader<'_> {
         let made = match std::mem::replace(&mut element.what, ElementKind::Nothing) {
             ElementKind::Nothing => Ok(()),
             ElementKind::Trimming(points) => {
-                let curve = self.trimming(&mut element, points);
-                let (curve, made) = match curve {
+                let (curve, made) = match self.trimming(&mut element, points) {
                     Ok(curve) => (Some(curve), Ok(())),
-                    Err(why) => (None, Err(Refused::Reason(why))),
+                    Err(why) => (None, Err(why.into())),
                 };
                 self.free_form.curves.push(curve);
                 made
@@ -484,13 +481,11 @@ impl ObjReader<'_> {
     ) -> Result<(), Refused> {
         let [u, v] = std::mem::take(&mut element.parm);
         let free_form = &self.free_form;
-        let axis = |axis, parm| free_form.basis(axis, parm).map_err(Refused::Reason);
-        let (u, v) = (axis(0, u)?, axis(1, v)?);
-        positive(net.weights.iter().copied()).map_err(Refused::Reason)?;
-        let surface = FreeFormSurface::new(u, v, net).map_err(Refused::Reason)?;
-        let range = surface
-            .within(range)
-            .ok_or_else(|| Refused::Reason("a range outside its parameters".to_owned()))?;
+        let (u, v) = (free_form.basis(0, u)?, free_form.basis(1, v)?);
+        positive(net.weights.iter().copied())?;
+        let surface = FreeFormSurface::new(u, v, net)?;
+        let range = surface.within(range);
+        let range = range.ok_or("a range outside its parameters")?;
         let patch = tessellate::tessellate(
             &surface,
             range,
@@ -499,8 +494,7 @@ impl ObjReader<'_> {
             &mut self.budget,
         )?;
         if patch.is_empty() {
-            let why = "loops that cut all of it away";
-            return Err(Refused::Reason(why.to_owned()));
+            return Err("loops that cut all of it away".into());
         }
         let part = self.raw.parts.len();
         let surfaces = &mut self.raw.surfaces;

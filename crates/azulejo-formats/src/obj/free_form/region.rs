@@ -186,8 +186,7 @@ fn area(points: &[DVec2]) -> f64 {
 /// The convex polygons of a cell: the cell itself if it is whole, otherwise triangles.
 fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refused> {
     if !loops.iter().flatten().all(|p| p.is_finite()) {
-        let why = "a trimming curve with points that are not finite";
-        return Err(Refused::Reason(why.to_owned()));
+        return Err("a trimming curve with points that are not finite".into());
     }
     if let [only] = loops.as_slice()
         && let Some(convex) = convex(only)
@@ -238,20 +237,21 @@ fn with_holes(mut loops: Loops) -> Vec<Loops> {
     // A loop is smaller than the loop that surrounds it.
     loops.sort_by(|a, b| area(b).abs().total_cmp(&area(a).abs()));
     let mut outlines: Vec<Loops> = Vec::new();
-    let mut outline_of: Vec<Option<usize>> = Vec::new();
+    // The number of the outline that each loop is; `None` for holes.
+    let mut outline_indices: Vec<Option<usize>> = Vec::new();
     for (k, points) in loops.iter().enumerate() {
         let around: Vec<usize> = (0..k).filter(|&j| surrounds(&loops[j], points)).collect();
         let outline = match around.last() {
-            Some(&nearest) if around.len() % 2 == 1 => outline_of[nearest],
+            Some(&nearest) if around.len() % 2 == 1 => outline_indices[nearest],
             _ => None,
         };
         match outline {
             Some(outline) => {
                 outlines[outline].push(points.clone());
-                outline_of.push(None);
+                outline_indices.push(None);
             }
             None => {
-                outline_of.push(Some(outlines.len()));
+                outline_indices.push(Some(outlines.len()));
                 outlines.push(vec![points.clone()]);
             }
         }

@@ -66,17 +66,28 @@ impl From<Exhausted> for Refused {
     }
 }
 
+impl From<String> for Refused {
+    fn from(reason: String) -> Refused {
+        Refused::Reason(reason)
+    }
+}
+
+impl From<&str> for Refused {
+    fn from(reason: &str) -> Refused {
+        reason.to_owned().into()
+    }
+}
+
 impl FreeFormSurface {
     /// A surface, if the number of control points matches its bases.
     pub fn new(u: Basis, v: Basis, net: Net) -> Result<FreeFormSurface, String> {
-        let (found, expected) = (net.points.len(), [u.count(), v.count()]);
-        match expected[0].checked_mul(expected[1]) {
-            Some(product) if product == found => Ok(FreeFormSurface { u, v, net }),
-            _ => Err(format!(
-                "{found} control points, expected {} × {}",
-                expected[0], expected[1]
-            )),
+        let (count, columns, rows) = (net.points.len(), u.count(), v.count());
+        if columns.checked_mul(rows) == Some(count) {
+            return Ok(FreeFormSurface { u, v, net });
         }
+        Err(format!(
+            "{count} control points, expected {columns} × {rows}"
+        ))
     }
 
     /// The part of a rectangle `[u0, u1, v0, v1]` within the range of the surface; `None` if
@@ -148,7 +159,7 @@ impl FreeFormSurface {
         let coarse = SampleGrid::new(self, &breaks, parts, budget)?;
         let size = Aabb::around(coarse.points.iter().copied()).diagonal();
         if !size.is_finite() {
-            return Err(Refused::Reason("points that are not finite".to_owned()));
+            return Err("points that are not finite".into());
         }
         let tolerance = CHORD_ERROR * size;
         let along = |axis: usize| -> Vec<f64> {

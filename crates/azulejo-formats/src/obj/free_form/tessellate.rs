@@ -35,7 +35,7 @@ pub(super) fn tessellate(
     if patch.positions.iter().all(finite) && patch.uvs.iter().all(|t| t.is_finite()) {
         Ok(patch)
     } else {
-        Err(Refused::Reason("points that are not finite".to_owned()))
+        Err("points that are not finite".into())
     }
 }
 
