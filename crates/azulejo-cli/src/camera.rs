@@ -1,15 +1,35 @@
 //! The camera of an image, and the image's size.
 
-use super::args::CameraArgs;
 use super::failure::Failure;
+use super::values;
 use super::values::UpArg;
 use azulejo::models;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};
 use azulejo_trace::Tracer;
+use clap::{Args, ValueHint};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 use std::path::Path;
+
+/// The camera.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
+    /// first camera, or a view of the whole scene]
+    #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
+    pub camera: Option<String>,
+    /// Position of the camera
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub from: Option<DVec3>,
+    /// Point that the camera looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub at: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
+    pub fov: Option<f64>,
+}
 
 /// Image size if neither the command line nor the camera specifies one.
 pub const SIZE: (u32, u32) = (512, 512);

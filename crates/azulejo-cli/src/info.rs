@@ -1,14 +1,15 @@
 //! `info`: what is in a model.
 
-use super::args::{InfoArgs, InputArgs};
 use super::failure::Failure;
 use super::input;
+use super::input::InputArgs;
 use super::inventory::Inventory;
 use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{LightKind, MaterialId, Mesh, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -16,6 +17,45 @@ use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use std::sync::Arc;
+
+/// `info`
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Print one row for each model instead: size, objects, materials, vertices, faces, size as GRF and
+    /// their ratio, as Table 1 of the paper on GRF
+    #[arg(long, conflicts_with = "lights")]
+    pub table: bool,
+    /// Format of the table
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        requires = "table"
+    )]
+    pub format: TableFormat,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// `info --format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Aligned columns
+    Text,
+    /// Values separated by commas, sizes in bytes
+    Csv,
+    /// A table in Markdown
+    Markdown,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo info room.3ds
+  azulejo info drawing.dxf --strict
+  azulejo info --table *.3ds *.obj --format markdown
+  azulejo info f.npz
+  azulejo info room.grf --json | python3 -m json.tool";
 
 /// Objects listed in the text; the JSON has all of them.
 const LISTED: usize = 20;

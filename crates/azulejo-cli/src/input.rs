@@ -1,18 +1,113 @@
 //! Models from files to one scene.
 
-use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
+use super::placement::{self, PlaceArg};
 use super::session::Session;
 use super::surroundings;
+use super::surroundings::args::{Site, SurroundingsArgs};
+use super::values;
 use super::values::UpArg;
 use azulejo::models::{self, read_bytes};
 use azulejo::recipe::Recipe;
+use azulejo_formats::Lod;
 use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
+use clap::builder::Resettable;
+use clap::{Args, ValueHint};
 use globset::GlobMatcher;
 use jiff::Timestamp;
 use std::path::{Path, PathBuf};
+
+/// The models to read.
+#[derive(Debug, Args)]
+pub struct InputArgs {
+    /// Model files, merged into one scene if several; `-` is standard input
+    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath,
+          help_heading = Resettable::Reset)]
+    pub scenes: Vec<PathBuf>,
+    /// Add the point lights of a camera file (.json)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
+          help_heading = "Light from outside")]
+    pub lights: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub outside: SurroundingsArgs,
+}
+
+impl InputArgs {
+    /// The files that are read.
+    pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
+        let named = self.scenes.iter_mut().chain(&mut self.lights);
+        let more = (self.reading.recipe.iter_mut()).chain(&mut self.outside.environment);
+        named.chain(more).collect()
+    }
+}
+
+/// How models are read and put together.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Reading")]
+pub struct ReadingArgs {
+    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2; or LAT,LON, the place on Earth for
+    /// which the sun is computed
+    ///
+    /// Steps are applied in the given order: degrees about x, y, z; one scale factor or three. fit=2
+    /// scales the model so that its largest side is 2, and stands it on the origin; up=z and unit=mm
+    /// override the file's axis and unit; name=lamp names its branch in the scene. LAT,LON are in
+    /// degrees, north and east positive; with --time or --sun.
+    #[arg(long, value_name = "FILE:HOW|LAT,LON", value_parser = placement::place,
+          allow_hyphen_values = true)]
+    pub place: Vec<PlaceArg>,
+    /// Up axis of the scene, to which models are rotated [default: that of the first model]. For
+    /// `render`, also a direction X,Y,Z that points up in the image only
+    #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
+    pub up: Option<UpArg>,
+    /// Unit of length of the scene, to which models are scaled: mm, cm, m, km, in, ft, or a number
+    /// of metres [default: that of the first model]
+    #[arg(long, value_name = "UNIT", value_parser = values::unit)]
+    pub unit: Option<f64>,
+    /// Level of detail of models that have several: finest, coarsest, all, a viewing distance in the
+    /// model's units, or a level as in lod1.3 (CityJSON)
+    #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
+    pub lod: Lod,
+    /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
+    /// background, fog. May be given several times
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub recipe: Vec<PathBuf>,
+    /// Reverse the faces of the objects of these names, with the wildcards * and ?: their backs
+    /// become their fronts
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = values::names)]
+    pub flip: Vec<GlobMatcher>,
+    /// Fail if anything in a model had to be skipped or repaired
+    #[arg(long)]
+    pub strict: bool,
+    /// Maximum number of vertices and face corners to which the instances and curves of a model may
+    /// expand
+    #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
+    pub most_elements: u64,
+    /// Also read files in this folder that a model refers to by `..` or an absolute path
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub allow: Vec<PathBuf>,
+}
+
+impl ReadingArgs {
+    /// How models are placed.
+    pub fn placements(&self) -> impl Iterator<Item = &Placement> {
+        self.place.iter().filter_map(|place| match place {
+            PlaceArg::Model(placement) => Some(placement),
+            PlaceArg::Site(_) => None,
+        })
+    }
+
+    /// The place on Earth.
+    pub fn site(&self) -> Option<Site> {
+        self.place.iter().rev().find_map(|place| match place {
+            PlaceArg::Site(site) => Some(*site),
+            PlaceArg::Model(_) => None,
+        })
+    }
+}
 
 /// What a command does with its models.
 #[derive(Clone, Copy)]

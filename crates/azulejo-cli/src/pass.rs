@@ -1,9 +1,9 @@
 //! The first pass: its options, solution and summary.
 
-use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::content_key::ContentHasher;
 use super::engine::{self, PreparedEngine};
 use super::failure::Failure;
+use super::first_pass::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
 use super::runner::WorkKey;
 use super::session::Session;

@@ -1,9 +1,11 @@
 //! `probe`: irradiance at points, and radiance or hits along rays.
 
-use super::args::ProbeArgs;
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
+use super::first_pass::FirstPassArgs;
+use super::input::InputArgs;
+use super::parts::PartArgs;
 use super::report::{Report, count, number, seconds, short};
 use super::runner::{Completion, DividedWork, Runner, Sharing};
 use super::session::Session;
@@ -13,8 +15,56 @@ use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
 use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
+use clap::{Args, ValueHint};
 use rayon::prelude::*;
 use std::path::Path;
+use std::path::PathBuf;
+
+/// `probe`
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    #[command(flatten)]
+    pub probes: ProbeSources,
+    /// Normals of the points: .npy (n x 3)
+    #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
+    pub normals: Option<PathBuf>,
+    /// Output file: .npy (f64), or text with any other extension; `-` writes text to standard
+    /// output [default: `-`, or none with --json]
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub part: PartArgs,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// The quantity to measure.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct ProbeSources {
+    /// Irradiance at points: text (x y z nx ny nz per line), or .npy (n x 3, with --normals;
+    /// or n x 6)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub points: Option<PathBuf>,
+    /// Radiance along rays: 8 little-endian f32 per ray (origin, tmin, direction, tmax)
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub radiance: Option<PathBuf>,
+    /// What rays hit: t, object, triangle, u, v; a miss is inf, -1, -1, 0, 0
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub hits: Option<PathBuf>,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
+  azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
+  azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+
+Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
+Irradiance is in W/m² if emission is in W/(sr·m²).";
 
 /// Columns of an irradiance: E and its standard error.
 const IRRADIANCE: usize = 6;

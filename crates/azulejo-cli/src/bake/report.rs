@@ -1,7 +1,7 @@
 //! What is said of a lightmap.
 
-use crate::args::FirstPassArgs;
 use crate::failure::Failure;
+use crate::first_pass::FirstPassArgs;
 use crate::report::{Report, count, number, percent, short};
 use azulejo::bake::QuarterLight;
 use azulejo::lightmap::Baked;

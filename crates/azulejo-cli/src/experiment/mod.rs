@@ -14,6 +14,7 @@
 //! | `record`, `results` | results on disk |
 //! | `report` | tables and plots |
 
+pub mod args;
 mod plan;
 mod record;
 mod reference;
@@ -23,11 +24,11 @@ mod results;
 mod suite;
 mod work;
 
-use super::args::ExperimentArgs;
 use super::failure::Failure;
 use super::machine_info::MachineInfo;
 use super::report::{Report, number, seconds};
 use super::session::Session;
+use args::ExperimentArgs;
 use azulejo_trace::Progress;
 use plan::{ExperimentPlan, Task};
 use record::{TaskOutcome, TaskRecord};

@@ -1,8 +1,8 @@
 //! `grf diff`: what two scenes contain, compared.
 
-use super::super::args::{InputArgs, ReadingArgs};
 use super::super::failure::Failure;
 use super::super::input;
+use super::super::input::{InputArgs, ReadingArgs};
 use super::super::report::{Report, count, number, percent, short};
 use super::super::session::Session;
 use super::super::surroundings::args::SurroundingsArgs;

@@ -1,11 +1,12 @@
 //! `solve --keep-mesh` of a glTF file: the light goes onto the vertices of the file itself.
 
-use super::args::{SidesArg, SolveArgs};
-use super::bake::read_file;
-use super::draft_list::DraftList;
-use super::failure::Failure;
-use super::report::Report;
-use super::session::Session;
+use super::args::SolveArgs;
+use crate::bake::read_file;
+use crate::draft_list::DraftList;
+use crate::failure::Failure;
+use crate::first_pass::SidesArg;
+use crate::report::Report;
+use crate::session::Session;
 use azulejo::lightmap::SourceFile;
 use azulejo::models::unbaked;
 use azulejo::output::Output;

@@ -1,8 +1,8 @@
 //! The pictures of one `render`: one, or one for each of several cameras.
 
 use super::args::RenderArgs;
-use super::camera;
-use super::failure::Failure;
+use crate::camera;
+use crate::failure::Failure;
 use azulejo::output::Output;
 use azulejo_scene::{Camera, Scene};
 use std::path::{Path, PathBuf};

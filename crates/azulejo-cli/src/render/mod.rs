@@ -1,17 +1,22 @@
 //! `render`: the second pass, or the path tracer that serves as its reference.
 
-use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
-use super::failure::Failure;
-use super::report::{Report, count, number, percent, short};
-use super::session::Session;
-use super::views::{self, PictureView};
-use super::{input, layers, pass, rtrace, values};
+pub mod args;
+mod layers;
+mod rtrace;
+mod views;
+
+use crate::failure::Failure;
+use crate::report::{Report, count, number, percent, short};
+use crate::session::Session;
+use crate::{input, pass, values};
+use args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Object, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
+use views::PictureView;
 
 /// File formats of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
