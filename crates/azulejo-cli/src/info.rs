@@ -241,9 +241,9 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
 
 fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let sum = |f: fn(&ObjectSummary<'_>) -> usize| parts.iter().map(f).sum::<usize>();
-    let of_kind = |kind: &str| parts.iter().filter(|p| p.kind == kind).count();
-    let instances = of_kind("instance");
-    let exact = parts.len() - of_kind("mesh") - instances;
+    let count_of = |kind: &str| parts.iter().filter(|p| p.kind == kind).count();
+    let instances = count_of("instance");
+    let exact = parts.len() - count_of("mesh") - instances;
     let shared = scene.shared_meshes().len();
     let mut words = count(parts.len());
     if exact > 0 {
@@ -272,21 +272,21 @@ fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
 
 /// The solids of exact shapes and the figures that they share.
 fn figures(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
-    let mut all = Inventory::default();
+    let mut totals = Inventory::default();
     for (object, part) in scene.objects.iter().zip(parts) {
         if let (Shape::Exact(exact), Some(inventory)) = (&object.shape, &part.inventory) {
-            all.add(inventory, exact);
+            totals.add(inventory, exact);
         }
     }
-    if all.prisms > 0 {
-        let [prisms, figures, curves] = [all.prisms, all.figures(), all.curves].map(count);
+    if totals.prisms > 0 {
+        let [prisms, figures, curves] = [totals.prisms, totals.figures(), totals.curves].map(count);
         let words = format!("{prisms} of {figures} different figures, {curves} curves");
         report.line("prisms", words);
     }
-    report.value("solids", all.solids);
-    report.value("prisms", all.prisms);
-    report.value("figures", all.figures());
-    report.value("curves", all.curves);
+    report.value("solids", totals.solids);
+    report.value("prisms", totals.prisms);
+    report.value("figures", totals.figures());
+    report.value("curves", totals.curves);
 }
 
 fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
@@ -376,8 +376,8 @@ fn inverted(scene: &Scene, report: &mut Report) {
     let things = enclosable(scene, &boxes);
     let is_room = |k: usize| {
         let within = AABB::from_corners(boxes[k].min.to_array(), boxes[k].max.to_array());
-        let mut found = things.locate_in_envelope(&within);
-        found.any(|thing| thing.data != Some(k))
+        let mut inside = things.locate_in_envelope(&within);
+        inside.any(|thing| thing.data != Some(k))
     };
     let is_inside_out = |mesh: &Mesh| mesh.enclosed_volume().is_some_and(|volume| volume < 0.0);
     // Each shared mesh once.

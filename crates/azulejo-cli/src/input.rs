@@ -172,13 +172,13 @@ fn read_all_for(
             model.units.up = placement.up.unwrap_or(model.units.up);
             model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
         }
-        let wanted = wanted_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
-        for change in models::changes(model.units, wanted) {
+        let units = scene_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
+        for change in models::changes(model.units, units) {
             session.note(&format!("{}: {change}", path.display()));
         }
-        let mut model = model.adapted(wanted);
+        let mut model = model.adapted(units);
         if let Some(placement) = placement {
-            let map = placement.scene_from_model(model.bounds(), wanted.up);
+            let map = placement.scene_from_model(model.bounds(), units.up);
             model = model.transformed(&map);
             model.validate().map_err(|e| unplaceable(path, &e))?;
         }
@@ -233,10 +233,10 @@ fn apply_recipe(
 
 /// Turns the objects of these names inside out.
 fn flip(scene: &mut Scene, names: &[GlobMatcher], session: &mut Session) -> Result<(), Failure> {
-    for wanted in names {
+    for name in names {
         let mut is_there = false;
         for object in &mut scene.objects {
-            if !wanted.is_match(&object.name) {
+            if !name.is_match(&object.name) {
                 continue;
             }
             is_there = true;
@@ -248,7 +248,7 @@ fn flip(scene: &mut Scene, names: &[GlobMatcher], session: &mut Session) -> Resu
             }
         }
         if !is_there {
-            let message = format_args!("--flip: no object has the name \"{}\"", wanted.glob());
+            let message = format_args!("--flip: no object has the name \"{}\"", name.glob());
             return Err(Failure::misuse(message));
         }
     }
@@ -260,7 +260,7 @@ fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
 }
 
 /// Units of the scene: from the command line, otherwise `units`.
-fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
+fn scene_units(reading: &ReadingArgs, units: Units) -> Units {
     Units {
         metres_per_unit: reading.unit.or(units.metres_per_unit),
         up: match reading.up {

@@ -83,7 +83,7 @@ struct ProbeResults {
 
 impl ProbeResults {
     /// Rows of light; an error for numbers that are beyond all numbers.
-    fn of_light(columns: usize, values: Vec<f64>) -> Result<ProbeResults, Failure> {
+    fn from_light(columns: usize, values: Vec<f64>) -> Result<ProbeResults, Failure> {
         match values.iter().filter(|v| v.is_infinite()).count() {
             0 => Ok(ProbeResults { columns, values }),
             lost => Err(Failure::failed(format_args!(
@@ -118,8 +118,8 @@ pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Re
         (Some(path), _, _) => {
             let file = output.as_ref().and_then(Output::file);
             let work = (args, &prepared, file);
-            let found = irradiance(&scene, path, work, runner, session, &mut report)?;
-            let Some((rows, completion)) = found else {
+            let part = irradiance(&scene, path, work, runner, session, &mut report)?;
+            let Some((rows, completion)) = part else {
                 return Ok(report);
             };
             rest = completion;
@@ -196,7 +196,7 @@ fn irradiance(
     pass::describe(&value.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
     let values = value.estimates.iter().flat_map(row).collect();
-    Ok(Some((ProbeResults::of_light(IRRADIANCE, values)?, rest)))
+    Ok(Some((ProbeResults::from_light(IRRADIANCE, values)?, rest)))
 }
 
 fn radiance(
@@ -220,11 +220,14 @@ fn radiance(
         ..SecondPass::default()
     };
     let clock = Clock::start();
-    let found =
+    let radiances =
         session.with_progress(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
     spent("tracing", "trace", clock, report);
     report.fact("rays", rays.len(), "rays", count(rays.len()));
-    ProbeResults::of_light(RADIANCE, found.iter().flat_map(|l| l.to_array()).collect())
+    ProbeResults::from_light(
+        RADIANCE,
+        radiances.iter().flat_map(|l| l.to_array()).collect(),
+    )
 }
 
 fn hits(
@@ -237,10 +240,10 @@ fn hits(
     let rays = points::read_rays(path)?;
     let tracer = build(scene, prepared, report)?;
     let clock = Clock::start();
-    let found = session.with_progress(|p| trace(&tracer, &rays, p))?;
+    let first_hits = session.with_progress(|p| trace(&tracer, &rays, p))?;
     let wall = clock.wall();
     spent("tracing", "trace", clock, report);
-    let met = found.iter().filter(|h| h.is_hit()).count();
+    let met = first_hits.iter().filter(|h| h.is_hit()).count();
     let rate = rays.len() as f64 / wall.max(1e-9);
     let words = format!(
         "{}, {} hits, {} million rays per second",
@@ -254,7 +257,7 @@ fn hits(
     let row = |hit: &KernelHit| hit_row(scene, &tracer, hit);
     Ok(ProbeResults {
         columns: HIT,
-        values: found.iter().flat_map(row).collect(),
+        values: first_hits.iter().flat_map(row).collect(),
     })
 }
 

@@ -58,7 +58,7 @@ pub struct SessionSetup {
     pub is_silent: bool,
     /// The progress of the work.
     pub progress: Arc<Progress>,
-    /// How it ends behind a block that is kept.
+    /// How it ends after a block that is stored.
     pub block_end: Arc<BlockEnd>,
     /// Threads, if the command line does not say.
     pub threads: Option<usize>,
@@ -219,7 +219,7 @@ impl Session {
         self.memory
     }
 
-    /// How the work ends behind a block that is kept.
+    /// How the work ends after a block that is stored.
     pub fn block_end(&self) -> Arc<BlockEnd> {
         Arc::clone(&self.block_end)
     }

@@ -67,7 +67,7 @@ pub enum Command {
     #[command(mut_args = short_help::showing(short_help::FORM_FACTORS), after_help = short_help::ending(form_factors::args::EXAMPLES),
               after_long_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
-    /// Put together the parts of a work that several runs of a command divided
+    /// Combine the parts that several runs of a command computed with --shard
     #[command(after_help = parts::EXAMPLES)]
     Merge(MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes

@@ -121,7 +121,7 @@ pub fn named_files(
 impl NamedFile {
     /// Whether it is where its name says, with the same content.
     pub fn is_here(&self) -> bool {
-        content(Path::new(&self.name())).is_ok_and(|found| found == self.content)
+        content(Path::new(&self.name())).is_ok_and(|content| content == self.content)
     }
 }
 
@@ -145,7 +145,7 @@ impl FoundFiles {
             let path = PathBuf::from(&file.path);
             let candidates = candidates(&path, ran_in, folder);
             let there: Vec<&PathBuf> = candidates.iter().filter(|c| c.is_file()).collect();
-            let same = |c: &&&PathBuf| content(c).is_ok_and(|found| found == file.content);
+            let same = |c: &&&PathBuf| content(c).is_ok_and(|content| content == file.content);
             match (there.iter().find(same), there.first()) {
                 (Some(same), _) => {
                     places.insert(path, same.to_path_buf());
@@ -164,7 +164,7 @@ impl FoundFiles {
             };
             let path = place.with_file_name(name);
             match content(&path) {
-                Ok(found) if found == file.content => {}
+                Ok(content) if content == file.content => {}
                 Ok(_) => changed.push(path.display().to_string()),
                 Err(_) => missing.push(path.display().to_string()),
             }
@@ -198,8 +198,8 @@ impl FoundFiles {
     /// Whether a path is one of these files.
     pub fn has(&self, path: &Path) -> bool {
         let real = |path: &Path| fs::canonicalize(path).ok();
-        let wanted = real(path);
-        wanted.is_some() && self.0.values().any(|place| real(place) == wanted)
+        let real_path = real(path);
+        real_path.is_some() && self.0.values().any(|place| real(place) == real_path)
     }
 }
 

@@ -327,7 +327,7 @@ impl CompletePart {
         }
         if rest > 0 {
             return Err(Failure::failed(format_args!(
-                "{shown} is damaged: {rest} bytes stand behind its end; copy it again, or compute shard {number} \
+                "{shown} is damaged: {rest} bytes follow its end; copy it again, or compute shard {number} \
                  again"
             )));
         }

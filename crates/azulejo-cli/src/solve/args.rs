@@ -18,7 +18,7 @@ pub struct SolveArgs {
     /// every other byte as it is: comments, layout, names, transforms, parameters
     ///
     /// `irad` is added before each vertex, or replaced. No face is divided or turned: light on backs,
-    /// and that of exact shapes and reflecting primitives, goes into extensions behind the object.
+    /// and that of exact shapes and reflecting primitives, goes into extensions after the object.
     /// Includes with surfaces are replaced by the included text, because each use of a part has
     /// light of its own; their files are not changed.
     #[arg(long)]

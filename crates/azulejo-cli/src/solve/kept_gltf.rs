@@ -124,7 +124,7 @@ fn output_of(args: &SolveArgs) -> Option<(&Path, Container)> {
 fn changed(args: &SolveArgs) -> Option<&'static str> {
     let (input, reading) = (&args.input, &args.input.reading);
     let is_split = args.first_pass.sides == Some(SidesArg::Split);
-    let all = [
+    let options = [
         (reading.placements().next().is_some(), "--place"),
         (input.outside.studio, "--studio"),
         (reading.up.is_some(), "--up"),
@@ -132,7 +132,8 @@ fn changed(args: &SolveArgs) -> Option<&'static str> {
         (!reading.recipe.is_empty(), "--recipe"),
         (is_split, "--sides split"),
     ];
-    all.into_iter()
+    options
+        .into_iter()
         .find_map(|(is_given, option)| is_given.then_some(option))
 }
 

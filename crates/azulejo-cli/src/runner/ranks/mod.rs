@@ -75,13 +75,13 @@ impl Ranks {
     /// Some do not, and why; the work was cancelled.
     pub fn agree(&self, key: &WorkKey) -> Result<(), Failure> {
         let parts = [shown(&key.scene), shown(&key.settings), key.engine.clone()];
-        let all = self.link.all_gather(parts.join("\n").into_bytes())?;
-        let all: Vec<String> = all
+        let keys = self.link.all_gather(parts.join("\n").into_bytes())?;
+        let keys: Vec<String> = keys
             .iter()
             .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
             .collect();
-        for (rank, theirs) in all.iter().enumerate() {
-            let differs = |k: usize| theirs.lines().nth(k) != all[0].lines().nth(k);
+        for (rank, theirs) in keys.iter().enumerate() {
+            let differs = |k: usize| theirs.lines().nth(k) != keys[0].lines().nth(k);
             let why = if differs(0) {
                 "reads another scene than rank 0: files in folders of --allow have to be the same on all machines"
             } else if differs(2) {
@@ -169,11 +169,11 @@ fn threads(ranks: usize) -> usize {
     let bound = std::thread::available_parallelism().map_or(1, usize::from);
     // A rank that is bound to some processors does not see the others there.
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let all = text
+    let processors = text
         .lines()
         .filter(|line| line.starts_with("processor"))
         .count();
-    (all.max(bound) / ranks.max(1)).clamp(1, bound)
+    (processors.max(bound) / ranks.max(1)).clamp(1, bound)
 }
 
 fn number(names: &[&str]) -> Option<usize> {

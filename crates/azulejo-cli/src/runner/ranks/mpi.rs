@@ -112,8 +112,8 @@ impl Transport for MpiTransport {
     }
 
     fn receive(&self) -> Option<(usize, Vec<u8>)> {
-        let found = self.0.any_process().immediate_matched_probe()?;
-        let (bytes, status) = found.matched_receive_vec::<u8>();
+        let message = self.0.any_process().immediate_matched_probe()?;
+        let (bytes, status) = message.matched_receive_vec::<u8>();
         Some((status.source_rank() as usize, bytes))
     }
 
@@ -122,7 +122,7 @@ impl Transport for MpiTransport {
         let mut lengths = vec![0u64; size];
         self.0
             .all_gather_into(&(own.len() as u64), &mut lengths[..]);
-        let mut all: Vec<Vec<u8>> = lengths
+        let mut gathered: Vec<Vec<u8>> = lengths
             .iter()
             .map(|&length| Vec::with_capacity(length as usize))
             .collect();
@@ -140,16 +140,16 @@ impl Transport for MpiTransport {
                     Some(at)
                 })
                 .collect();
-            let mut found = vec![0u8; counts.iter().map(|&c| c as usize).sum()];
+            let mut received = vec![0u8; counts.iter().map(|&c| c as usize).sum()];
             let from = start.min(own.len());
             let sent = &own[from..from + part(own.len())];
-            let mut partition = PartitionMut::new(&mut found[..], &counts[..], &places[..]);
+            let mut partition = PartitionMut::new(&mut received[..], &counts[..], &places[..]);
             self.0.all_gather_varcount_into(sent, &mut partition);
-            for ((bytes, &at), &count) in all.iter_mut().zip(&places).zip(&counts) {
-                bytes.extend(&found[at as usize..(at + count) as usize]);
+            for ((bytes, &at), &count) in gathered.iter_mut().zip(&places).zip(&counts) {
+                bytes.extend(&received[at as usize..(at + count) as usize]);
             }
         }
-        all
+        gathered
     }
 
     fn broadcast(&self, own: Vec<u8>) -> Vec<u8> {
