@@ -1,15 +1,35 @@
 //! The camera of an image, and the image's size.
 
-use super::args::CameraArgs;
 use super::failure::Failure;
+use super::values;
 use super::values::UpArg;
 use azulejo::models;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};
 use azulejo_trace::Tracer;
+use clap::{Args, ValueHint};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 use std::path::Path;
+
+/// The camera.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
+    /// first camera, or a view of the whole scene]
+    #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
+    pub camera: Option<String>,
+    /// Position of the camera
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub from: Option<DVec3>,
+    /// Point that the camera looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub at: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
+    pub fov: Option<f64>,
+}
 
 /// Image size if neither the command line nor the camera specifies one.
 pub const SIZE: (u32, u32) = (512, 512);
@@ -41,7 +61,7 @@ pub fn choose(
             return Err(Failure::failed("the scene has no surfaces to view"));
         }
         // A view that is given in parts is completed by that of the whole scene.
-        None if view.from.is_some() || view.at.is_some() => of_all(scene, aspect(size)),
+        None if view.from.is_some() || view.at.is_some() => overview(scene, aspect(size)),
         None => first(scene, aspect(size)),
     };
     let up = up.or_else(|| upright(&camera, view, scene.units.up.axis()));
@@ -79,7 +99,7 @@ fn aspect((width, height): (u32, u32)) -> f64 {
 }
 
 /// A view of all of the scene.
-pub fn of_all(scene: &Scene, aspect: f64) -> Camera {
+pub fn overview(scene: &Scene, aspect: f64) -> Camera {
     Camera::framing(scene.bounds(), aspect, scene.units.up.axis())
 }
 
@@ -178,16 +198,16 @@ mod tests {
 
     #[test]
     fn a_scene_without_camera_is_framed_whole() {
-        let (camera, size) = choose(&view(), None, &scene(), None, of_all).unwrap();
+        let (camera, size) = choose(&view(), None, &scene(), None, overview).unwrap();
         assert_eq!(size, (512, 512));
         let half_angle = (1.0 / (camera.eye - camera.target).length()).asin();
         assert!(half_angle < 0.5 * camera.vertical_fov);
-        assert!(choose(&view(), None, &Scene::default(), None, of_all).is_err());
+        assert!(choose(&view(), None, &Scene::default(), None, overview).is_err());
     }
 
     #[test]
     fn turntables_go_all_around() {
-        let start = of_all(&scene(), 1.0);
+        let start = overview(&scene(), 1.0);
         let views = turntable(&start, 4, DVec3::Y);
         assert_eq!(views.len(), 4);
         assert!(views[0].eye.distance(start.eye) < 1e-12);
@@ -208,14 +228,16 @@ mod tests {
         view.camera = Some("b".into());
         view.fov = Some(90.0);
         view.from = Some(DVec3::new(0.0, 0.0, 9.0));
-        let (chosen, size) = choose(&view, None, &scene, None, of_all).unwrap();
+        let (chosen, size) = choose(&view, None, &scene, None, overview).unwrap();
         assert_eq!((chosen.name.as_str(), size), ("b", (30, 20)));
         assert_eq!(
             (chosen.eye.z, chosen.vertical_fov),
             (9.0, std::f64::consts::FRAC_PI_2)
         );
         assert_eq!(
-            choose(&view, Some((7, 5)), &scene, None, of_all).unwrap().1,
+            choose(&view, Some((7, 5)), &scene, None, overview)
+                .unwrap()
+                .1,
             (7, 5)
         );
     }
@@ -226,15 +248,15 @@ mod tests {
         scene.cameras = vec![camera("a", None)];
         let along = Some(UpArg::Picture(DVec3::X));
         assert!(matches!(
-            choose(&view(), None, &scene, along, of_all),
+            choose(&view(), None, &scene, along, overview),
             Err(Failure::Misuse(_))
         ));
         let mut unknown = view();
         unknown.camera = Some("c".into());
-        let said = choose(&unknown, None, &scene, None, of_all)
+        let said = choose(&unknown, None, &scene, None, overview)
             .unwrap_err()
             .to_string();
         assert!(said.contains("\"a\""), "{said}");
-        assert!(choose(&view(), Some((65_536, 65_536)), &scene, None, of_all).is_err());
+        assert!(choose(&view(), Some((65_536, 65_536)), &scene, None, overview).is_err());
     }
 }

@@ -1,12 +1,44 @@
 //! `convert`: reads models and writes them as one.
 
-use super::args::ConvertArgs;
 use super::failure::Failure;
 use super::input;
+use super::input::InputArgs;
 use super::report::{Report, count};
 use super::session::Session;
 use azulejo::models::ModelOutput;
 use azulejo_scene::Scene;
+use clap::{Args, ValueHint};
+use std::path::PathBuf;
+
+/// `convert`
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; a single file is compressed if .gz
+    /// follows; `-` writes GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Write GRF as of 2001, without extensions: parallelogram lamps as `light`, exact shapes as
+    /// meshes, matt surfaces as `rgb`; what it cannot express is listed
+    #[arg(long)]
+    pub plain: bool,
+    /// Triangulate all polygons, for programs that read triangles only
+    #[arg(long)]
+    pub triangles: bool,
+    /// Significant digits of the numbers of meshes in text formats [default: as many as the exact
+    /// values need]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
+    pub digits: Option<u8>,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo convert tank.flt -o tank.glb --lod coarsest
+  azulejo convert room.dxf chair.3ds -o room.grf --up y --unit m \\
+      --place chair.3ds:scale=0.01,rotate=0,30,0,translate=2,0,1";
 
 /// Runs `convert`.
 pub fn run(args: &ConvertArgs, session: &mut Session) -> Result<Report, Failure> {

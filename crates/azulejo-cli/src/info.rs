@@ -1,14 +1,15 @@
 //! `info`: what is in a model.
 
-use super::args::{InfoArgs, InputArgs};
 use super::failure::Failure;
 use super::input;
+use super::input::InputArgs;
 use super::inventory::Inventory;
 use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{LightKind, MaterialId, Mesh, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -16,6 +17,45 @@ use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use std::sync::Arc;
+
+/// `info`
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Print one row for each model instead: size, objects, materials, vertices, faces, size as GRF and
+    /// their ratio, as Table 1 of the paper on GRF
+    #[arg(long, conflicts_with = "lights")]
+    pub table: bool,
+    /// Format of the table
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        requires = "table"
+    )]
+    pub format: TableFormat,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// `info --format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Aligned columns
+    Text,
+    /// Values separated by commas, sizes in bytes
+    Csv,
+    /// A table in Markdown
+    Markdown,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo info room.3ds
+  azulejo info drawing.dxf --strict
+  azulejo info --table *.3ds *.obj --format markdown
+  azulejo info f.npz
+  azulejo info room.grf --json | python3 -m json.tool";
 
 /// Objects listed in the text; the JSON has all of them.
 const LISTED: usize = 20;
@@ -201,9 +241,9 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
 
 fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let sum = |f: fn(&ObjectSummary<'_>) -> usize| parts.iter().map(f).sum::<usize>();
-    let of_kind = |kind: &str| parts.iter().filter(|p| p.kind == kind).count();
-    let instances = of_kind("instance");
-    let exact = parts.len() - of_kind("mesh") - instances;
+    let count_of = |kind: &str| parts.iter().filter(|p| p.kind == kind).count();
+    let instances = count_of("instance");
+    let exact = parts.len() - count_of("mesh") - instances;
     let shared = scene.shared_meshes().len();
     let mut words = count(parts.len());
     if exact > 0 {
@@ -232,21 +272,21 @@ fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
 
 /// The solids of exact shapes and the figures that they share.
 fn figures(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
-    let mut all = Inventory::default();
+    let mut totals = Inventory::default();
     for (object, part) in scene.objects.iter().zip(parts) {
         if let (Shape::Exact(exact), Some(inventory)) = (&object.shape, &part.inventory) {
-            all.add(inventory, exact);
+            totals.add(inventory, exact);
         }
     }
-    if all.prisms > 0 {
-        let [prisms, figures, curves] = [all.prisms, all.figures(), all.curves].map(count);
+    if totals.prisms > 0 {
+        let [prisms, figures, curves] = [totals.prisms, totals.figures(), totals.curves].map(count);
         let words = format!("{prisms} of {figures} different figures, {curves} curves");
         report.line("prisms", words);
     }
-    report.value("solids", all.solids);
-    report.value("prisms", all.prisms);
-    report.value("figures", all.figures());
-    report.value("curves", all.curves);
+    report.value("solids", totals.solids);
+    report.value("prisms", totals.prisms);
+    report.value("figures", totals.figures());
+    report.value("curves", totals.curves);
 }
 
 fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
@@ -336,8 +376,8 @@ fn inverted(scene: &Scene, report: &mut Report) {
     let things = enclosable(scene, &boxes);
     let is_room = |k: usize| {
         let within = AABB::from_corners(boxes[k].min.to_array(), boxes[k].max.to_array());
-        let mut found = things.locate_in_envelope(&within);
-        found.any(|thing| thing.data != Some(k))
+        let mut inside = things.locate_in_envelope(&within);
+        inside.any(|thing| thing.data != Some(k))
     };
     let is_inside_out = |mesh: &Mesh| mesh.enclosed_volume().is_some_and(|volume| volume < 0.0);
     // Each shared mesh once.

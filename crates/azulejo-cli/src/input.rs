@@ -1,18 +1,113 @@
 //! Models from files to one scene.
 
-use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
+use super::placement::{self, PlaceArg};
 use super::session::Session;
 use super::surroundings;
+use super::surroundings::args::{Site, SurroundingsArgs};
+use super::values;
 use super::values::UpArg;
 use azulejo::models::{self, read_bytes};
 use azulejo::recipe::Recipe;
+use azulejo_formats::Lod;
 use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
+use clap::builder::Resettable;
+use clap::{Args, ValueHint};
 use globset::GlobMatcher;
 use jiff::Timestamp;
 use std::path::{Path, PathBuf};
+
+/// The models to read.
+#[derive(Debug, Args)]
+pub struct InputArgs {
+    /// Model files, merged into one scene if several; `-` is standard input
+    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath,
+          help_heading = Resettable::Reset)]
+    pub scenes: Vec<PathBuf>,
+    /// Add the point lights of a camera file (.json)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
+          help_heading = "Light from outside")]
+    pub lights: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub outside: SurroundingsArgs,
+}
+
+impl InputArgs {
+    /// The files that are read.
+    pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
+        let named = self.scenes.iter_mut().chain(&mut self.lights);
+        let more = (self.reading.recipe.iter_mut()).chain(&mut self.outside.environment);
+        named.chain(more).collect()
+    }
+}
+
+/// How models are read and put together.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Reading")]
+pub struct ReadingArgs {
+    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2; or LAT,LON, the place on Earth for
+    /// which the sun is computed
+    ///
+    /// Steps are applied in the given order: degrees about x, y, z; one scale factor or three. fit=2
+    /// scales the model so that its largest side is 2, and stands it on the origin; up=z and unit=mm
+    /// override the file's axis and unit; name=lamp names its branch in the scene. LAT,LON are in
+    /// degrees, north and east positive; with --time or --sun.
+    #[arg(long, value_name = "FILE:HOW|LAT,LON", value_parser = placement::place,
+          allow_hyphen_values = true)]
+    pub place: Vec<PlaceArg>,
+    /// Up axis of the scene, to which models are rotated [default: that of the first model]. For
+    /// `render`, also a direction X,Y,Z that points up in the image only
+    #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
+    pub up: Option<UpArg>,
+    /// Unit of length of the scene, to which models are scaled: mm, cm, m, km, in, ft, or a number
+    /// of metres [default: that of the first model]
+    #[arg(long, value_name = "UNIT", value_parser = values::unit)]
+    pub unit: Option<f64>,
+    /// Level of detail of models that have several: finest, coarsest, all, a viewing distance in the
+    /// model's units, or a level as in lod1.3 (CityJSON)
+    #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
+    pub lod: Lod,
+    /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
+    /// background, fog. May be given several times
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub recipe: Vec<PathBuf>,
+    /// Reverse the faces of the objects of these names, with the wildcards * and ?: their backs
+    /// become their fronts
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = values::names)]
+    pub flip: Vec<GlobMatcher>,
+    /// Fail if anything in a model had to be skipped or repaired
+    #[arg(long)]
+    pub strict: bool,
+    /// Maximum number of vertices and face corners to which the instances and curves of a model may
+    /// expand
+    #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
+    pub most_elements: u64,
+    /// Also read files in this folder that a model refers to by `..` or an absolute path
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub allow: Vec<PathBuf>,
+}
+
+impl ReadingArgs {
+    /// How models are placed.
+    pub fn placements(&self) -> impl Iterator<Item = &Placement> {
+        self.place.iter().filter_map(|place| match place {
+            PlaceArg::Model(placement) => Some(placement),
+            PlaceArg::Site(_) => None,
+        })
+    }
+
+    /// The place on Earth.
+    pub fn site(&self) -> Option<Site> {
+        self.place.iter().rev().find_map(|place| match place {
+            PlaceArg::Site(site) => Some(*site),
+            PlaceArg::Model(_) => None,
+        })
+    }
+}
 
 /// What a command does with its models.
 #[derive(Clone, Copy)]
@@ -77,13 +172,13 @@ fn read_all_for(
             model.units.up = placement.up.unwrap_or(model.units.up);
             model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
         }
-        let wanted = wanted_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
-        for change in models::changes(model.units, wanted) {
+        let units = scene_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
+        for change in models::changes(model.units, units) {
             session.note(&format!("{}: {change}", path.display()));
         }
-        let mut model = model.adapted(wanted);
+        let mut model = model.adapted(units);
         if let Some(placement) = placement {
-            let map = placement.scene_from_model(model.bounds(), wanted.up);
+            let map = placement.scene_from_model(model.bounds(), units.up);
             model = model.transformed(&map);
             model.validate().map_err(|e| unplaceable(path, &e))?;
         }
@@ -138,10 +233,10 @@ fn apply_recipe(
 
 /// Turns the objects of these names inside out.
 fn flip(scene: &mut Scene, names: &[GlobMatcher], session: &mut Session) -> Result<(), Failure> {
-    for wanted in names {
+    for name in names {
         let mut is_there = false;
         for object in &mut scene.objects {
-            if !wanted.is_match(&object.name) {
+            if !name.is_match(&object.name) {
                 continue;
             }
             is_there = true;
@@ -153,7 +248,7 @@ fn flip(scene: &mut Scene, names: &[GlobMatcher], session: &mut Session) -> Resu
             }
         }
         if !is_there {
-            let message = format_args!("--flip: no object has the name \"{}\"", wanted.glob());
+            let message = format_args!("--flip: no object has the name \"{}\"", name.glob());
             return Err(Failure::misuse(message));
         }
     }
@@ -165,7 +260,7 @@ fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
 }
 
 /// Units of the scene: from the command line, otherwise `units`.
-fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
+fn scene_units(reading: &ReadingArgs, units: Units) -> Units {
     Units {
         metres_per_unit: reading.unit.or(units.metres_per_unit),
         up: match reading.up {

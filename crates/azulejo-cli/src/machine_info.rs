@@ -33,7 +33,7 @@ impl MachineInfo {
     /// Names and values for the report.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let system = format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH);
-        let or_why = |found: &Result<String, String>| match found {
+        let or_why = |name: &Result<String, String>| match name {
             Ok(name) => name.clone(),
             Err(why) => format!("none: {why}"),
         };

@@ -1,8 +1,8 @@
 //! `info` of form factors in an `.npz`.
 
-use super::args::InfoArgs;
 use super::failure::Failure;
 use super::form_factors::{compress, stored, summary};
+use super::info::InfoArgs;
 use super::report::{Report, count, number, percent, short};
 use super::session::Session;
 use azulejo_exchange::archive::StoredFactors;

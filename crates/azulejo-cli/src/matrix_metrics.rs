@@ -27,9 +27,9 @@ impl PatchSurfaces {
 }
 
 /// Relative error of a row, Σ_j |X_ij − R_ij| / Σ_j R_ij; 0 for a row that sees nothing in either.
-pub fn row_error(found: &[(u32, f64)], reference: &[(u32, f64)]) -> f64 {
+pub fn row_error(row: &[(u32, f64)], reference: &[(u32, f64)]) -> f64 {
     let negated = reference.iter().map(|&(j, r)| (j, -r));
-    let mut both: SparseRow = found.iter().copied().chain(negated).collect();
+    let mut both: SparseRow = row.iter().copied().chain(negated).collect();
     both.sort_by_key(|e| e.0);
     let columns = both.chunk_by(|a, b| a.0 == b.0);
     let wrong: f64 = columns
@@ -48,8 +48,11 @@ pub fn mean_and_largest(numbers: &[f64]) -> (f64, f64) {
 }
 
 /// Relative errors of radiosities, of the mean of the channels, where the reference is not dark.
-pub fn radiosity_errors(found: &[Rgb], reference: &[Rgb]) -> Vec<f64> {
-    let pairs = found.iter().zip(reference).filter(|(_, r)| r.mean() > 0.0);
+pub fn radiosity_errors(radiosities: &[Rgb], reference: &[Rgb]) -> Vec<f64> {
+    let pairs = radiosities
+        .iter()
+        .zip(reference)
+        .filter(|(_, r)| r.mean() > 0.0);
     pairs
         .map(|(b, r)| (b.mean() / r.mean() - 1.0).abs())
         .collect()

@@ -1,8 +1,8 @@
 //! `info --table`: several models in rows, as Table 1 of *Wannabe Amazing* (2001).
 
-use super::args::{InfoArgs, InputArgs, TableFormat};
 use super::failure::Failure;
-use super::input;
+use super::info::{InfoArgs, TableFormat};
+use super::input::{self, InputArgs};
 use super::report::{Report, bytes, count, number};
 use super::session::Session;
 use super::surroundings::args::SurroundingsArgs;

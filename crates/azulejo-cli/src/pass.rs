@@ -1,9 +1,9 @@
 //! The first pass: its options, solution and summary.
 
-use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::content_key::ContentHasher;
 use super::engine::{self, PreparedEngine};
 use super::failure::Failure;
+use super::first_pass::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
 use super::runner::WorkKey;
 use super::session::Session;
@@ -107,17 +107,17 @@ pub fn with_forecast<T>(
 }
 
 /// What a measure says of a requested error that will not be reached.
-fn forecast(found: &Measured, args: &FirstPassArgs, start: Instant) -> Option<String> {
+fn forecast(measured: &Measured, args: &FirstPassArgs, start: Instant) -> Option<String> {
     let Measure::OutOfReach {
         error,
         seconds: more,
         rays,
-    } = found.measure
+    } = measured.measure
     else {
         return None;
     };
     args.error?;
-    let spent = found.at.saturating_duration_since(start).as_secs_f64();
+    let spent = measured.at.saturating_duration_since(start).as_secs_f64();
     let needed = seconds((spent + more).max(1.0).round());
     let rays = match args.rays {
         Some(most) if rays > f64::from(most) => {
@@ -356,7 +356,8 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
     if !balance.is_off() {
         return None;
     }
-    let found = (balance.absorbed + balance.escaped + balance.cut).mean() / balance.emitted.mean();
+    let accounted =
+        (balance.absorbed + balance.escaped + balance.cut).mean() / balance.emitted.mean();
     let reflects_all = |m: &Material| (m.diffuse + m.mirror).max_channel() > NEARLY_ALL;
     let is_used = |id: usize| {
         scene
@@ -364,9 +365,9 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
             .iter()
             .any(|o| uses(&o.shape, id as MaterialId))
     };
-    let mut all = scene.materials.iter().enumerate();
-    let is_endless = all.any(|(id, m)| reflects_all(m) && is_used(id));
-    Some(match found {
+    let mut materials = scene.materials.iter().enumerate();
+    let is_endless = materials.any(|(id, m)| reflects_all(m) && is_used(id));
+    Some(match accounted {
         share if share < 1.0 && is_endless => {
             "light goes on without end between surfaces that absorb nothing, so irradiance has no \
              limit: lower the reflectances of 1, or open the scene"

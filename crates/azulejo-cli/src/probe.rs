@@ -1,9 +1,11 @@
 //! `probe`: irradiance at points, and radiance or hits along rays.
 
-use super::args::ProbeArgs;
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
+use super::first_pass::FirstPassArgs;
+use super::input::InputArgs;
+use super::parts::PartArgs;
 use super::report::{Report, count, number, seconds, short};
 use super::runner::{Completion, DividedWork, Runner, Sharing};
 use super::session::Session;
@@ -13,8 +15,56 @@ use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
 use azulejo_scene::math::Ray;
 use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
+use clap::{Args, ValueHint};
 use rayon::prelude::*;
 use std::path::Path;
+use std::path::PathBuf;
+
+/// `probe`
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    #[command(flatten)]
+    pub probes: ProbeSources,
+    /// Normals of the points: .npy (n x 3)
+    #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
+    pub normals: Option<PathBuf>,
+    /// Output file: .npy (f64), or text with any other extension; `-` writes text to standard
+    /// output [default: `-`, or none with --json]
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub part: PartArgs,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// The quantity to measure.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct ProbeSources {
+    /// Irradiance at points: text (x y z nx ny nz per line), or .npy (n x 3, with --normals;
+    /// or n x 6)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub points: Option<PathBuf>,
+    /// Radiance along rays: 8 little-endian f32 per ray (origin, tmin, direction, tmax)
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub radiance: Option<PathBuf>,
+    /// What rays hit: t, object, triangle, u, v; a miss is inf, -1, -1, 0, 0
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub hits: Option<PathBuf>,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
+  azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
+  azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+
+Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
+Irradiance is in W/m² if emission is in W/(sr·m²).";
 
 /// Columns of an irradiance: E and its standard error.
 const IRRADIANCE: usize = 6;
@@ -33,7 +83,7 @@ struct ProbeResults {
 
 impl ProbeResults {
     /// Rows of light; an error for numbers that are beyond all numbers.
-    fn of_light(columns: usize, values: Vec<f64>) -> Result<ProbeResults, Failure> {
+    fn from_light(columns: usize, values: Vec<f64>) -> Result<ProbeResults, Failure> {
         match values.iter().filter(|v| v.is_infinite()).count() {
             0 => Ok(ProbeResults { columns, values }),
             lost => Err(Failure::failed(format_args!(
@@ -68,8 +118,8 @@ pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Re
         (Some(path), _, _) => {
             let file = output.as_ref().and_then(Output::file);
             let work = (args, &prepared, file);
-            let found = irradiance(&scene, path, work, runner, session, &mut report)?;
-            let Some((rows, completion)) = found else {
+            let part = irradiance(&scene, path, work, runner, session, &mut report)?;
+            let Some((rows, completion)) = part else {
                 return Ok(report);
             };
             rest = completion;
@@ -146,7 +196,7 @@ fn irradiance(
     pass::describe(&value.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
     let values = value.estimates.iter().flat_map(row).collect();
-    Ok(Some((ProbeResults::of_light(IRRADIANCE, values)?, rest)))
+    Ok(Some((ProbeResults::from_light(IRRADIANCE, values)?, rest)))
 }
 
 fn radiance(
@@ -170,11 +220,14 @@ fn radiance(
         ..SecondPass::default()
     };
     let clock = Clock::start();
-    let found =
+    let radiances =
         session.with_progress(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
     spent("tracing", "trace", clock, report);
     report.fact("rays", rays.len(), "rays", count(rays.len()));
-    ProbeResults::of_light(RADIANCE, found.iter().flat_map(|l| l.to_array()).collect())
+    ProbeResults::from_light(
+        RADIANCE,
+        radiances.iter().flat_map(|l| l.to_array()).collect(),
+    )
 }
 
 fn hits(
@@ -187,10 +240,10 @@ fn hits(
     let rays = points::read_rays(path)?;
     let tracer = build(scene, prepared, report)?;
     let clock = Clock::start();
-    let found = session.with_progress(|p| trace(&tracer, &rays, p))?;
+    let first_hits = session.with_progress(|p| trace(&tracer, &rays, p))?;
     let wall = clock.wall();
     spent("tracing", "trace", clock, report);
-    let met = found.iter().filter(|h| h.is_hit()).count();
+    let met = first_hits.iter().filter(|h| h.is_hit()).count();
     let rate = rays.len() as f64 / wall.max(1e-9);
     let words = format!(
         "{}, {} hits, {} million rays per second",
@@ -204,7 +257,7 @@ fn hits(
     let row = |hit: &KernelHit| hit_row(scene, &tracer, hit);
     Ok(ProbeResults {
         columns: HIT,
-        values: found.iter().flat_map(row).collect(),
+        values: first_hits.iter().flat_map(row).collect(),
     })
 }
 

@@ -1,6 +1,5 @@
 //! What all commands share: general options, progress, warnings and output of the summary.
 
-use super::args::CommonArgs;
 use super::clock::{self, Clock};
 use super::failure::Failure;
 use super::interrupt::{self, BlockEnd};
@@ -10,12 +9,29 @@ use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
 use azulejo_trace::{Measured, Progress};
+use clap::Args;
 use serde_json::{Value, json};
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// Options of every command.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "General")]
+pub struct CommonArgs {
+    /// Print one JSON object on standard output instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print errors only: no progress, warnings or summary
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Number of threads [default: one per processor core]
+    #[arg(long, global = true, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
 
 /// One run of one command.
 #[derive(Debug)]
@@ -42,7 +58,7 @@ pub struct SessionSetup {
     pub is_silent: bool,
     /// The progress of the work.
     pub progress: Arc<Progress>,
-    /// How it ends behind a block that is kept.
+    /// How it ends after a block that is stored.
     pub block_end: Arc<BlockEnd>,
     /// Threads, if the command line does not say.
     pub threads: Option<usize>,
@@ -203,7 +219,7 @@ impl Session {
         self.memory
     }
 
-    /// How the work ends behind a block that is kept.
+    /// How the work ends after a block that is stored.
     pub fn block_end(&self) -> Arc<BlockEnd> {
         Arc::clone(&self.block_end)
     }

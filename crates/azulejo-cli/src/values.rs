@@ -1,6 +1,5 @@
 //! Parsers of option values: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
-use super::surroundings::args::instant;
 use azulejo_formats::Lod;
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
@@ -141,6 +140,27 @@ pub enum TimeArg {
     Limit(Duration),
     /// When the sun stands where it stands.
     Instant(Timestamp),
+}
+
+/// An instant with its offset: `2025-06-21T14:00+02:00` or `...T12:00Z`; `None` if the text does
+/// not begin as one.
+pub fn instant(text: &str) -> Option<Result<Timestamp, String>> {
+    let mut parts = text.splitn(3, '-');
+    let is_date = parts
+        .next()
+        .is_some_and(|year| year.len() == 4 && year.bytes().all(|b| b.is_ascii_digit()))
+        && parts.next().is_some();
+    is_date.then(|| {
+        text.parse().map_err(|e| {
+            let local: Result<jiff::civil::DateTime, _> = text.parse();
+            match local {
+                Ok(_) => format!(
+                    "\"{text}\" says no offset from UTC: write {text}+02:00, {text}-05:00 or {text}Z"
+                ),
+                Err(_) => format!("\"{text}\": {e}; expected as in 2025-06-21T14:00+02:00"),
+            }
+        })
+    })
 }
 
 /// A length of time, or an instant with its offset from UTC: `60s`, `2025-06-21T14:00+02:00`.

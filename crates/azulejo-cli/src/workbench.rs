@@ -2,12 +2,39 @@
 //!
 //! It depends on hundreds of crates for its window, so it is a program of its own.
 
-use super::args::WorkbenchArgs;
 use super::failure::Failure;
+use clap::{Args, ValueHint};
 use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// `view`
+#[derive(Debug, Args)]
+pub struct WorkbenchArgs {
+    /// Models to open
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+    /// Run a script of steps, one per line
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub script: Option<PathBuf>,
+    /// Write a screenshot (PNG) once all is loaded and the script has run, and exit
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub screenshot: Option<PathBuf>,
+    /// Neither read nor write preferences and recovery files
+    #[arg(long)]
+    pub no_preferences: bool,
+}
+
+/// Examples below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo view room.3ds lamp.glb
+  azulejo view --script steps.txt --screenshot out.png
+
+The workbench is a separate program, azulejo-workbench, next to this one or on the PATH. To build it
+from azulejo's source:
+  cargo build --release -p azulejo-workbench";
 
 /// Its name, without the extension of programs.
 const PROGRAM: &str = "azulejo-workbench";

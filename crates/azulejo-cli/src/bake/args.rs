@@ -1,6 +1,7 @@
 //! Options of `bake`.
 
-use crate::args::{FirstPassArgs, InputArgs};
+use crate::first_pass::FirstPassArgs;
+use crate::input::InputArgs;
 use crate::parts::PartArgs;
 use crate::values;
 use azulejo::bake::unwrap::MOST_SIZE;

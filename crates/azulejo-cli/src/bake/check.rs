@@ -22,20 +22,20 @@ use std::path::Path;
 /// Size of pages where neither a picture nor an option says it.
 const SIZE: u32 = 1024;
 
-/// Difference along seams from which on it is said, as a share of the mean.
+/// Difference along seams above which it is reported, as a share of the mean.
 const SEAM_LIMIT: f64 = 0.01;
 
 /// Difference of a texel from which on it is counted, as a share of its value.
 const OFF: f64 = 0.01;
 
-/// Error of the picture in the file from which on it is said, as a share of the mean.
+/// Error of the picture in the file above which it is reported, as a share of the mean.
 const PICTURE_LIMIT: f64 = 0.02;
 
 /// A file with what was found of its lightmap.
 struct CheckedFile {
     receivers: Vec<Receiver>,
     layout: Layout,
-    found: FoundLightmap,
+    lightmap: FoundLightmap,
     /// Decoded pictures, if there are any.
     pictures: Option<Vec<Image>>,
 }
@@ -53,11 +53,11 @@ pub fn run(
         gap: 2.0,
         crease: args.texels.crease,
     };
-    let found = session.with_progress(|_| check(&file.receivers, &file.layout, &options));
+    let atlas = session.with_progress(|_| check(&file.receivers, &file.layout, &options));
     let mut report = Report::default();
     describe(&file, &mut report);
-    let mut rows = atlas_rows(&found, &options);
-    if !found.is_complete {
+    let mut rows = atlas_rows(&atlas, &options);
+    if !atlas.is_complete {
         session.note("too many triangles overlap to compare all pairs");
         report.value("complete", false);
     }
@@ -74,14 +74,14 @@ fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFi
     let file = read_file(&args.input.reading, path)?;
     let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
     let (loaded, origins) = read.map_err(Failure::failed)?;
-    let found = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);
-    let found = found.map_err(Failure::failed)?;
+    let lightmap = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);
+    let lightmap = lightmap.map_err(Failure::failed)?;
     let instances = origins.iter().filter(|o| o.instance.is_some()).count();
     if instances > 0 {
         session.note("instances by EXT_mesh_gpu_instancing share one mesh: not checked");
     }
     let is_checked = |number: usize| origins[number].instance.is_none();
-    let (receivers, coordinates) = receivers(&loaded.scene, &found, is_checked);
+    let (receivers, coordinates) = receivers(&loaded.scene, &lightmap, is_checked);
     if receivers.is_empty() {
         let set = args.files.uv_set.unwrap_or(1);
         return Err(Failure::failed(format_args!(
@@ -89,12 +89,12 @@ fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFi
             path.display()
         )));
     }
-    let pictures = pictures(&found, session)?;
+    let pictures = pictures(&lightmap, session)?;
     let size = |number: usize| match pictures.as_ref().map(|list: &Vec<Image>| &list[number]) {
         Some(image) if args.texels.size.is_none() => [image.width, image.height],
         _ => [args.texels.size.unwrap_or(SIZE); 2],
     };
-    let sizes = (0..found.pages.len()).map(size).collect();
+    let sizes = (0..lightmap.pages.len()).map(size).collect();
     // Light changes where something stands on a surface: charts that end there have no seam.
     let tracer = Tracer::new(&loaded.scene);
     let crease = args.texels.crease;
@@ -102,7 +102,7 @@ fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFi
     Ok(CheckedFile {
         receivers,
         layout,
-        found,
+        lightmap,
         pictures,
     })
 }
@@ -110,10 +110,10 @@ fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFi
 /// Receivers with the coordinates that the file has for them.
 pub fn receivers(
     scene: &Scene,
-    found: &FoundLightmap,
+    lightmap: &FoundLightmap,
     is_wanted: impl Fn(usize) -> bool,
 ) -> (Vec<Receiver>, Vec<ReceiverLayout>) {
-    let objects = scene.objects.iter().zip(&found.objects).enumerate();
+    let objects = scene.objects.iter().zip(&lightmap.objects).enumerate();
     let of_object = |(number, (object, layout)): (usize, (_, &Option<patch::ObjectLayout>))| {
         let layout = layout.as_ref().filter(|_| is_wanted(number))?;
         let receiver = Receiver::of_object(object)?;
@@ -130,9 +130,12 @@ pub fn receivers(
 }
 
 /// The pictures of all pages; none if the file names none, or one cannot be read.
-fn pictures(found: &FoundLightmap, session: &mut Session) -> Result<Option<Vec<Image>>, Failure> {
+fn pictures(
+    lightmap: &FoundLightmap,
+    session: &mut Session,
+) -> Result<Option<Vec<Image>>, Failure> {
     let mut list = Vec::new();
-    for page in &found.pages {
+    for page in &lightmap.pages {
         let image = match &page.picture {
             Ok(None) => return Ok(None),
             Ok(Some(bytes)) => picture::decode(bytes).map_err(|e| e.to_string()),
@@ -157,9 +160,9 @@ fn describe(file: &CheckedFile, report: &mut Report) {
         "{} triangles of {} objects, TEXCOORD_{}",
         count(triangles),
         count(file.receivers.len()),
-        file.found.set
+        file.lightmap.set
     );
-    report.fact("uv_set", file.found.set, "coordinates", words);
+    report.fact("uv_set", file.lightmap.set, "coordinates", words);
     report.value("triangles", triangles);
     let sizes: Vec<String> = file
         .layout
@@ -167,7 +170,7 @@ fn describe(file: &CheckedFile, report: &mut Report) {
         .iter()
         .map(|[width, height]| format!("{width} × {height}"))
         .collect();
-    let kind = match (&file.pictures, file.found.is_named) {
+    let kind = match (&file.pictures, file.lightmap.is_named) {
         (Some(_), _) => "",
         (None, true) => ", pictures not read",
         (None, false) => ", no lightmap",
@@ -198,7 +201,7 @@ fn picture_rows(args: &BakeArgs, file: &CheckedFile) -> Result<Vec<TestRow>, Fai
         };
     };
     let mut rows = Vec::new();
-    let intensities = file.found.pages.iter().map(|p| p.intensity as f32);
+    let intensities = file.lightmap.pages.iter().map(|p| p.intensity as f32);
     let pages: Vec<LightmapPage> = pictures
         .iter()
         .zip(intensities)

@@ -11,7 +11,7 @@ use azulejo::bake::{Layout, Receiver, ReceiverLayout, Resolution, UnwrapOptions,
 use azulejo::lightmap::Coordinates;
 use azulejo_formats::gltf::patch::{self, LightmapUvs, NO_PAGE};
 
-/// The set of texture coordinates of a lightmap, where nothing is said.
+/// The set of texture coordinates of a lightmap, by default.
 const USUAL_SET: u32 = 1;
 
 /// Where the coordinates of a lightmap come from, and where they are written.
@@ -130,15 +130,16 @@ fn given(
         None if named.is_named => named.set,
         None => USUAL_SET,
     };
-    let found = patch::coordinates(&file, &source.origins, set).map_err(Failure::failed)?;
+    let file_coordinates =
+        patch::coordinates(&file, &source.origins, set).map_err(Failure::failed)?;
     let (mut receivers, mut of_objects) = (Vec::new(), Vec::new());
     for (&object, &origin) in source.receivers.iter().zip(&source.origin_of) {
         let object = &source.scene.objects[object as usize];
         let lacks = || NoCoordinates {
             text: format!("object \"{}\" has no TEXCOORD_{set}", object.name),
-            is_partial: found.objects.iter().any(Option::is_some),
+            is_partial: file_coordinates.objects.iter().any(Option::is_some),
         };
-        let layout = found.objects[origin].as_ref();
+        let layout = file_coordinates.objects[origin].as_ref();
         let whole = layout.filter(|l| l.pages.iter().all(|p| *p != NO_PAGE));
         let receiver = Receiver::of_object(object);
         let (Some(layout), Some(receiver)) = (whole, receiver) else {
@@ -169,7 +170,7 @@ fn page_size(given: &GivenCoordinates, charts: &UnwrapOptions) -> u32 {
     let area: f64 = given.receivers.iter().map(Receiver::area).sum();
     let size = match charts.resolution {
         Resolution::Fill => return charts.size,
-        Resolution::PerUnit(wanted) => wanted / density,
+        Resolution::PerUnit(texels) => texels / density,
         Resolution::Texels(texels) => (texels / area).sqrt() / density,
     };
     let most = f64::from(charts.size.min(MOST_SIZE));
@@ -193,11 +194,11 @@ impl GivenCoordinates {
             ..CheckOptions::default()
         };
         let layout = self.layout(&[size; 2], charts.crease);
-        let found = check(&self.receivers, &layout, &options);
-        if !found.is_complete {
+        let atlas = check(&self.receivers, &layout, &options);
+        if !atlas.is_complete {
             return Some("too many triangles overlap".to_owned());
         }
-        unfit(&found, &options).map(|row| self.words(&row))
+        unfit(&atlas, &options).map(|row| self.words(&row))
     }
 
     fn words(&self, row: &TestRow) -> String {
@@ -223,8 +224,8 @@ impl GivenCoordinates {
                 charts.crease,
                 None,
             );
-            let found: AtlasCheck = check(receiver, &layout, &options);
-            found.is_complete && unfit(&found, &options).is_none()
+            let atlas: AtlasCheck = check(receiver, &layout, &options);
+            atlas.is_complete && unfit(&atlas, &options).is_none()
         };
         self.receivers.iter().zip(&self.of_objects).all(is_fit)
     }

@@ -71,17 +71,17 @@ pub fn run(args: &BakeArgs, runner: Runner, session: &mut Session) -> Result<Rep
 /// Says that the requested error is not reached, and what would.
 fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
     let error = baked.lightmap.relative_error();
-    let Some(asked) = args
+    let Some(requested) = args
         .first_pass
         .error
-        .filter(|asked| error > TOLERATED * asked)
+        .filter(|requested| error > TOLERATED * requested)
     else {
         return;
     };
     let between = baked.between_texels / baked.lightmap.mean().mean();
     let why = if session.progress().out_of_time() {
         "there was no time for more".to_owned()
-    } else if between > asked {
+    } else if between > requested {
         format!(
             "light changes abruptly between texels, which makes {} of it: more texels reduce that",
             words::percent(between)
@@ -92,7 +92,7 @@ fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
     session.note(&format!(
         "the error is {}, not {}: {why}",
         words::percent(error),
-        words::percent(asked)
+        words::percent(requested)
     ));
 }
 

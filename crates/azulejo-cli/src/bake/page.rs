@@ -78,7 +78,7 @@ fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
         return scene.cameras.iter().cloned().map(moved).collect();
     }
     let first = camera::first_look(scene, ASPECT);
-    if first == camera::of_all(scene, ASPECT) {
+    if first == camera::overview(scene, ASPECT) {
         return Vec::new();
     }
     vec![moved(Camera {

@@ -15,7 +15,7 @@ use azulejo_scene::Image;
 /// Part of the largest irradiance below which 8 bits are coarser than a hundredth.
 const DIM: f64 = 0.1;
 
-/// Share of the area below it from which on that is said.
+/// Largest share of the area below it that is not reported.
 const MUCH_DIM: f64 = 0.2;
 
 /// The pictures of a lightmap in a file.

@@ -1,7 +1,7 @@
-//! What is said of a lightmap.
+//! The report of a lightmap.
 
-use crate::args::FirstPassArgs;
 use crate::failure::Failure;
+use crate::first_pass::FirstPassArgs;
 use crate::report::{Report, count, number, percent, short};
 use azulejo::bake::QuarterLight;
 use azulejo::lightmap::Baked;
@@ -13,7 +13,7 @@ const DARK: f64 = 1e-2;
 /// Difference between texels and patches up to which either may be inexact.
 const LEAST_DIFFERENCE: f64 = 0.05;
 
-/// Share of the area with sides that differ from which on that is said.
+/// Largest share of the area with sides that differ that is not reported.
 const FEW_SIDES: f64 = 0.005;
 
 /// Adds what was baked, and its error.
@@ -89,14 +89,14 @@ pub fn describe(
         format!("{} {unit}", short(mean.mean())),
     );
     let error = baked.lightmap.relative_error();
-    let asked = args.error.map_or(String::new(), |asked| {
-        format!(", {} asked for", percent(asked))
+    let request = args.error.map_or(String::new(), |requested| {
+        format!(", {} requested", percent(requested))
     });
     report.fact(
         "error",
         number(error),
         "estimated error",
-        format!("{} of the {}{asked}", percent(error), mean_name),
+        format!("{} of the {}{request}", percent(error), mean_name),
     );
     if is_light {
         let between = baked.between_texels / mean.mean();

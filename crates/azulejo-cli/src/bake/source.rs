@@ -1,9 +1,9 @@
 //! What is baked: a glTF file that stays as it is, or models that become one.
 
 use super::args::{BakeArgs, DoubleSidedArg};
-use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::input;
+use crate::input::ReadingArgs;
 use crate::session::Session;
 use azulejo::lightmap::SourceFile;
 use azulejo::models::read_bytes;

@@ -69,7 +69,7 @@ pub struct TestRow {
 }
 
 /// Whether coordinates can be kept for a lightmap; the test that they fail.
-pub fn unfit(found: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
+pub fn unfit(atlas: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
     const NEEDED: [&str; 6] = [
         "outside",
         "overlaps",
@@ -78,7 +78,7 @@ pub fn unfit(found: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
         "collapsed",
         "density_spread",
     ];
-    let rows = atlas_rows(found, options).into_iter();
+    let rows = atlas_rows(atlas, options).into_iter();
     let is_needed = |row: &TestRow| NEEDED.contains(&row.key) && row.grade != Grade::Good;
     let mut failed: Vec<TestRow> = rows.filter(is_needed).collect();
     // What shows comes first.
@@ -87,7 +87,7 @@ pub fn unfit(found: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
 }
 
 /// All tests of an atlas.
-pub fn atlas_rows(found: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
+pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
     let defect_if = |finding: &Finding| match finding.count {
         0 => Grade::Good,
         _ => Grade::Defect,
@@ -105,9 +105,9 @@ pub fn atlas_rows(found: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
         grade,
         worst: of.worst.filter(|_| of.count > 0),
     };
-    let near = match found.near.count {
+    let near = match atlas.near.count {
         0 => Grade::Good,
-        _ if found.near.amount < SHARED => Grade::Defect,
+        _ if atlas.near.amount < SHARED => Grade::Defect,
         _ => Grade::Poor,
     };
     let up_to = |share: f64| format!(", up to {}", percent(share));
@@ -116,65 +116,65 @@ pub fn atlas_rows(found: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
         row(
             "outside",
             "coordinates outside of 0..1",
-            &found.outside,
-            format!(", by {}", short(found.outside.amount)),
+            &atlas.outside,
+            format!(", by {}", short(atlas.outside.amount)),
             "0",
-            defect_if(&found.outside),
+            defect_if(&atlas.outside),
         ),
         row(
             "overlaps",
             "overlapping triangles",
-            &found.overlaps,
-            up_to(found.overlaps.amount),
+            &atlas.overlaps,
+            up_to(atlas.overlaps.amount),
             "0",
-            defect_if(&found.overlaps),
+            defect_if(&atlas.overlaps),
         ),
         row(
             "near_charts",
             "charts near others",
-            &found.near,
-            format!(", {} texels apart", short(found.near.amount)),
+            &atlas.near,
+            format!(", {} texels apart", short(atlas.near.amount)),
             &format!("{} texels", short(options.gap)),
             near,
         ),
         row(
             "mirrored",
             "mirrored triangles",
-            &found.mirrored,
-            of_area(found.mirrored_share),
+            &atlas.mirrored,
+            of_area(atlas.mirrored_share),
             "0.0001%",
-            Grade::poor_if(found.mirrored_share > LEAST_AREA),
+            Grade::poor_if(atlas.mirrored_share > LEAST_AREA),
         ),
         row(
             "collapsed",
             "triangles without texel",
-            &found.collapsed,
-            of_area(found.collapsed_share),
+            &atlas.collapsed,
+            of_area(atlas.collapsed_share),
             "0.0001%",
-            Grade::poor_if(found.collapsed_share > LEAST_AREA),
+            Grade::poor_if(atlas.collapsed_share > LEAST_AREA),
         ),
         row(
             "creases",
             "creases inside of charts",
-            &found.creases,
-            format!(", up to {}°", short(found.creases.amount.round())),
+            &atlas.creases,
+            format!(", up to {}°", short(atlas.creases.amount.round())),
             &format!("{}°", short(options.crease)),
-            Grade::poor_if(found.creases.count > 0),
+            Grade::poor_if(atlas.creases.count > 0),
         ),
         row(
             "thin_charts",
             "charts under half a texel",
-            &found.thin,
+            &atlas.thin,
             String::new(),
             "0",
-            Grade::poor_if(found.thin.count > 0),
+            Grade::poor_if(atlas.thin.count > 0),
         ),
     ];
-    rows.extend(quality_rows(found));
+    rows.extend(quality_rows(atlas));
     rows
 }
 
-fn quality_rows(found: &AtlasCheck) -> Vec<TestRow> {
+fn quality_rows(atlas: &AtlasCheck) -> Vec<TestRow> {
     let row = |key, name, words: String, value, limit: String, is_poor| TestRow {
         key,
         name,
@@ -185,9 +185,9 @@ fn quality_rows(found: &AtlasCheck) -> Vec<TestRow> {
         grade: Grade::poor_if(is_poor),
         worst: None,
     };
-    let spread = found.density_spread();
-    let least = COVERED[usize::from(found.charts >= FEW_CHARTS)];
-    let most = &found.most_stretch;
+    let spread = atlas.density_spread();
+    let least = COVERED[usize::from(atlas.charts >= FEW_CHARTS)];
+    let most = &atlas.most_stretch;
     vec![
         row(
             "density_spread",
@@ -200,10 +200,10 @@ fn quality_rows(found: &AtlasCheck) -> Vec<TestRow> {
         row(
             "stretch",
             "stretch, mean",
-            short(found.stretch),
-            found.stretch,
+            short(atlas.stretch),
+            atlas.stretch,
             short(STRETCH[0]),
-            found.stretch > STRETCH[0],
+            atlas.stretch > STRETCH[0],
         ),
         TestRow {
             worst: most.worst,
@@ -220,16 +220,16 @@ fn quality_rows(found: &AtlasCheck) -> Vec<TestRow> {
         row(
             "covered",
             "covered share of pages",
-            percent(found.covered),
-            found.covered,
+            percent(atlas.covered),
+            atlas.covered,
             percent(least),
-            found.covered < least,
+            atlas.covered < least,
         ),
         row(
             "below_texel",
             "triangles under a texel",
-            format!("{} of the area", percent(found.below_texel)),
-            found.below_texel,
+            format!("{} of the area", percent(atlas.below_texel)),
+            atlas.below_texel,
             String::new(),
             false,
         ),

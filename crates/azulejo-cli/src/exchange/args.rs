@@ -1,7 +1,7 @@
 //! Arguments of `exchange`.
 
-use crate::args::InputArgs;
 use crate::form_factors::args::ComputationArgs;
+use crate::input::InputArgs;
 use crate::values;
 use azulejo_exchange::GroupBy;
 use clap::{Args, ValueEnum, ValueHint};

@@ -25,9 +25,9 @@ pub fn run(args: &ExchangeArgs, session: &mut Session) -> Result<Report, Failure
     let outputs = outputs(args)?;
     session.claim_stdout(outputs.iter().any(|(output, _)| output.is_stdout()))?;
     let materials = MaterialTable::read(&text(&args.materials)?);
-    let materials = materials.map_err(|e| of_file(&args.materials, e))?;
+    let materials = materials.map_err(|e| in_file(&args.materials, e))?;
     let boundary = match &args.boundary {
-        Some(path) => Some(BoundaryTable::read(&text(path)?).map_err(|e| of_file(path, e))?),
+        Some(path) => Some(BoundaryTable::read(&text(path)?).map_err(|e| in_file(path, e))?),
         None => None,
     };
     refuse_formats(&outputs, &materials, boundary.is_some())?;
@@ -90,7 +90,7 @@ fn text(path: &Path) -> Result<String, Failure> {
         .map_err(|_| Failure::failed(format_args!("{}: not a text in UTF-8", path.display())))
 }
 
-fn of_file(path: &Path, error: impl std::fmt::Display) -> Failure {
+fn in_file(path: &Path, error: impl std::fmt::Display) -> Failure {
     Failure::failed(format_args!("{}: {error}", path.display()))
 }
 
@@ -104,11 +104,11 @@ fn model(
 ) -> Result<ThermalModel, Failure> {
     let first = &matrices[0].1;
     let properties = materials.of_rows(first);
-    let properties = properties.map_err(|e| of_file(&args.materials, e))?;
+    let properties = properties.map_err(|e| in_file(&args.materials, e))?;
     note_unused(&materials.unused(first), &args.materials, session);
     let mut conditions = None;
     if let (Some(table), Some(path)) = (boundary, &args.boundary) {
-        conditions = Some(table.of_rows(first).map_err(|e| of_file(path, e))?);
+        conditions = Some(table.of_rows(first).map_err(|e| in_file(path, e))?);
         note_unused(&table.unused(first), path, session);
     }
     let ranges = materials.bands.iter().map(|band| band.range);
@@ -158,7 +158,7 @@ fn describe(solution: &ThermalSolution, report: &mut Report) {
 
 fn describe_heat(solution: &ThermalSolution, heat: &HeatBalance, report: &mut Report) {
     let names = &solution.nodes.names;
-    let mut of_nodes = Vec::new();
+    let mut node_values = Vec::new();
     for (a, name) in names.iter().enumerate() {
         let (t, dt) = (heat.node_temperatures[a], heat.node_temperature_errors[a]);
         let (q, dq) = (heat.node_heat[a], heat.node_heat_errors[a]);
@@ -166,7 +166,7 @@ fn describe_heat(solution: &ThermalSolution, heat: &HeatBalance, report: &mut Re
             let words = format!("{} K, {} W", with_error(t, dt), with_error(q, dq));
             report.line(name, words);
         }
-        of_nodes.push(serde_json::json!({
+        node_values.push(serde_json::json!({
             "name": name,
             "T": number(t),
             "T_error": number(dt),
@@ -177,7 +177,7 @@ fn describe_heat(solution: &ThermalSolution, heat: &HeatBalance, report: &mut Re
     if names.len() > LISTED {
         report.line("", format!("and {} more nodes", names.len() - LISTED));
     }
-    report.value("heat", of_nodes);
+    report.value("heat", node_values);
     for (k, name) in ["sky", "ground"].into_iter().enumerate() {
         let (gain, t) = (heat.to_surroundings[k], solution.surroundings[k]);
         if gain != 0.0 {

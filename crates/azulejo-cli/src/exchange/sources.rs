@@ -1,7 +1,7 @@
 //! Where the form factors of `exchange` come from: archives, or models whose factors are computed first.
 
 use super::args::ExchangeArgs;
-use super::of_file;
+use super::in_file;
 use crate::failure::Failure;
 use crate::form_factors::stored::{is_archive, read_archive, refuse_computation};
 use crate::form_factors::{self, FactorRequest};
@@ -23,9 +23,9 @@ pub fn enclosures(
 ) -> Result<Vec<(String, Enclosure)>, Failure> {
     let scenes = &args.input.scenes;
     let archives = scenes.iter().filter(|path| is_archive(path)).count();
-    let mut found = Vec::new();
+    let mut enclosures = Vec::new();
     if archives == 0 {
-        found = computed(args, materials, session, report)?;
+        enclosures = computed(args, materials, session, report)?;
     } else if archives == scenes.len() {
         refuse_computation(&args.input, &args.computation)?;
         if args.computation.closure.is_some() {
@@ -35,17 +35,17 @@ pub fn enclosures(
         }
         for path in scenes {
             let name = path.display().to_string();
-            found.push((name, read_archive(path, args.computation.memory, session)?));
+            enclosures.push((name, read_archive(path, args.computation.memory, session)?));
         }
     } else {
         return Err(Failure::misuse(
             "models and factors (.npz) together: expected one or the other",
         ));
     }
-    for (name, enclosure) in &mut found {
+    for (name, enclosure) in &mut enclosures {
         give_back_lost(args, name, enclosure, session);
     }
-    Ok(found)
+    Ok(enclosures)
 }
 
 /// The factors of models, once for each set of mirrors.
@@ -56,11 +56,11 @@ fn computed(
     report: &mut Report,
 ) -> Result<Vec<(String, Enclosure)>, Failure> {
     let scene = form_factors::read_models(&args.input, session)?;
-    let mut found = Vec::new();
+    let mut enclosures = Vec::new();
     for band in materials.mirror_sets() {
         let mut scene = scene.clone();
         let painted = materials.paint(&mut scene, band);
-        painted.map_err(|e| of_file(&args.materials, e))?;
+        painted.map_err(|e| in_file(&args.materials, e))?;
         let request = FactorRequest {
             computation: &args.computation,
             separate: false,
@@ -69,16 +69,16 @@ fn computed(
             room: None,
         };
         let mut other = Report::default();
-        let report = if found.is_empty() {
+        let report = if enclosures.is_empty() {
             &mut *report
         } else {
             &mut other
         };
         let alone = (Runner::alone(), None);
         let computed = form_factors::enclosure(&scene, request, alone, session, report)?;
-        found.extend(computed.map(|computed| ("the scene".to_owned(), computed.value)));
+        enclosures.extend(computed.map(|computed| ("the scene".to_owned(), computed.value)));
     }
-    Ok(found)
+    Ok(enclosures)
 }
 
 /// Gives what rows lose to the sky, if that is asked for, or says how much it is.

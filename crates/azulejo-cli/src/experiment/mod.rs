@@ -14,6 +14,7 @@
 //! | `record`, `results` | results on disk |
 //! | `report` | tables and plots |
 
+pub mod args;
 mod plan;
 mod record;
 mod reference;
@@ -23,11 +24,11 @@ mod results;
 mod suite;
 mod work;
 
-use super::args::ExperimentArgs;
 use super::failure::Failure;
 use super::machine_info::MachineInfo;
 use super::report::{Report, number, seconds};
 use super::session::Session;
+use args::ExperimentArgs;
 use azulejo_trace::Progress;
 use plan::{ExperimentPlan, Task};
 use record::{TaskOutcome, TaskRecord};
@@ -138,10 +139,10 @@ impl SuiteRunner<'_> {
         progress: &Progress,
         tell: &dyn Fn(&str),
     ) -> Result<TaskCounts, Failure> {
-        let all = self.plan.len();
+        let task_count = self.plan.len();
         let mut count = TaskCounts::default();
         let mut written: Option<Instant> = None;
-        progress.begin("tasks", all);
+        progress.begin("tasks", task_count);
         for (task, number) in self.plan.tasks().zip(1..) {
             progress.advance(0)?;
             if !results.holds(&task.key()) {
@@ -158,7 +159,7 @@ impl SuiteRunner<'_> {
                     _ => (&mut count.done, took),
                 };
                 *counter += 1;
-                tell(&format!("[{number}/{all}] {task}: {words}"));
+                tell(&format!("[{number}/{task_count}] {task}: {words}"));
                 results.add(records)?;
                 if written.is_none_or(|at| at.elapsed() > UPDATE) {
                     self.write(results, progress)?;
@@ -219,13 +220,13 @@ impl SuiteRunner<'_> {
 
     fn summary(&self, results: &StoredResults, did: TaskCounts) -> Report {
         let mut report = Report::default();
-        let all = self.plan.len();
-        let before = all - did.done - did.failed - did.skipped;
-        let mut words = format!("{} of {all}", did.done);
+        let task_count = self.plan.len();
+        let before = task_count - did.done - did.failed - did.skipped;
+        let mut words = format!("{} of {task_count}", did.done);
         if before > 0 {
             words += &format!(", {before} were done before");
         }
-        report.fact("tasks", all, "tasks done", words);
+        report.fact("tasks", task_count, "tasks done", words);
         report.value("tasks_before", before);
         if did.skipped > 0 {
             let words = format!("{}, not available here: see the report", did.skipped);
@@ -292,8 +293,8 @@ fn wait_for(
         match status {
             Some(status) if status.success() => return Ok(Ok(text(stdout))),
             Some(status) => {
-                let said = text(stderr);
-                let last = said.lines().rev().find(|l| !l.trim().is_empty());
+                let messages = text(stderr);
+                let last = messages.lines().rev().find(|l| !l.trim().is_empty());
                 let reason = last.map(|l| l.trim_start_matches("error: ").to_owned());
                 return Ok(Err(reason.unwrap_or_else(|| status.to_string())));
             }

@@ -116,27 +116,25 @@ impl ExperimentPlan {
         let mut planned = Vec::new();
         for (table, choices) in suite.scene.iter().zip(scenes) {
             let is_for = |engine: &EngineTable| {
-                let wanted = |name: &Spanned<String>| name.get_ref() == table.name.get_ref();
-                engine.scenes.is_empty() || engine.scenes.iter().any(wanted)
+                let is_this = |name: &Spanned<String>| name.get_ref() == table.name.get_ref();
+                engine.scenes.is_empty() || engine.scenes.iter().any(is_this)
             };
-            let wanted = suite
-                .engine
-                .iter()
-                .zip(&settings)
-                .filter(|(e, _)| is_for(e));
-            let wanted: Vec<EngineSetting> = wanted.flat_map(|(_, s)| s.clone()).collect();
+            let engines = suite.engine.iter().zip(&settings);
+            let engines = engines.filter(|(engine, _)| is_for(engine));
+            let scene_settings: Vec<EngineSetting> =
+                engines.flat_map(|(_, settings)| settings.clone()).collect();
             planned.extend(choices.into_iter().map(|scene| PlannedScene {
                 scene,
                 reference: reference.clone(),
-                settings: wanted.clone(),
+                settings: scene_settings.clone(),
             }));
         }
         let first = suite.run.seed;
         Ok(ExperimentPlan {
             scenes: planned,
             truths: if suite.truths {
-                let all = settings.into_iter().flatten();
-                all.filter(|s| !s.is_particles()).collect()
+                let settings = settings.into_iter().flatten();
+                settings.filter(|s| !s.is_particles()).collect()
             } else {
                 Vec::new()
             },
@@ -146,12 +144,12 @@ impl ExperimentPlan {
 
     /// The tasks, in order.
     pub fn tasks(&self) -> impl Iterator<Item = Task> {
-        let of_scene = |planned| self.of_scene(planned);
+        let scene_tasks = |planned| self.scene_tasks(planned);
         let truths = self.truths.iter().cloned().map(Task::Truths);
-        self.scenes.iter().flat_map(of_scene).chain(truths)
+        self.scenes.iter().flat_map(scene_tasks).chain(truths)
     }
 
-    fn of_scene<'a>(&'a self, planned: &'a PlannedScene) -> impl Iterator<Item = Task> + 'a {
+    fn scene_tasks<'a>(&'a self, planned: &'a PlannedScene) -> impl Iterator<Item = Task> + 'a {
         let PlannedScene {
             scene,
             reference,
@@ -214,8 +212,11 @@ impl ExperimentPlan {
             scenes: Vec::new(),
             truths: self.truths.clone(),
         };
-        let of_scenes = self.scenes.iter().flat_map(|planned| one.of_scene(planned));
-        let mut tasks = of_scenes.chain(one.tasks());
+        let scene_tasks = self
+            .scenes
+            .iter()
+            .flat_map(|planned| one.scene_tasks(planned));
+        let mut tasks = scene_tasks.chain(one.tasks());
         tasks.find(|task| task.key() == key)
     }
 
@@ -425,8 +426,8 @@ fn check(args: &EngineArgs, rays: Option<u32>) -> Result<(), Failure> {
 }
 
 /// Refuses relative errors outside of 0 to 1.
-fn accuracy(asked: Option<f64>) -> Result<(), Failure> {
-    match asked {
+fn accuracy(share: Option<f64>) -> Result<(), Failure> {
+    match share {
         Some(a) if !(a > 0.0 && a <= 1.0) => Err(Failure::failed(format_args!(
             "accuracy is {a}, expected more than 0 and at most 1"
         ))),

@@ -47,8 +47,8 @@ impl ReferenceData {
             .iter()
             .flat_map(|b| [b.r, b.g, b.b])
             .collect();
-        let [rows, radiosity] = paths(folder, name);
-        for (path, values) in [(rows, triples), (radiosity, b)] {
+        let [rows_path, radiosity_path] = paths(folder, name);
+        for (path, values) in [(rows_path, triples), (radiosity_path, b)] {
             let shape = [values.len() / 3, 3];
             Output::check(&path)?.write(progress, |out| npy::write(&shape, &values, out))?;
         }
@@ -57,18 +57,18 @@ impl ReferenceData {
 
     /// Reads the files of [`write`](ReferenceData::write), with `count` rows.
     pub fn read(folder: &Path, name: &str, count: usize) -> Result<ReferenceData, Failure> {
-        let [rows, radiosity] = paths(folder, name);
-        let (triples, b) = (read_triples(&rows)?, read_triples(&radiosity)?);
+        let [rows_path, radiosity_path] = paths(folder, name);
+        let (triples, b) = (read_triples(&rows_path)?, read_triples(&radiosity_path)?);
         let indices = spread(b.len(), count);
-        let mut found = vec![SparseRow::new(); indices.len()];
+        let mut rows = vec![SparseRow::new(); indices.len()];
         for [i, j, x] in triples {
             if let Ok(k) = indices.binary_search(&(i as usize)) {
-                found[k].push((j as u32, x));
+                rows[k].push((j as u32, x));
             }
         }
         Ok(ReferenceData {
             indices,
-            rows: found,
+            rows,
             radiosity: b.into_iter().map(|[r, g, b]| Rgb::new(r, g, b)).collect(),
         })
     }

@@ -31,7 +31,7 @@ pub fn run(
         task: task.to_string(),
         reason,
     };
-    let found = match task {
+    let outcomes = match task {
         _ if missing.is_some() => missing.into_iter().map(skipped).collect(),
         Task::Reference(scene, setting, rows) => {
             let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
@@ -69,7 +69,7 @@ pub fn run(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         outcome,
     };
-    Ok(found.into_iter().map(record).collect())
+    Ok(outcomes.into_iter().map(record).collect())
 }
 
 /// A seed that no run has by accident: runs must not share the noise of the reference.
@@ -222,13 +222,13 @@ fn particles(
     };
     let clock = Clock::start();
     let tracer = prepared.tracer(&scene)?;
-    let found = radiosity(&scene, &tracer, &pass, progress).map_err(Failure::failed)?;
+    let solution = radiosity(&scene, &tracer, &pass, progress).map_err(Failure::failed)?;
     let (wall, cpu, peak_bytes) = (clock.wall(), clock.cpu(), peak_memory());
-    let fronts: Vec<Rgb> = found.sides.iter().step_by(2).map(|e| e.value).collect();
+    let fronts: Vec<Rgb> = solution.sides.iter().step_by(2).map(|e| e.value).collect();
     let errors = reference.map(|r| metrics::radiosity_errors(&fronts, &r.radiosity));
     let errors = errors.filter(|errors| !errors.is_empty());
     let errors = errors.map(|errors| metrics::mean_and_largest(&errors));
-    let (report, facets) = (&found.report, found.patches.len());
+    let (report, facets) = (&solution.report, solution.patches.len());
     let balance = &report.balance;
     Ok(RunRecord {
         scene: choice.to_string(),
@@ -280,13 +280,13 @@ const TRUTH_RAYS: usize = 1 << 19;
 
 fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<TaskOutcome>, Failure> {
     let prepared = setting.args.prepare()?;
-    let mut found = Vec::new();
+    let mut outcomes = Vec::new();
     for case in cases() {
-        found.push(TaskOutcome::Truth(answered(
+        outcomes.push(TaskOutcome::Truth(answered(
             &case, setting, &prepared, progress,
         )?));
     }
-    Ok(found)
+    Ok(outcomes)
 }
 
 fn answered(

@@ -1,7 +1,8 @@
 //! Arguments of `form-factors`.
 
-use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
+use crate::first_pass::DivisionArgs;
+use crate::input::InputArgs;
 use crate::parts::PartArgs;
 use crate::values;
 use azulejo::periods::Periods;

@@ -42,31 +42,31 @@ pub fn run(
         tolerance,
         keep_sums: true,
     };
-    let found = session.with_progress(|p| StatedFactors::of(&prepared, &options, p));
-    let found = found.map_err(|e| match e {
+    let stated_factors = session.with_progress(|p| StatedFactors::of(&prepared, &options, p));
+    let stated_factors = stated_factors.map_err(|e| match e {
         CompressionError::Factors(e) => pass::failure(e),
         other => Failure::failed(other),
     })?;
-    if found.stated.rows > 0 && args.computation.closure.is_some() {
+    if stated_factors.stated.rows > 0 && args.computation.closure.is_some() {
         session.note(
             "--closure has no effect: by rays, rows and columns are scaled until rows have the sums that their \
              own rays found",
         );
     }
-    let mut found = BlockArchive::of(&prepared, &scene, found, tolerance);
-    let factors = &found.enclosure.factors;
-    found.enclosure.outside = outside::irradiance(&prepared, &scene, factors, session)?;
+    let mut blocks = BlockArchive::of(&prepared, &scene, stated_factors, tolerance);
+    let factors = &blocks.enclosure.factors;
+    blocks.enclosure.outside = outside::irradiance(&prepared, &scene, factors, session)?;
     if !setup.options.two_sided {
-        facing::advise(&scene, &setup.tracer, &found.enclosure, session)?;
+        facing::advise(&scene, &setup.tracer, &blocks.enclosure, session)?;
     }
     let mut draft = output.draft()?;
-    archive::write_blocks(&found, &mut draft).map_err(|e| output.error(e))?;
+    archive::write_blocks(&blocks, &mut draft).map_err(|e| output.error(e))?;
     commit(vec![draft], session.progress())?;
     let mut report = Report::default();
-    let used = &found.enclosure.factors.engine_used;
+    let used = &blocks.enclosure.factors.engine_used;
     setup.engine.describe(used, &mut report);
-    describe(&found, &mut report);
-    outside::describe(&found.enclosure, &mut report);
+    describe(&blocks, &mut report);
+    outside::describe(&blocks.enclosure, &mut report);
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
@@ -123,14 +123,18 @@ fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
 }
 
 /// Adds size and errors.
-pub fn describe(found: &BlockArchive, report: &mut Report) {
-    let (factors, n) = (&*found.factors, found.factors.len());
+pub fn describe(archive: &BlockArchive, report: &mut Report) {
+    let (factors, n) = (&*archive.factors, archive.factors.len());
     report.fact("patches", n, "patches", count(n));
-    let (bytes, whole) = (factors.bytes() as u64, found.whole_bytes);
+    let (bytes, whole) = (factors.bytes() as u64, archive.whole_bytes);
     let mut words = format!("{} in blocks", crate::report::bytes(bytes));
     if whole > 0 {
         let share = percent(bytes as f64 / whole as f64);
-        let about = if found.stated.rows > 0 { "about " } else { "" };
+        let about = if archive.stated.rows > 0 {
+            "about "
+        } else {
+            ""
+        };
         words += &format!(
             ", {share} of {about}{} of the whole matrix",
             crate::report::bytes(whole)
@@ -144,19 +148,19 @@ pub fn describe(found: &BlockArchive, report: &mut Report) {
         count(sparse),
         count(dense),
         count(low),
-        found.tolerance
+        archive.tolerance
     );
     let blocks = json!({ "sparse": sparse, "dense": dense, "low_rank": low });
     report.fact("blocks", blocks, "blocks", words);
-    report.value("tolerance", number(found.tolerance));
+    report.value("tolerance", number(archive.tolerance));
     report.fact("rays", factors.rays, "rays", count(factors.rays));
-    summary::describe_sums(&found.enclosure, report);
-    stated(found, report);
+    summary::describe_sums(&archive.enclosure, report);
+    stated(archive, report);
 }
 
 /// The errors, and what they are against.
-fn stated(found: &BlockArchive, report: &mut Report) {
-    let stated = found.stated;
+fn stated(archive: &BlockArchive, report: &mut Report) {
+    let stated = archive.stated;
     let against = match stated.rows {
         0 => "against the whole matrix".to_owned(),
         rows => format!("by {} rows traced again", count(rows)),

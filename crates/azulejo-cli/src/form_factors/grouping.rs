@@ -17,11 +17,11 @@ pub fn grouped(
         let groups = enclosure.groups(by.into());
         return Ok(session.with_progress(|p| enclosure.gathered(&groups, p))?);
     }
-    let Some(wanted) = args.matrix.cluster else {
+    let Some(cluster_count) = args.matrix.cluster else {
         return Ok(enclosure);
     };
     let options = ClusterOptions {
-        count: wanted as usize,
+        count: cluster_count as usize,
         angle: args.matrix.cluster_angle.to_radians(),
         whole_faces: destination::wants_whole_faces(args),
     };
@@ -30,7 +30,7 @@ pub fn grouped(
     let left = clusters.names.len();
     if left > options.count {
         session.note(&format!(
-            "--cluster {wanted}: {} rows are left: objects, sides, materials, parts that do not touch and \
+            "--cluster {cluster_count}: {} rows are left: objects, sides, materials, parts that do not touch and \
              bends beyond {}° stay apart, and no cluster closes a ring",
             count(left),
             args.matrix.cluster_angle

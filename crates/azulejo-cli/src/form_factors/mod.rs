@@ -10,10 +10,10 @@ pub mod stored;
 pub mod summary;
 mod view3d;
 
-use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
+use super::input::InputArgs;
 use super::report::{Report, bytes, count};
 use super::runner::{Completed, DividedWork, Runner, Sharing, WorkKey};
 use super::session::Session;

@@ -16,17 +16,17 @@ pub fn irradiance(
     factors: &FormFactors,
     session: &mut Session,
 ) -> Result<Option<Vec<OutsideLight>>, Failure> {
-    let found = session.with_progress(|p| OutsideLight::of_rows(plan, scene, factors, p));
-    found.map_err(pass::failure)
+    let light = session.with_progress(|p| OutsideLight::of_rows(plan, scene, factors, p));
+    light.map_err(pass::failure)
 }
 
 /// Adds the mean over all rows to the report.
 pub fn describe(enclosure: &Enclosure, report: &mut Report) {
-    let all = Groups {
+    let one_group = Groups {
         of_rows: vec![Some(0); enclosure.len()],
         names: vec![String::new()],
     };
-    let Some(mean) = enclosure.mean_outside(&all) else {
+    let Some(mean) = enclosure.mean_outside(&one_group) else {
         return;
     };
     let (value, error) = (mean[0].irradiance.mean(), mean[0].error.mean());

@@ -2,9 +2,9 @@
 
 use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
 use super::grouping;
-use crate::args::InputArgs;
 use crate::engine::EngineName;
 use crate::failure::Failure;
+use crate::input::InputArgs;
 use crate::pass;
 use crate::report::percent;
 use crate::session::Session;

@@ -154,8 +154,8 @@ impl View3dInput {
         given: &ComputationArgs,
     ) -> FormFactorOptions {
         // The error of a row falls as rays^-0.6.
-        let wanted = RAYS * (1e-4 / self.controls.eps).powf(1.0 / 0.6);
-        let wanted = wanted.clamp(4_096.0, f64::from(1 << 18)) as u32;
+        let needed_rays = RAYS * (1e-4 / self.controls.eps).powf(1.0 / 0.6);
+        let needed_rays = needed_rays.clamp(4_096.0, f64::from(1 << 18)) as u32;
         FormFactorOptions {
             engine: match options.engine {
                 Engine::Auto => Engine::Analytic,
@@ -167,7 +167,7 @@ impl View3dInput {
                 Closure::Always => Closure::Always,
                 _ => Closure::Never,
             },
-            rays: given.rays.unwrap_or(wanted),
+            rays: given.rays.unwrap_or(needed_rays),
             // Small files are computed to rounding errors, because that is fast enough.
             accuracy: given
                 .tolerance

@@ -1,6 +1,6 @@
 //! The options of `grf`.
 
-use super::super::args::ReadingArgs;
+use super::super::input::ReadingArgs;
 use clap::{Args, Subcommand, ValueHint};
 use std::path::PathBuf;
 

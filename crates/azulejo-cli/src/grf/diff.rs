@@ -1,8 +1,8 @@
 //! `grf diff`: what two scenes contain, compared.
 
-use super::super::args::{InputArgs, ReadingArgs};
 use super::super::failure::Failure;
 use super::super::input;
+use super::super::input::{InputArgs, ReadingArgs};
 use super::super::report::{Report, count, number, percent, short};
 use super::super::session::Session;
 use super::super::surroundings::args::SurroundingsArgs;
@@ -33,13 +33,13 @@ pub fn run(
         input::read_all(&input, session)
     };
     let (one, other) = (read(&args.one)?, read(&args.other)?);
-    let mut found = Differences::default();
-    found.whole(&one, &other);
+    let mut differences = Differences::default();
+    differences.whole(&one, &other);
     let size = one.bounds().diagonal().max(other.bounds().diagonal());
     let size = if size.is_finite() { size } else { 1.0 };
-    found.objects(&one, &other, args.tolerance * size);
-    let report = found.report();
-    let is_equal = found.lines.is_empty();
+    differences.objects(&one, &other, args.tolerance * size);
+    let report = differences.report();
+    let is_equal = differences.lines.is_empty();
     Ok((
         report,
         if is_equal {

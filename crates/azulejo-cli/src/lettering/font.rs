@@ -95,8 +95,8 @@ pub fn converted(
 /// Number of names listed in a warning.
 const SHOWN: usize = 20;
 
-fn characters(wanted: &Characters, typeface: &Typeface) -> Vec<char> {
-    match wanted {
+fn characters(characters: &Characters, typeface: &Typeface) -> Vec<char> {
+    match characters {
         Characters::All => typeface.characters(),
         Characters::Ranges(ranges) => {
             let codes = ranges.iter().flat_map(|&(first, last)| first..=last);

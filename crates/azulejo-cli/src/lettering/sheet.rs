@@ -71,12 +71,13 @@ impl SheetLayout {
     fn new(font: &Font, encoding: &Encoding, em: f64) -> Result<SheetLayout, Failure> {
         let boxes = font.glyphs.values().map(|g| g.figure.bounds());
         let inked = boxes.filter(|b| b.min.x <= b.max.x);
-        let all = inked.reduce(|a, b| a.union(b));
-        let all = all.ok_or_else(|| Failure::failed("no glyph of the font has an outline"))?;
+        let bounds = inked.reduce(|a, b| a.union(b));
+        let bounds =
+            bounds.ok_or_else(|| Failure::failed("no glyph of the font has an outline"))?;
         let margin = 0.12 * em;
         let cell = [
-            em * all.size().x + 2.0 * margin,
-            em * (all.size().y + 1.8 * NAME_SIZE) + 2.0 * margin,
+            em * bounds.size().x + 2.0 * margin,
+            em * (bounds.size().y + 1.8 * NAME_SIZE) + 2.0 * margin,
         ];
         let across = (font.glyphs.len() as f64 * cell[1] / cell[0])
             .sqrt()
@@ -93,7 +94,7 @@ impl SheetLayout {
             em,
             cells: [across as usize, down as usize],
             cell: cell.map(|c| c.ceil() as usize),
-            base: margin + em * all.max.y,
+            base: margin + em * bounds.max.y,
             names: font.glyphs.keys().map(name).collect(),
         })
     }

@@ -1,11 +1,9 @@
 //! The command of a part: recorded as it was typed, and run again by `merge`.
 
 use super::header::NamedFile;
-use crate::args::{Cli, Command};
 use crate::content_key::shown;
 use crate::failure::Failure;
 use crate::parts::Shard;
-use clap::Parser;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +20,14 @@ pub struct ShardedArgs<'a> {
     pub maps: Option<[&'a mut Option<PathBuf>; 2]>,
     /// The files that it reads.
     pub files: Vec<&'a mut PathBuf>,
+}
+
+/// The command of this process, as a part records it.
+pub struct DescribedCommand {
+    /// The files that it names.
+    pub files: Vec<PathBuf>,
+    /// A key of its other arguments, but those about its shard and output.
+    pub options: String,
 }
 
 /// `-o` of a command that needs one, or can do without.
@@ -47,62 +53,6 @@ impl OutputArg<'_> {
     }
 }
 
-/// These arguments of a command that can be divided; `None` for the others.
-pub fn sharded(command: &mut Command) -> Option<ShardedArgs<'_>> {
-    match command {
-        Command::FormFactors(args) => {
-            let mut files = args.input.files_mut();
-            files.extend(&mut args.materials);
-            Some(ShardedArgs {
-                name: "form-factors",
-                shard: &mut args.part.shard,
-                output: OutputArg::Needed(&mut args.output),
-                maps: None,
-                files,
-            })
-        }
-        Command::Probe(args) => {
-            let mut files = args.input.files_mut();
-            files.extend(&mut args.probes.points);
-            files.extend(&mut args.normals);
-            Some(ShardedArgs {
-                name: "probe",
-                shard: &mut args.part.shard,
-                output: OutputArg::Optional(&mut args.output),
-                maps: None,
-                files,
-            })
-        }
-        Command::Solve(args) => Some(ShardedArgs {
-            name: "solve",
-            shard: &mut args.part.shard,
-            output: OutputArg::Optional(&mut args.output),
-            maps: None,
-            files: args.input.files_mut(),
-        }),
-        Command::Bake(args) => Some(ShardedArgs {
-            name: "bake",
-            shard: &mut args.part.shard,
-            output: OutputArg::Optional(&mut args.output),
-            maps: Some([&mut args.files.lightmap, &mut args.files.error_map]),
-            files: args.input.files_mut(),
-        }),
-        _ => None,
-    }
-}
-
-/// The shard that a command computes, and its output.
-pub fn shard_of(command: &Command) -> Option<(Shard, Option<&Path>)> {
-    let (shard, output) = match command {
-        Command::FormFactors(args) => (args.part.shard, Some(&args.output)),
-        Command::Probe(args) => (args.part.shard, args.output.as_ref()),
-        Command::Solve(args) => (args.part.shard, args.output.as_ref()),
-        Command::Bake(args) => (args.part.shard, args.output.as_ref()),
-        _ => return None,
-    };
-    Some((shard?, output.map(PathBuf::as_path)))
-}
-
 /// The arguments of this process.
 ///
 /// # Errors
@@ -117,46 +67,6 @@ pub fn typed() -> Result<Vec<String>, Failure> {
         })
     };
     std::env::args_os().skip(1).map(word).collect()
-}
-
-/// Parses recorded arguments.
-///
-/// # Errors
-/// They are not those of this version.
-pub fn parsed(arguments: &[String]) -> Result<Cli, Failure> {
-    let program = [String::from("azulejo")];
-    let cli = Cli::try_parse_from(program.iter().chain(arguments));
-    cli.map_err(|e| Failure::failed(format_args!("the recorded command cannot be run: {e}")))
-}
-
-/// The files that a command names, and a key of its other arguments but those about its shard and
-/// output, and general ones such as the number of threads.
-///
-/// # Errors
-/// The command cannot be recorded.
-pub fn described() -> Result<(Vec<PathBuf>, String), Failure> {
-    let mut command = parsed(&typed()?)?.command;
-    let mut files = Vec::new();
-    if let Some(mut args) = sharded(&mut command) {
-        *args.shard = None;
-        for file in &mut args.files {
-            let name = file.file_name().map(PathBuf::from).unwrap_or_default();
-            files.push(std::mem::replace(*file, name));
-        }
-        args.output.set(Some(Path::new("")))?;
-    }
-    let key = blake3::hash(format!("{command:?}").as_bytes());
-    Ok((files, shown(key.as_bytes())))
-}
-
-/// The files that the command of this process names, as ranks share them.
-///
-/// # Errors
-/// The command cannot be recorded.
-pub fn files_of_command() -> Result<Vec<PathBuf>, Failure> {
-    let mut command = parsed(&typed()?)?.command;
-    let files = super::ranks::files_of(&mut command);
-    Ok(files.into_iter().map(|file| file.clone()).collect())
 }
 
 /// The folder in which this process runs; empty if that is no text, and then of no use elsewhere.
@@ -211,7 +121,7 @@ pub fn named_files(
 impl NamedFile {
     /// Whether it is where its name says, with the same content.
     pub fn is_here(&self) -> bool {
-        content(Path::new(&self.name())).is_ok_and(|found| found == self.content)
+        content(Path::new(&self.name())).is_ok_and(|content| content == self.content)
     }
 }
 
@@ -235,7 +145,7 @@ impl FoundFiles {
             let path = PathBuf::from(&file.path);
             let candidates = candidates(&path, ran_in, folder);
             let there: Vec<&PathBuf> = candidates.iter().filter(|c| c.is_file()).collect();
-            let same = |c: &&&PathBuf| content(c).is_ok_and(|found| found == file.content);
+            let same = |c: &&&PathBuf| content(c).is_ok_and(|content| content == file.content);
             match (there.iter().find(same), there.first()) {
                 (Some(same), _) => {
                     places.insert(path, same.to_path_buf());
@@ -254,7 +164,7 @@ impl FoundFiles {
             };
             let path = place.with_file_name(name);
             match content(&path) {
-                Ok(found) if found == file.content => {}
+                Ok(content) if content == file.content => {}
                 Ok(_) => changed.push(path.display().to_string()),
                 Err(_) => missing.push(path.display().to_string()),
             }
@@ -288,8 +198,8 @@ impl FoundFiles {
     /// Whether a path is one of these files.
     pub fn has(&self, path: &Path) -> bool {
         let real = |path: &Path| fs::canonicalize(path).ok();
-        let wanted = real(path);
-        wanted.is_some() && self.0.values().any(|place| real(place) == wanted)
+        let real_path = real(path);
+        real_path.is_some() && self.0.values().any(|place| real(place) == real_path)
     }
 }
 

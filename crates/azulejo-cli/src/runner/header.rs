@@ -133,8 +133,10 @@ impl PartHeader {
             return refused("is damaged: its header has no length; compute it again");
         }
         let mut text = Vec::new();
-        let wanted = u64::from(length);
-        file.take(wanted).read_to_end(&mut text).map_err(failed)?;
+        let text_length = u64::from(length);
+        file.take(text_length)
+            .read_to_end(&mut text)
+            .map_err(failed)?;
         if text.len() < length as usize {
             return Ok(FileStart::Beginning);
         }
@@ -142,7 +144,10 @@ impl PartHeader {
             return refused("is damaged: the checksum of its header is wrong; compute it again");
         }
         match serde_json::from_slice(&text) {
-            Ok(header) => Ok(FileStart::Header(Box::new(header), HEAD as u64 + wanted)),
+            Ok(header) => Ok(FileStart::Header(
+                Box::new(header),
+                HEAD as u64 + text_length,
+            )),
             Err(_) => refused(
                 "is a part of another version of azulejo: compute it and merge it by the same version",
             ),

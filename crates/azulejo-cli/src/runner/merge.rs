@@ -1,11 +1,10 @@
 //! `merge`: the result of a command from the parts that its shards computed.
 
 use super::Runner;
-use super::command::{self, FoundFiles};
+use super::command::{FoundFiles, ShardedArgs};
 use super::header::{FileStart, PartHeader, WorkKey};
 use super::part::BASIS;
 use super::record_file::RecordFile;
-use crate::args::Command;
 use crate::failure::Failure;
 use crate::parts::MergeArgs;
 use crate::session::Session;
@@ -17,14 +16,76 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// A command whose work was done in parts.
+/// Parts that are merged, and where the files of the command that they record are now.
 pub struct MergePlan {
     parts: MergedParts,
-    /// The command, with its files where they are now and the output of the merge.
-    pub command: Command,
+    files: FoundFiles,
 }
 
 impl MergePlan {
+    /// Reads the parts of `merge`, and finds the files of the command that they record.
+    ///
+    /// # Errors
+    /// Parts or files are missing, or do not fit together.
+    pub fn open(args: &MergeArgs, session: &mut Session) -> Result<MergePlan, Failure> {
+        for output in args.outputs() {
+            refuse_part(output)?;
+        }
+        session.progress().begin("reading parts", 0);
+        let mut notes = Vec::new();
+        let parts = MergedParts::read(&args.parts, &mut notes)?;
+        notes.iter().for_each(|note| session.note(note));
+        let header = parts.header();
+        let files = FoundFiles::find(&header.files, &header.folder, args.files.as_deref())?;
+        if let Some(output) = args.outputs().find(|output| files.has(output)) {
+            return Err(Failure::misuse(format_args!(
+                "{} is a file that the parts were computed from: write to another",
+                output.display()
+            )));
+        }
+        Ok(MergePlan { parts, files })
+    }
+
+    /// The arguments of the recorded command.
+    pub fn arguments(&self) -> &[String] {
+        &self.parts.header().command
+    }
+
+    /// Gives the recorded command its files where they are now, and the output of the merge.
+    ///
+    /// # Errors
+    /// Its work cannot be divided, or it does not write what is requested.
+    pub fn adapt(
+        &self,
+        sharded: Option<ShardedArgs>,
+        args: &MergeArgs,
+        session: &Session,
+    ) -> Result<(), Failure> {
+        let sharded = sharded.ok_or_else(|| no_command(self.parts.header()))?;
+        *sharded.shard = None;
+        match (sharded.maps, args.maps().next()) {
+            (Some([lightmap, error_map]), _) => {
+                lightmap.clone_from(&args.lightmap);
+                error_map.clone_from(&args.error_map);
+            }
+            (None, Some(_)) => {
+                return Err(Failure::misuse(format_args!(
+                    "--lightmap and --error-map are for parts of bake, and these are of {}",
+                    sharded.name
+                )));
+            }
+            (None, None) => {}
+        }
+        sharded.output.set(args.output.as_deref())?;
+        self.files.set(sharded.files);
+        session.say(&format!(
+            "merging {} parts of {}",
+            self.parts.count(),
+            sharded.name
+        ));
+        Ok(())
+    }
+
     /// The parts compute its work.
     pub fn runner(&self) -> Runner<'_> {
         Runner::merged(&self.parts)
@@ -39,54 +100,6 @@ impl MergePlan {
             ));
         }
     }
-}
-
-/// Reads the parts of `merge`, and finds the files of the command that they record.
-///
-/// # Errors
-/// Parts or files are missing, or do not fit together.
-pub fn plan(args: &MergeArgs, session: &mut Session) -> Result<MergePlan, Failure> {
-    for output in args.outputs() {
-        refuse_part(output)?;
-    }
-    session.progress().begin("reading parts", 0);
-    let mut notes = Vec::new();
-    let parts = MergedParts::read(&args.parts, &mut notes)?;
-    notes.iter().for_each(|note| session.note(note));
-    let header = parts.header();
-    let found = FoundFiles::find(&header.files, &header.folder, args.files.as_deref())?;
-    if let Some(output) = args.outputs().find(|output| found.has(output)) {
-        return Err(Failure::misuse(format_args!(
-            "{} is a file that the parts were computed from: write to another",
-            output.display()
-        )));
-    }
-    let mut command = command::parsed(&header.command)?.command;
-    let Some(sharded) = command::sharded(&mut command) else {
-        return Err(no_command(header));
-    };
-    *sharded.shard = None;
-    match (sharded.maps, args.maps().next()) {
-        (Some([lightmap, error_map]), _) => {
-            lightmap.clone_from(&args.lightmap);
-            error_map.clone_from(&args.error_map);
-        }
-        (None, Some(_)) => {
-            return Err(Failure::misuse(format_args!(
-                "--lightmap and --error-map are for parts of bake, and these are of {}",
-                sharded.name
-            )));
-        }
-        (None, None) => {}
-    }
-    sharded.output.set(args.output.as_deref())?;
-    found.set(sharded.files);
-    session.say(&format!(
-        "merging {} parts of {}",
-        parts.count(),
-        sharded.name
-    ));
-    Ok(MergePlan { parts, command })
 }
 
 fn no_command(header: &PartHeader) -> Failure {
@@ -314,7 +327,7 @@ impl CompletePart {
         }
         if rest > 0 {
             return Err(Failure::failed(format_args!(
-                "{shown} is damaged: {rest} bytes stand behind its end; copy it again, or compute shard {number} \
+                "{shown} is damaged: {rest} bytes follow its end; copy it again, or compute shard {number} \
                  again"
             )));
         }

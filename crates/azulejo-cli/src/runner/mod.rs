@@ -25,22 +25,27 @@ mod part;
 mod ranks;
 mod record_file;
 
-use crate::args::{Cli, Command, FirstPassArgs};
 use crate::failure::Failure;
+use crate::first_pass::FirstPassArgs;
+use crate::parts::Shard;
 use crate::report::Report;
 use crate::session::{Session, SessionSetup};
 use azulejo_trace::Blocks;
 use azulejo_trace::run::Alone;
+pub use command::{DescribedCommand, OutputArg, ShardedArgs, typed};
 pub use header::WorkKey;
 use journal::FileJournal;
 use merge::MergedParts;
 use part::PartPlan;
 use ranks::{RankCosts, Ranks};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Who computes the work of a command.
 pub struct Runner<'a>(Workers<'a>);
+
+/// Describes the command of this process, once that is needed.
+type Describe = fn() -> Result<DescribedCommand, Failure>;
 
 enum Workers<'a> {
     /// This process.
@@ -48,7 +53,7 @@ enum Workers<'a> {
     /// This process a part, which it writes in place of the result.
     Part(PartPlan),
     /// All ranks.
-    Ranks(Ranks),
+    Ranks(Ranks, Describe),
     /// Shards, which have ended: the result is made of their parts.
     Merged(&'a MergedParts),
 }
@@ -109,10 +114,14 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     /// The part cannot be written.
-    pub fn new(command: &Command, started: Started) -> Result<Runner<'a>, Failure> {
-        let workers = match (command::shard_of(command), started.0) {
-            (Some((shard, output)), _) => Workers::Part(PartPlan::check(shard, output)?),
-            (None, Some(ranks)) => Workers::Ranks(ranks),
+    pub fn new(
+        shard: Option<(Shard, Option<&Path>)>,
+        described: Describe,
+        started: Started,
+    ) -> Result<Runner<'a>, Failure> {
+        let workers = match (shard, started.0) {
+            (Some((shard, output)), _) => Workers::Part(PartPlan::check(shard, output, described)?),
+            (None, Some(ranks)) => Workers::Ranks(ranks, described),
             (None, None) => Workers::One,
         };
         Ok(Runner(workers))
@@ -128,7 +137,7 @@ impl<'a> Runner<'a> {
         match &self.0 {
             Workers::One | Workers::Merged(_) => true,
             Workers::Part(_) => false,
-            Workers::Ranks(ranks) => ranks.is_root(),
+            Workers::Ranks(ranks, _) => ranks.is_root(),
         }
     }
 
@@ -147,7 +156,7 @@ impl<'a> Runner<'a> {
         match &self.0 {
             Workers::One | Workers::Merged(_) => None,
             Workers::Part(_) => Some("--shard"),
-            Workers::Ranks(_) => Some("mpiexec"),
+            Workers::Ranks(..) => Some("mpiexec"),
         }
     }
 
@@ -157,8 +166,8 @@ impl<'a> Runner<'a> {
     /// See [`Ranks::share_files`].
     pub fn share_files(&self, session: &Session) -> Result<(), Failure> {
         match &self.0 {
-            Workers::Ranks(ranks) if ranks.is_root() => {
-                ranks.share_files(&command::files_of_command()?, session.files())
+            Workers::Ranks(ranks, described) if ranks.is_root() => {
+                ranks.share_files(&described()?.files, session.files())
             }
             _ => Ok(()),
         }
@@ -201,7 +210,7 @@ impl<'a> Runner<'a> {
                 })?;
                 (None, Completion::default())
             }
-            Workers::Ranks(ranks) => {
+            Workers::Ranks(ranks, _) => {
                 let blocks = ranks.blocks(plan)?;
                 let value = blocks.run(session, work)?;
                 (
@@ -222,28 +231,39 @@ impl<'a> Runner<'a> {
 pub struct Started(Option<Ranks>);
 
 impl Started {
+    /// One process.
+    pub fn alone() -> Started {
+        Started(None)
+    }
+
     /// How this process works for all of them.
     pub fn setup(&self) -> SessionSetup {
         self.0.as_ref().map(Ranks::setup).unwrap_or_default()
     }
 }
 
-/// Runs a command, by all processes that were started together.
+/// Runs a command by all processes that were started together; `files` are those that it reads.
 ///
 /// # Errors
-/// Those of the command; it is one that processes cannot share.
-pub fn launch(cli: Cli, work: fn(Cli, Started) -> Result<(), Failure>) -> Result<(), Failure> {
-    ranks::launch(cli, move |cli, ranks| work(cli, Started(ranks)))
+/// Those of the command; this program cannot share work.
+pub fn launch<C: Send + 'static>(
+    command: C,
+    files: fn(&mut C) -> Vec<&mut PathBuf>,
+    work: fn(C, Started) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    ranks::launch(command, files, move |command, ranks| {
+        work(command, Started(ranks))
+    })
+}
+
+/// Whether a launcher started several processes.
+pub fn is_started_together() -> bool {
+    ranks::is_started_together()
 }
 
 /// Whether another process of those that were started together says what all of them would say.
 pub fn is_silent() -> bool {
     ranks::is_helper()
-}
-
-/// Whether this process has work of its own, a shard, whoever started it.
-pub fn has_own_work(command: &Command) -> bool {
-    command::shard_of(command).is_some()
 }
 
 /// Refuses to share work between processes that depends on the time, or, if they never meet, on the results of all
@@ -262,7 +282,7 @@ pub fn refuse_indivisible(args: &FirstPassArgs, runner: &Runner) -> Result<(), F
             "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
              traces more rays, which a shard does not have; give --rays N alone",
         )),
-        Workers::Ranks(_) if is_timed => Err(Failure::misuse(
+        Workers::Ranks(..) if is_timed => Err(Failure::misuse(
             "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
              or --rays, and the time to the queue; what is done by then is kept",
         )),

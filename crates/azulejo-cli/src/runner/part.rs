@@ -1,6 +1,7 @@
 //! A part while it is computed: a file of the finished blocks of a shard.
 
-use super::command;
+use super::Describe;
+use super::command::{self, DescribedCommand};
 use super::header::{FileStart, PartHeader, WorkKey};
 use super::record_file::{self, RecordFile};
 use crate::content_key::shown;
@@ -35,7 +36,11 @@ impl PartPlan {
     ///
     /// # Errors
     /// What is there is no part; the model is a stream; the output is.
-    pub fn check(shard: Shard, output: Option<&Path>) -> Result<PartPlan, Failure> {
+    pub fn check(
+        shard: Shard,
+        output: Option<&Path>,
+        described: Describe,
+    ) -> Result<PartPlan, Failure> {
         let Some(output) = output else {
             return Err(Failure::misuse("--shard: -o PART is missing"));
         };
@@ -45,7 +50,7 @@ impl PartPlan {
                  output; give -o PART",
             ));
         }
-        let (files, options) = command::described()?;
+        let DescribedCommand { files, options } = described()?;
         files.iter().try_for_each(|file| refuse_stream(file))?;
         if let Ok(mut file) = File::open(output) {
             let meta = file

@@ -237,11 +237,11 @@ fn record_head(stage: u32, block: usize, bytes: &[u8]) -> Vec<u8> {
 
 /// Parses the head of a record, if it is intact.
 fn parse_head(head: &[u8; HEAD], start: u64) -> Option<Recorded> {
-    let (said, checksum) = head.split_last_chunk::<4>()?;
-    if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {
+    let (fields, checksum) = head.split_last_chunk::<4>()?;
+    if crc32fast::hash(fields) != u32::from_le_bytes(*checksum) {
         return None;
     }
-    let (stage, rest) = said.split_first_chunk::<4>()?;
+    let (stage, rest) = fields.split_first_chunk::<4>()?;
     let (block, rest) = rest.split_first_chunk::<8>()?;
     let (length, checksum) = rest.split_first_chunk::<8>()?;
     let stage = u32::from_le_bytes(*stage);

@@ -1,6 +1,6 @@
 //! Options of light from outside, as typed.
 
-use crate::values::{not_negative, number};
+use crate::values::{instant, not_negative, number};
 use azulejo_scene::sky::{SunPosition, direction_from, sun_position};
 use clap::{Args, ValueHint};
 use glam::DVec3;
@@ -152,27 +152,6 @@ pub fn site(text: &str) -> Option<Result<Site, String>> {
             "{latitude},{longitude} is not a place on Earth: expected a latitude from -90 to 90 and a \
              longitude from -180 to 180, north and east positive"
         ))
-    })
-}
-
-/// An instant with its offset: `2025-06-21T14:00+02:00` or `...T12:00Z`; `None` if the text does
-/// not begin as one.
-pub fn instant(text: &str) -> Option<Result<Timestamp, String>> {
-    let mut parts = text.splitn(3, '-');
-    let is_date = parts
-        .next()
-        .is_some_and(|year| year.len() == 4 && year.bytes().all(|b| b.is_ascii_digit()))
-        && parts.next().is_some();
-    is_date.then(|| {
-        text.parse().map_err(|e| {
-            let local: Result<jiff::civil::DateTime, _> = text.parse();
-            match local {
-                Ok(_) => format!(
-                    "\"{text}\" says no offset from UTC: write {text}+02:00, {text}-05:00 or {text}Z"
-                ),
-                Err(_) => format!("\"{text}\": {e}; expected as in 2025-06-21T14:00+02:00"),
-            }
-        })
     })
 }
 

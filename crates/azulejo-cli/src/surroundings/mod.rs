@@ -22,17 +22,17 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 use std::path::Path;
 
-/// Adds the light from outside that is asked for. `instant` is that of `--time`.
+/// Adds the light from outside that the options give. `instant` is that of `--time`.
 pub fn add(
     scene: &mut Scene,
-    asked: &SurroundingsArgs,
+    args: &SurroundingsArgs,
     site: Option<Site>,
     instant: Option<Timestamp>,
     session: &mut Session,
 ) -> Result<(), Failure> {
     let has_clock = site.is_some() && instant.is_some();
-    if asked.has_sky() || has_clock {
-        Daylight::new(scene, asked, site, instant)?.add(scene, session)?;
+    if args.has_sky() || has_clock {
+        Daylight::new(scene, args, site, instant)?.add(scene, session)?;
     } else if instant.is_some() || site.is_some() {
         let missing = if site.is_some() {
             "--time"
@@ -43,25 +43,25 @@ pub fn add(
             "the sun's position needs both a place and an instant: {missing} is missing"
         )));
     }
-    if let Some(path) = &asked.environment {
+    if let Some(path) = &args.environment {
         let mut environment = environment(scene, path, session)?;
-        let turn = asked.environment_rotate.to_radians() + asked.north.to_radians();
+        let turn = args.environment_rotate.to_radians() + args.north.to_radians();
         environment.world_from_environment = upright(scene.units.up, turn);
-        environment.scale = Rgb::grey(asked.environment_strength);
-        if asked.extract_sun {
+        environment.scale = Rgb::grey(args.environment_strength);
+        if args.extract_sun {
             take_sun_out(scene, &environment, session);
         }
         push(scene, "environment", LightKind::Environment(environment));
         scene.background = None;
     }
-    if let Some(what) = &asked.background {
+    if let Some(what) = &args.background {
         scene.background = Some(match crate::values::vector(what) {
             Ok(color) if color.min_element() >= 0.0 => Rgb::from(color.to_array()).into(),
             Ok(_) => return Err(Failure::misuse("--background: a radiance is below 0")),
             Err(_) => SceneBackground::Environment(environment(scene, what.as_ref(), session)?),
         });
     }
-    if asked.studio {
+    if args.studio {
         if scene.has_light() || scene.has_lightmap() {
             session.note("--studio: the scene has light of its own, nothing is added");
         } else {
@@ -109,22 +109,22 @@ fn take_sun_out(scene: &mut Scene, environment: &Environment, session: &mut Sess
     };
     match extract_sun(image, projection) {
         Err(why) => session.note(&format!("--extract-sun: no sun found: {why}")),
-        Ok(found) => {
-            let irradiance = found.irradiance * environment.scale;
-            let at = SunPosition::of(found.toward);
+        Ok(extracted) => {
+            let irradiance = extracted.irradiance * environment.scale;
+            let at = SunPosition::of(extracted.toward);
             session.tell(&format!(
                 "the sun of the picture stands at azimuth {:.1}°, elevation {:.1}° \
                  of the picture: {} pixels of {:.2}°, irradiance {:.4} of what faces it",
                 at.azimuth.to_degrees(),
                 at.altitude.to_degrees(),
-                found.pixels,
-                2.0 * found.half_angle.to_degrees(),
+                extracted.pixels,
+                2.0 * extracted.half_angle.to_degrees(),
                 irradiance.mean()
             ));
             let kind = LightKind::Directional {
-                direction: -(environment.world_from_environment * found.toward).normalize(),
+                direction: -(environment.world_from_environment * extracted.toward).normalize(),
                 irradiance,
-                half_angle: found.half_angle,
+                half_angle: extracted.half_angle,
             };
             push(scene, "sun", kind);
         }
@@ -136,7 +136,7 @@ fn push(scene: &mut Scene, name: &str, kind: LightKind) {
     scene.lights.push(Light { name, kind });
 }
 
-/// What is asked of the sun.
+/// The sun that the options give.
 #[derive(Default)]
 struct AskedSun {
     /// Unit, toward it, in the sky's frame.
@@ -164,15 +164,15 @@ struct Daylight {
 impl Daylight {
     fn new(
         scene: &Scene,
-        asked: &SurroundingsArgs,
+        args: &SurroundingsArgs,
         site: Option<Site>,
         instant: Option<Timestamp>,
     ) -> Result<Daylight, Failure> {
         let mut daylight = Daylight {
             sky: None,
             sun: None,
-            north: asked.north.to_radians(),
-            ground: asked.ground,
+            north: args.north.to_radians(),
+            ground: args.ground,
             is_night: false,
             notes: Vec::new(),
         };
@@ -180,21 +180,21 @@ impl Daylight {
             toward,
             irradiance: given,
             day,
-        } = daylight.asked_sun(scene, asked, site, instant)?;
+        } = daylight.requested_sun(scene, args, site, instant)?;
         let units = DaylightUnits {
             photometric: scene.units.photometric,
-            solar: asked.solar,
+            solar: args.solar,
         };
         let altitude = toward.map(|d| d.z.clamp(-1.0, 1.0).asin());
         let mut beam = altitude.map(|a| units.clear_sun(a));
-        match asked.sky {
+        match args.sky {
             None => {}
             Some(SkyArg::Uniform(radiance)) => daylight.sky = Some(Sky::uniform(radiance)),
             Some(SkyArg::Cie(kind, irradiance)) => {
                 daylight.sky = Some(units.cie_sky(kind, toward, irradiance)?);
-                // Overcast and partly cloudy skies hide the sun unless it is asked for.
+                // Overcast and partly cloudy skies hide the sun unless it is requested.
                 let is_clear = (11..=15).contains(&kind);
-                beam = beam.filter(|_| is_clear || asked.sun.is_some());
+                beam = beam.filter(|_| is_clear || args.sun.is_some());
             }
             Some(SkyArg::Perez {
                 dni,
@@ -218,7 +218,7 @@ impl Daylight {
                 beam = Some(direct);
             }
         }
-        let irradiance = given.or(beam).filter(|_| asked.sun != Some(SunArg::Off));
+        let irradiance = given.or(beam).filter(|_| args.sun != Some(SunArg::Off));
         if let (Some(toward), Some(irradiance)) = (toward, irradiance) {
             if toward.z <= 0.0 {
                 daylight.is_night = true;
@@ -230,14 +230,14 @@ impl Daylight {
     }
 
     /// Where the sun stands, and what is said of it.
-    fn asked_sun(
+    fn requested_sun(
         &mut self,
         scene: &Scene,
-        asked: &SurroundingsArgs,
+        args: &SurroundingsArgs,
         site: Option<Site>,
         instant: Option<Timestamp>,
     ) -> Result<AskedSun, Failure> {
-        let (instant, given) = match &asked.sun {
+        let (instant, given) = match &args.sun {
             Some(SunArg::Toward(place, irradiance)) => {
                 let turn = upright(scene.units.up, self.north).conjugate();
                 return Ok(AskedSun {
@@ -252,7 +252,7 @@ impl Daylight {
         };
         let (site, instant) = match (site, instant) {
             (Some(site), Some(instant)) => (site, instant),
-            (None, None) if matches!(asked.sun, Some(SunArg::Off) | None) => {
+            (None, None) if matches!(args.sun, Some(SunArg::Off) | None) => {
                 return Ok(AskedSun::default());
             }
             (None, _) => {

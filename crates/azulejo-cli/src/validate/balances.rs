@@ -131,8 +131,8 @@ fn balances(
         ..engine.options(&whole.scene, whole.size, rays, validator.seed)
     };
     let tracer = engine.prepared.tracer(&whole.scene)?;
-    let found = form_factors(&whole.scene, &tracer, &options, validator.progress);
-    let factors = found.map_err(pass::failure)?;
+    let factors = form_factors(&whole.scene, &tracer, &options, validator.progress);
+    let factors = factors.map_err(pass::failure)?;
     let seconds = clock.wall();
     let scene = faceted(&whole.scene, whole.size);
     let mut surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, whole.size));
@@ -146,11 +146,11 @@ fn balances(
     let reciprocity = metrics::reciprocity_error(&factors, &rows);
     let energy = metrics::energy_error(&factors, &surfaces, &light).unwrap_or(f64::NAN);
     let facets = factors.len();
-    let check = |words: &str, found: f64, bound: f64| CheckRecord {
+    let check = |words: &str, value: f64, bound: f64| CheckRecord {
         note: format!("{facets} facets"),
         source: whole.about.to_owned(),
         seconds,
-        ..CheckRecord::new(PART, whole.name, [found, 0.0, bound]).of(engine.name, words)
+        ..CheckRecord::new(PART, whole.name, [value, 0.0, bound]).of(engine.name, words)
     };
     Ok([
         check("largest deviation of a row's sum from 1", closure, BALANCED),
@@ -182,8 +182,8 @@ fn stated_error(
         ..engine.options(&whole.scene, whole.size, rays, validator.seed)
     };
     let tracer = engine.prepared.tracer(&whole.scene)?;
-    let found = form_factors(&whole.scene, &tracer, &options, validator.progress);
-    let factors = found.map_err(pass::failure)?;
+    let factors = form_factors(&whole.scene, &tracer, &options, validator.progress);
+    let factors = factors.map_err(pass::failure)?;
     let sums = factors.row_sums();
     let row_sum = |i: usize| sums[i] + factors.rest[i].escaped();
     let seeing: Vec<usize> = (0..factors.len()).filter(|&i| row_sum(i) > 0.0).collect();

@@ -32,18 +32,22 @@ fn all() -> Vec<Case> {
 
 /// Checks all cases by all engines.
 pub fn check(validator: &Validator) -> Result<Vec<CheckRecord>, Failure> {
-    let wanted: Vec<Case> = all()
+    let selected: Vec<Case> = all()
         .into_iter()
         .filter(|case| validator.wants(PART, &case.id))
         .collect();
     let mut records = Vec::new();
-    if wanted.is_empty() {
+    if selected.is_empty() {
         return Ok(records);
     }
     for engine in &validator.engines.engines {
-        validator.tell(&format!("{} closed forms by {}", wanted.len(), engine.name));
+        validator.tell(&format!(
+            "{} closed forms by {}",
+            selected.len(),
+            engine.name
+        ));
         let first = records.len();
-        for case in &wanted {
+        for case in &selected {
             records.push(answered(validator, engine, case)?);
         }
         records.extend(outlying(engine, &records[first..]));
@@ -64,8 +68,8 @@ fn answered(
         ..engine.options(&case.scene, case.size, rays, validator.seed)
     };
     let tracer = engine.prepared.tracer(&case.scene)?;
-    let asked = case.ask(&tracer, &options, validator.progress);
-    let (answer, factors) = asked.map_err(pass::failure)?;
+    let outcome = case.ask(&tracer, &options, validator.progress);
+    let (answer, factors) = outcome.map_err(pass::failure)?;
     let (bound, is_estimate) = bound(engine.family, case, &answer);
     let values = [answer.value, case.truth.value, bound];
     let mut record =
@@ -165,8 +169,8 @@ fn one_effort(
             }
         };
         let tracer = engine.prepared.tracer(&case.scene)?;
-        let asked = case.ask(&tracer, &options, validator.progress);
-        let (answer, _) = asked.map_err(pass::failure)?;
+        let outcome = case.ask(&tracer, &options, validator.progress);
+        let (answer, _) = outcome.map_err(pass::failure)?;
         squares += (answer.off(case) / case.truth.value).powi(2);
     }
     Ok([samples, (squares / flat.len() as f64).sqrt()])

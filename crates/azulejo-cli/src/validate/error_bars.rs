@@ -77,8 +77,8 @@ fn factor_scores(validator: &Validator, kind: CaseKind) -> Result<Vec<f64>, Fail
         let tracer = Tracer::new(&case.scene);
         for seed in 0..validator.effort.seeds {
             let options = options(validator, seed);
-            let asked = case.ask(&tracer, &options, validator.progress);
-            let (answer, _) = asked.map_err(pass::failure)?;
+            let outcome = case.ask(&tracer, &options, validator.progress);
+            let (answer, _) = outcome.map_err(pass::failure)?;
             scores.push((answer.value - case.truth.value) / answer.error);
         }
     }
@@ -117,9 +117,9 @@ fn exchange_scores(validator: &Validator) -> Result<[Vec<f64>; 2], Failure> {
     let truth = solved(validator, &exact)?;
     let mut scores = [Vec::new(), Vec::new()];
     for seed in 0..validator.effort.seeds {
-        let found = solved(validator, &options(validator, seed))?;
-        for ((scores, found), truth) in scores.iter_mut().zip(&found).zip(&truth) {
-            let pairs = found.iter().zip(truth);
+        let estimates = solved(validator, &options(validator, seed))?;
+        for ((scores, estimates), truth) in scores.iter_mut().zip(&estimates).zip(&truth) {
+            let pairs = estimates.iter().zip(truth);
             scores.extend(pairs.map(|((value, error), (truth, _))| (value - truth) / error));
         }
     }

@@ -16,7 +16,7 @@ fn a_legacy_model_gets_a_lightmap() {
     let run = folder
         .ok("bake room.obj -o room.glb --size 64 --error 10% --lightmap e.exr --error-map se.exr");
     assert!(run.err.contains("estimated error"), "{}", run.err);
-    assert!(run.err.contains("10% asked for"), "{}", run.err);
+    assert!(run.err.contains("10% requested"), "{}", run.err);
     let file = json(&folder.read("room.glb"));
     assert!(
         file["extensionsUsed"]

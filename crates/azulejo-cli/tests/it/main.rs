@@ -16,6 +16,7 @@ mod files;
 mod grf;
 mod grid;
 mod lettering;
+mod option_budgets;
 mod options_page;
 mod outputs;
 mod outside;

@@ -359,7 +359,7 @@ fn parts_that_are_missing_twice_cut_or_damaged() {
         assert!(run.err.contains("p-5"), "{at}: {}", run.err);
     }
     folder.write("p-5", [&whole[..], b"x"].concat());
-    folder.fails(&line, 1, "behind its end");
+    folder.fails(&line, 1, "follow its end");
     folder.write("p-5", "my diary");
     folder.fails(&line, 1, "p-5 is no part");
     folder.fails("merge room.obj -o x.npz", 1, "room.obj is no part");

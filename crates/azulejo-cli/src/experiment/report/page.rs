@@ -220,7 +220,7 @@ impl Page<'_> {
 type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
 
 /// A measure of a matrix, where there is one.
-fn of_matrix(run: &RunRecord, measure: f64) -> Option<f64> {
+fn if_matrix(run: &RunRecord, measure: f64) -> Option<f64> {
     (run.entries > 0).then_some(measure)
 }
 
@@ -255,23 +255,23 @@ const COLUMNS: [Column; 14] = [
     (
         "closure",
         "root mean square deviation of row sums from 1",
-        |r| r.mean(|r| of_matrix(r, r.closure_rms)),
+        |r| r.mean(|r| if_matrix(r, r.closure_rms)),
     ),
     (
         "moved",
         "share of the matrix moved to enforce closure",
-        |r| r.mean(|r| of_matrix(r, r.moved)),
+        |r| r.mean(|r| if_matrix(r, r.moved)),
     ),
     (
         "reciprocity",
         "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
-        |r| r.mean(|r| of_matrix(r, r.reciprocity)),
+        |r| r.mean(|r| if_matrix(r, r.reciprocity)),
     ),
     ("energy", "unaccounted power, relative", |r| {
         r.mean(|r| r.energy)
     }),
     ("solve, s", "solution of B = M + ρXB", |r| {
-        r.mean(|r| of_matrix(r, r.solve_seconds))
+        r.mean(|r| if_matrix(r, r.solve_seconds))
     }),
 ];
 
@@ -365,13 +365,13 @@ fn write_answer(out: &mut String, answer: Option<&TruthRecord>) -> std::fmt::Res
     let sigma = t
         .standard_errors
         .map_or("∞".to_owned(), |s| format!("{s:.1}"));
-    let (sigma, said) = match t.standard_error {
+    let (sigma, error) = match t.standard_error {
         Some(error) => (sigma, format!("{error:.1e}")),
         None => ("–".to_owned(), "–".to_owned()),
     };
     write!(
         out,
-        "<td class=\"n group\">{:.10}</td><td class=\"n\">{:.1e}</td><td class=\"n\">{said}</td>\
+        "<td class=\"n group\">{:.10}</td><td class=\"n\">{:.1e}</td><td class=\"n\">{error}</td>\
          <td class=\"n{}\">{sigma}</td>",
         t.value,
         t.value - t.truth,

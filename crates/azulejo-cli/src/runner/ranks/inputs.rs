@@ -1,9 +1,8 @@
 //! The files of a work, which rank 0 reads for all: ranks on other machines, and those that find other
 //! files under the same paths, get copies.
 
+use super::Ranks;
 use super::link::Link;
-use super::{Ranks, files_of};
-use crate::args::Command;
 use crate::failure::Failure;
 use crate::runner::command::named_files;
 use crate::runner::header::NamedFile;
@@ -90,7 +89,7 @@ pub fn receive(
     link: &Link,
     rank: usize,
     is_near: bool,
-    command: &mut Command,
+    command_files: Vec<&mut PathBuf>,
 ) -> Result<ReceivedFiles, Failure> {
     let text = link.broadcast(Vec::new())?;
     let manifest = serde_json::from_slice::<Manifest>(&text).ok();
@@ -140,11 +139,9 @@ pub fn receive(
         let written = fs::create_dir_all(parent).and_then(|()| fs::write(&place, bytes));
         written.map_err(|e| Failure::file("write", &place, &e))?;
     }
-    for file in files_of(command) {
-        let found = models
-            .iter()
-            .find(|(path, _)| Path::new(path) == file.as_path());
-        if let Some((_, copy)) = found {
+    for file in command_files {
+        let is_this = |(path, _): &&(String, PathBuf)| Path::new(path) == file.as_path();
+        if let Some((_, copy)) = models.iter().find(is_this) {
             file.clone_from(copy);
         }
     }

@@ -95,15 +95,15 @@ pub struct WorkEnd {
 
 /// Both ends.
 pub fn connected() -> (Link, WorkEnd) {
-    let ((requests, asked), (replies, found)) = (channel(), channel());
+    let ((requests, request_queue), (replies, reply_queue)) = (channel(), channel());
     let link = Link(Arc::new(Mutex::new(LinkEnds {
         requests,
-        replies: found,
+        replies: reply_queue,
         traffic: Traffic::default(),
         handed: None,
     })));
     let end = WorkEnd {
-        requests: asked,
+        requests: request_queue,
         replies,
     };
     (link, end)

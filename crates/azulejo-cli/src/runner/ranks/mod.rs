@@ -21,10 +21,8 @@ mod mpi;
 #[cfg(test)]
 mod tests;
 
-use crate::args::{Cli, Command};
 use crate::content_key::shown;
 use crate::failure::Failure;
-use crate::runner::command::sharded;
 use crate::runner::journal::FileJournal;
 use crate::runner::{DividedWork, WorkKey};
 use crate::session::SessionSetup;
@@ -77,13 +75,13 @@ impl Ranks {
     /// Some do not, and why; the work was cancelled.
     pub fn agree(&self, key: &WorkKey) -> Result<(), Failure> {
         let parts = [shown(&key.scene), shown(&key.settings), key.engine.clone()];
-        let all = self.link.all_gather(parts.join("\n").into_bytes())?;
-        let all: Vec<String> = all
+        let keys = self.link.all_gather(parts.join("\n").into_bytes())?;
+        let keys: Vec<String> = keys
             .iter()
             .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
             .collect();
-        for (rank, theirs) in all.iter().enumerate() {
-            let differs = |k: usize| theirs.lines().nth(k) != all[0].lines().nth(k);
+        for (rank, theirs) in keys.iter().enumerate() {
+            let differs = |k: usize| theirs.lines().nth(k) != keys[0].lines().nth(k);
             let why = if differs(0) {
                 "reads another scene than rank 0: files in folders of --allow have to be the same on all machines"
             } else if differs(2) {
@@ -113,19 +111,18 @@ impl Ranks {
     }
 }
 
-/// Runs a command, by all ranks if there are several.
+/// Runs a command by all ranks; `files` are those that it reads.
 ///
 /// # Errors
-/// Those of the command; it is one that ranks cannot share.
-pub fn launch(
-    cli: Cli,
-    work: impl FnOnce(Cli, Option<Ranks>) -> Result<(), Failure> + Send + 'static,
+/// Those of the command; this program cannot share work.
+#[cfg_attr(not(feature = "mpi"), allow(unused_variables))]
+pub fn launch<C: Send + 'static>(
+    command: C,
+    files: fn(&mut C) -> Vec<&mut PathBuf>,
+    work: impl FnOnce(C, Option<Ranks>) -> Result<(), Failure> + Send + 'static,
 ) -> Result<(), Failure> {
-    if !is_shared(&cli)? {
-        return work(cli, None);
-    }
     #[cfg(feature = "mpi")]
-    return mpi::launch(cli, work);
+    return mpi::launch(command, files, work);
     #[cfg(not(feature = "mpi"))]
     Err(without_mpi())
 }
@@ -151,28 +148,9 @@ pub fn is_helper() -> bool {
     number(&RANK).is_some_and(|rank| rank > 0)
 }
 
-/// Whether a launcher started several processes for this command, to share it.
-///
-/// # Errors
-/// They cannot.
-fn is_shared(cli: &Cli) -> Result<bool, Failure> {
-    if number(&RANK).is_none() || number(&SIZE).unwrap_or(1) < 2 {
-        return Ok(false);
-    }
-    if crate::runner::has_own_work(&cli.command) {
-        return Ok(false);
-    }
-    match &cli.command {
-        Command::FormFactors(args) if args.matrix.compress.is_some() => Err(Failure::misuse(
-            "--compress: factors in blocks are not shared among MPI processes: run it without mpiexec",
-        )),
-        Command::FormFactors(_) | Command::Solve(_) | Command::Probe(_) => Ok(true),
-        Command::Bake(args) if !args.check && !args.strip => Ok(true),
-        _ => Err(Failure::misuse(
-            "this command does not share its work among MPI processes: run it without mpiexec; form-factors, solve, bake \
-             and probe do",
-        )),
-    }
+/// Whether a launcher started several processes.
+pub fn is_started_together() -> bool {
+    number(&RANK).is_some() && number(&SIZE).is_some_and(|size| size >= 2)
 }
 
 /// Several processes, of a program that cannot share.
@@ -184,11 +162,6 @@ fn without_mpi() -> Failure {
     )
 }
 
-/// The files that a command reads, which ranks share; none for those that do not.
-pub fn files_of(command: &mut Command) -> Vec<&mut PathBuf> {
-    sharded(command).map_or_else(Vec::new, |args| args.files)
-}
-
 /// Threads of a rank beside which there are so many on its machine, itself counted: its part of the processors, or those
 /// that it is bound to.
 #[cfg(feature = "mpi")]
@@ -196,14 +169,14 @@ fn threads(ranks: usize) -> usize {
     let bound = std::thread::available_parallelism().map_or(1, usize::from);
     // A rank that is bound to some processors does not see the others there.
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let all = text
+    let processors = text
         .lines()
         .filter(|line| line.starts_with("processor"))
         .count();
-    (all.max(bound) / ranks.max(1)).clamp(1, bound)
+    (processors.max(bound) / ranks.max(1)).clamp(1, bound)
 }
 
 fn number(names: &[&str]) -> Option<usize> {
-    let of = |name: &&str| env::var(name).ok()?.trim().parse().ok();
-    names.iter().find_map(of)
+    let value = |name: &&str| env::var(name).ok()?.trim().parse().ok();
+    names.iter().find_map(value)
 }

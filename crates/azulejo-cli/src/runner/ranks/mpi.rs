@@ -3,7 +3,6 @@
 use super::link::{Link, connected};
 use super::messenger::{self, Control, Transport};
 use super::{Ranks, inputs};
-use crate::args::Cli;
 use crate::failure::Failure;
 use mpi::collective::Root;
 use mpi::datatype::PartitionMut;
@@ -11,6 +10,7 @@ use mpi::environment::processor_name;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, MatchedReceiveVec, Source};
 use mpi::{Count, Threading};
+use std::path::PathBuf;
 use std::thread;
 
 /// Most bytes of one call: MPI counts by `i32`.
@@ -23,26 +23,27 @@ const STACK: usize = 8 << 20;
 ///
 /// # Errors
 /// Those of the command, or of another rank; MPI does not start.
-pub fn launch(
-    mut cli: Cli,
-    work: impl FnOnce(Cli, Option<Ranks>) -> Result<(), Failure> + Send + 'static,
+pub fn launch<C: Send + 'static>(
+    mut command: C,
+    files: fn(&mut C) -> Vec<&mut PathBuf>,
+    work: impl FnOnce(C, Option<Ranks>) -> Result<(), Failure> + Send + 'static,
 ) -> Result<(), Failure> {
     let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)
         .ok_or_else(|| Failure::failed("MPI does not start: it was started already"))?;
     let world = MpiTransport(universe.world());
     if world.size() < 2 {
-        return work(cli, None);
+        return work(command, None);
     }
     let (link, end) = connected();
     let (mut ranks, is_near) = place(&world, link.clone());
     let (rank, control) = (ranks.rank, ranks.control.clone());
     let worker = move || {
         let outcome = if ranks.is_root() {
-            work(cli, Some(ranks))
+            work(command, Some(ranks))
         } else {
-            inputs::receive(&link, rank, is_near, &mut cli.command).and_then(|files| {
-                ranks.memory = files.memory;
-                work(cli, Some(ranks))
+            inputs::receive(&link, rank, is_near, files(&mut command)).and_then(|received| {
+                ranks.memory = received.memory;
+                work(command, Some(ranks))
             })
         };
         let why = match &outcome {
@@ -111,8 +112,8 @@ impl Transport for MpiTransport {
     }
 
     fn receive(&self) -> Option<(usize, Vec<u8>)> {
-        let found = self.0.any_process().immediate_matched_probe()?;
-        let (bytes, status) = found.matched_receive_vec::<u8>();
+        let message = self.0.any_process().immediate_matched_probe()?;
+        let (bytes, status) = message.matched_receive_vec::<u8>();
         Some((status.source_rank() as usize, bytes))
     }
 
@@ -121,7 +122,7 @@ impl Transport for MpiTransport {
         let mut lengths = vec![0u64; size];
         self.0
             .all_gather_into(&(own.len() as u64), &mut lengths[..]);
-        let mut all: Vec<Vec<u8>> = lengths
+        let mut gathered: Vec<Vec<u8>> = lengths
             .iter()
             .map(|&length| Vec::with_capacity(length as usize))
             .collect();
@@ -139,16 +140,16 @@ impl Transport for MpiTransport {
                     Some(at)
                 })
                 .collect();
-            let mut found = vec![0u8; counts.iter().map(|&c| c as usize).sum()];
+            let mut received = vec![0u8; counts.iter().map(|&c| c as usize).sum()];
             let from = start.min(own.len());
             let sent = &own[from..from + part(own.len())];
-            let mut partition = PartitionMut::new(&mut found[..], &counts[..], &places[..]);
+            let mut partition = PartitionMut::new(&mut received[..], &counts[..], &places[..]);
             self.0.all_gather_varcount_into(sent, &mut partition);
-            for ((bytes, &at), &count) in all.iter_mut().zip(&places).zip(&counts) {
-                bytes.extend(&found[at as usize..(at + count) as usize]);
+            for ((bytes, &at), &count) in gathered.iter_mut().zip(&places).zip(&counts) {
+                bytes.extend(&received[at as usize..(at + count) as usize]);
             }
         }
-        all
+        gathered
     }
 
     fn broadcast(&self, own: Vec<u8>) -> Vec<u8> {

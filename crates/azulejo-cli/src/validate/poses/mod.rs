@@ -146,13 +146,13 @@ impl<'a> Poses<'a> {
             let plans = args.pose.iter().map(|words| self.named(words));
             return plans.collect();
         }
-        let wanted = args.poses.unwrap_or(0);
-        let drawn = (0..wanted.saturating_mul(TRIES)).map(|k| self.drawn(k));
+        let count = args.poses.unwrap_or(0);
+        let drawn = (0..count.saturating_mul(TRIES)).map(|k| self.drawn(k));
         let is_wanted = |plan: &PosePlan| {
             let name = plan.name();
             args.only.as_ref().is_none_or(|only| name.contains(only))
         };
-        let plans: Vec<PosePlan> = drawn.filter(is_wanted).take(wanted as usize).collect();
+        let plans: Vec<PosePlan> = drawn.filter(is_wanted).take(count as usize).collect();
         match (plans.is_empty(), &args.only) {
             (true, Some(only)) => Err(Failure::misuse(format_args!(
                 "no pose has \"{only}\" in its name, which is SCENE:COMMAND:CHANGE+CHANGE"

@@ -26,8 +26,8 @@ pub const FORM_FACTORS: &str = "output format materials shard patches patch-size
 pub const EXCHANGE: &str = "materials boundary output by lump truncate patches rays two-sided memory closure engine \
                             place unit recipe";
 
-/// Leaves the other options of a command to `--help`.
-pub fn of(common: &'static str) -> impl FnMut(Arg) -> Arg {
+/// Leaves all options but the common ones to `--help`.
+pub fn showing(common: &'static str) -> impl FnMut(Arg) -> Arg {
     move |arg| {
         let is_common = |long: &str| common.split(' ').any(|name| name == long);
         let is_shown = arg.get_long().is_none_or(is_common);
@@ -43,7 +43,7 @@ pub fn ending(examples: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::Cli;
+    use crate::cli::Cli;
     use clap::CommandFactory;
 
     #[test]

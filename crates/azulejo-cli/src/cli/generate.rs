@@ -1,7 +1,7 @@
 //! Shell completions and manual pages, generated from the definition of the command line.
 
-use super::args::Cli;
-use super::failure::Failure;
+use super::Cli;
+use crate::failure::Failure;
 use azulejo::output::Output;
 use azulejo_trace::Progress;
 use clap::CommandFactory;

@@ -12,25 +12,25 @@ const COMMENTS: &str = "Linear radiance, W/(sr m2). Z is the distance from the p
     the middle of the pixel and are not antialiased. direct + indirect is the image before any \
     denoising; error is its standard error.";
 
-/// The layers that are asked for, in the order of [`LayerName::EACH`].
+/// The requested layers, in the order of [`LayerName::EACH`].
 pub fn chosen(names: &[LayerName]) -> Vec<LayerName> {
     let is_chosen = |name: &LayerName| names.contains(name) || names.contains(&LayerName::All);
     LayerName::EACH.into_iter().filter(is_chosen).collect()
 }
 
 /// The words of the file's comments.
-pub fn comments(found: &MeasuredImage, is_clamped: bool) -> String {
+pub fn comments(measured: &MeasuredImage, is_clamped: bool) -> String {
     if is_clamped {
-        let share = found.removed;
+        let share = measured.removed;
         return format!("{COMMENTS} A clamp removed the share {share:.3e} of the light.");
     }
     COMMENTS.to_owned()
 }
 
-/// The channels of a picture, `image`, and of the layers that are asked for.
+/// The channels of a picture, `image`, and of the requested layers.
 pub fn channels(
     image: &Image,
-    found: &MeasuredImage,
+    measured: &MeasuredImage,
     seen: &PictureLayers,
     names: &[LayerName],
 ) -> Vec<NamedChannel> {
@@ -44,9 +44,9 @@ pub fn channels(
             LayerName::Object => vec![indices("objectId", &seen.object)],
             LayerName::Material => vec![indices("materialId", &seen.material)],
             LayerName::Glyph => vec![indices("glyphId", &seen.glyph)],
-            LayerName::Direct => colors("direct.", "RGB", &found.direct),
-            LayerName::Indirect => colors("indirect.", "RGB", &found.indirect),
-            LayerName::Error => colors("error.", "RGB", &found.error),
+            LayerName::Direct => colors("direct.", "RGB", &measured.direct),
+            LayerName::Indirect => colors("indirect.", "RGB", &measured.indirect),
+            LayerName::Error => colors("error.", "RGB", &measured.error),
         });
     }
     channels

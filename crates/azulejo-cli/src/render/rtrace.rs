@@ -1,10 +1,10 @@
 //! `render --look rtrace`: renders as RTRACE did, with its options.
 
 use super::args::{RenderArgs, RenderStyle, RtraceArgs};
-use super::camera;
-use super::failure::Failure;
-use super::session::Session;
-use super::values::UpArg;
+use crate::camera;
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::values::UpArg;
 use azulejo_render::rtrace::{
     self, Antialiasing, AntialiasingMode, Model, Options, Shadows, Textures, View,
 };

@@ -1,17 +1,22 @@
 //! `render`: the second pass, or the path tracer that serves as its reference.
 
-use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
-use super::failure::Failure;
-use super::report::{Report, count, number, percent, short};
-use super::session::Session;
-use super::views::{self, PictureView};
-use super::{input, layers, pass, rtrace, values};
+pub mod args;
+mod layers;
+mod rtrace;
+mod views;
+
+use crate::failure::Failure;
+use crate::report::{Report, count, number, percent, short};
+use crate::session::Session;
+use crate::{input, pass, values};
+use args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Object, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
+use views::PictureView;
 
 /// File formats of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +54,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
         let tracer = args.first_pass.engine.prepare()?.tracer(&scene)?;
         for view in &views {
             let lit = (&scene, &tracer);
-            let found = reference(
+            let measured = reference(
                 lit,
                 args,
                 (view, size),
@@ -57,18 +62,18 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
                 session,
                 &mut report,
             )?;
-            deliver(&found, lit, (view, format), args, session, &mut report)?;
+            deliver(&measured, lit, (view, format), args, session, &mut report)?;
         }
         return Ok(report);
     }
     let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
     for view in &views {
-        let found = session.with_progress(|progress| {
+        let measured = session.with_progress(|progress| {
             azulejo_render::render_measured(&scene, &tracer, &view.camera, &options, progress)
         })?;
         let lit = (&scene, &tracer);
-        deliver(&found, lit, (view, format), args, session, &mut report)?;
+        deliver(&measured, lit, (view, format), args, session, &mut report)?;
     }
     Ok(report)
 }
@@ -93,19 +98,19 @@ fn reference(
         clamp: args.picture.clamp,
         ..ReferencePass::default()
     };
-    let found = session.with_progress(|progress| {
+    let measured = session.with_progress(|progress| {
         azulejo_render::reference(scene, tracer, &view.camera, &options, progress)
     })?;
-    let error = found.relative_error();
+    let error = measured.relative_error();
     let words = format!(
         "{} relative RMSE, estimated from the pixels' standard errors",
         percent(error)
     );
     report.fact("error", number(error), "error", words);
     if let Some((output, format)) = errors {
-        write_linear(&found.error, *format, output, session)?;
+        write_linear(&measured.error, *format, output, session)?;
     }
-    Ok(found)
+    Ok(measured)
 }
 
 /// Layers need a format that has them, and a filter samples.
@@ -124,41 +129,41 @@ fn check_layers(args: &RenderArgs, format: ImageFormat) -> Result<(), Failure> {
     )))
 }
 
-/// Writes what was found of a view, with its layers if they are asked for.
+/// Writes the image of a view, with its layers if they are requested.
 fn deliver(
-    found: &MeasuredImage,
+    measured: &MeasuredImage,
     (scene, tracer): (&Scene, &Tracer),
     (view, format): (&PictureView, ImageFormat),
     args: &RenderArgs,
     session: &Session,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    state_clamp(found, args, report);
+    state_clamp(measured, args, report);
     let picture = &args.picture;
     let exposed = |image: &Image| {
         azulejo_render::auto_exposure_of_surfaces(image, scene, tracer, &view.camera)
     };
     let target = (view, format, &exposed as AutoExposure);
     if picture.layers.is_none() && !picture.denoise {
-        return write(&found.image, target, args, session, report);
+        return write(&measured.image, target, args, session, report);
     }
-    let size = (found.image.width, found.image.height);
+    let size = (measured.image.width, measured.image.height);
     let samples = picture.spp.unwrap_or(SAMPLES);
     let seen = session.with_progress(|progress| {
         azulejo_render::picture_layers(scene, tracer, &view.camera, size, samples, progress)
     })?;
     let filtered = if picture.denoise {
-        Some(denoised(found, &seen, session, report)?)
+        Some(denoised(measured, &seen, session, report)?)
     } else {
         None
     };
-    let image = filtered.as_ref().unwrap_or(&found.image);
+    let image = filtered.as_ref().unwrap_or(&measured.image);
     let Some(names) = &picture.layers else {
         return write(image, target, args, session, report);
     };
     refuse_overflow(image)?;
-    let channels = layers::channels(image, found, &seen, names);
-    let comments = layers::comments(found, picture.clamp.is_some());
+    let channels = layers::channels(image, measured, &seen, names);
+    let comments = layers::comments(measured, picture.clamp.is_some());
     view.output.write(session.progress(), |out| {
         exr::write_channels(size, channels, &comments, out)
     })?;
@@ -173,13 +178,13 @@ const LEAST_DENOISED: u32 = 4;
 
 /// The image without most of its noise; states what was done.
 fn denoised(
-    found: &MeasuredImage,
+    measured: &MeasuredImage,
     seen: &PictureLayers,
     session: &Session,
     report: &mut Report,
 ) -> Result<Image, Failure> {
     let filtered =
-        session.with_progress(|progress| azulejo_render::denoise(found, seen, progress))?;
+        session.with_progress(|progress| azulejo_render::denoise(measured, seen, progress))?;
     let [change, bias] = [filtered.change, filtered.bias];
     let [before, after] = [filtered.error_before, filtered.error_after];
     let words = format!(
@@ -197,9 +202,9 @@ fn denoised(
 }
 
 /// States how much light a clamp removed, which is its bias.
-fn state_clamp(found: &MeasuredImage, args: &RenderArgs, report: &mut Report) {
+fn state_clamp(measured: &MeasuredImage, args: &RenderArgs, report: &mut Report) {
     if args.picture.clamp.is_some() {
-        let removed = found.removed;
+        let removed = measured.removed;
         let words = format!("{} of the light in the image removed", percent(removed));
         report.fact("clamped", number(removed), "clamped", words);
     }

@@ -1,8 +1,8 @@
 //! The pictures of one `render`: one, or one for each of several cameras.
 
 use super::args::RenderArgs;
-use super::camera;
-use super::failure::Failure;
+use crate::camera;
+use crate::failure::Failure;
 use azulejo::output::Output;
 use azulejo_scene::{Camera, Scene};
 use std::path::{Path, PathBuf};
@@ -17,11 +17,11 @@ pub struct PictureView {
     pub output: Output,
 }
 
-/// The pictures that are asked for, and their size. Several are written beside each other, with a
+/// The requested pictures, and their size. Several are written beside each other, with a
 /// number or the camera's name before the extension.
 pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u32, u32)), Failure> {
     let up = args.input.reading.up;
-    let (size_asked, first) = (args.picture.size, camera::first_look);
+    let (requested_size, first) = (args.picture.size, camera::first_look);
     let named: Vec<Camera> = match args.cameras.as_deref() {
         None => Vec::new(),
         Some(_) if args.output == Path::new("-") => {
@@ -39,7 +39,7 @@ pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u3
             .collect::<Result<_, _>>()?,
     };
     if !named.is_empty() {
-        let size = size_asked.or(named[0].size).unwrap_or(camera::SIZE);
+        let size = requested_size.or(named[0].size).unwrap_or(camera::SIZE);
         camera::check_size(size)?;
         let views = named.into_iter().enumerate().map(|(k, camera)| {
             let label = label(&camera.name, k);
@@ -47,7 +47,7 @@ pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u3
         });
         return Ok((distinct(views.collect::<Result<_, _>>()?)?, size));
     }
-    let (camera, size) = camera::choose(&args.view, size_asked, scene, up, first)?;
+    let (camera, size) = camera::choose(&args.view, requested_size, scene, up, first)?;
     let Some(count) = args.turntable else {
         return Ok((vec![view(camera, args.output.clone())?], size));
     };

@@ -1,11 +1,12 @@
 //! `solve --keep-mesh` of a glTF file: the light goes onto the vertices of the file itself.
 
-use super::args::{SidesArg, SolveArgs};
-use super::bake::read_file;
-use super::draft_list::DraftList;
-use super::failure::Failure;
-use super::report::Report;
-use super::session::Session;
+use super::args::SolveArgs;
+use crate::bake::read_file;
+use crate::draft_list::DraftList;
+use crate::failure::Failure;
+use crate::first_pass::SidesArg;
+use crate::report::Report;
+use crate::session::Session;
 use azulejo::lightmap::SourceFile;
 use azulejo::models::unbaked;
 use azulejo::output::Output;
@@ -123,7 +124,7 @@ fn output_of(args: &SolveArgs) -> Option<(&Path, Container)> {
 fn changed(args: &SolveArgs) -> Option<&'static str> {
     let (input, reading) = (&args.input, &args.input.reading);
     let is_split = args.first_pass.sides == Some(SidesArg::Split);
-    let all = [
+    let options = [
         (reading.placements().next().is_some(), "--place"),
         (input.outside.studio, "--studio"),
         (reading.up.is_some(), "--up"),
@@ -131,7 +132,8 @@ fn changed(args: &SolveArgs) -> Option<&'static str> {
         (!reading.recipe.is_empty(), "--recipe"),
         (is_split, "--sides split"),
     ];
-    all.into_iter()
+    options
+        .into_iter()
         .find_map(|(is_given, option)| is_given.then_some(option))
 }
 

@@ -1,8 +1,10 @@
 //! `solve --in-place`: the light goes into the text of the user's own file.
 
-use super::args::{FirstPassArgs, InputArgs, SidesArg, SolveArgs};
-use super::failure::Failure;
-use super::session::Session;
+use super::args::SolveArgs;
+use crate::failure::Failure;
+use crate::first_pass::{FirstPassArgs, SidesArg};
+use crate::input::InputArgs;
+use crate::session::Session;
 use azulejo::models::read_bytes;
 use azulejo::output::Output;
 use azulejo_formats::grf::{GrfText, LitText};

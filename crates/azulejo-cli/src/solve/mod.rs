@@ -1,16 +1,21 @@
 //! `solve`: the first pass, from scene to irradiance on its vertices.
 
-use super::args::{SidesArg, SolveArgs};
-use super::failure::Failure;
-use super::in_place::InPlace;
-use super::kept_gltf::KeptGltf;
-use super::report::Report;
-use super::runner::{DividedWork, Runner, Sharing};
-use super::session::Session;
-use super::{convert, input, pass, runner};
+pub mod args;
+mod in_place;
+mod kept_gltf;
+
+use crate::failure::Failure;
+use crate::first_pass::SidesArg;
+use crate::report::Report;
+use crate::runner::{DividedWork, Runner, Sharing};
+use crate::session::Session;
+use crate::{convert, input, pass, runner};
+use args::SolveArgs;
 use azulejo::models::ModelOutput;
 use azulejo_radiosity::LightSolution;
 use azulejo_scene::Scene;
+use in_place::InPlace;
+use kept_gltf::KeptGltf;
 use std::path::Path;
 
 /// Digits of light in a file that people edit: far more than its error leaves.
