@@ -162,6 +162,30 @@ fn few_rays(matrix: &FormFactors) -> f64 {
     }
 }
 
+/// Rounding bends a turned square to seven decimals, so that each of its sides has a corner in front: they see
+/// nothing of each other all the same.
+#[test]
+fn sides_of_a_bent_square_do_not_see_each_other() {
+    let square = [
+        dvec3(1.2812419, 2.9279564, -0.7478442),
+        dvec3(0.929374, 2.2451444, -0.1075654),
+        dvec3(0.7316692, 1.6307662, -0.8714058),
+        dvec3(1.0835371, 2.3135781, -1.5116846),
+    ];
+    let scene = sheets(&[square.to_vec()]);
+    for engine in engines() {
+        let options = FormFactorOptions {
+            two_sided: true,
+            // Formulas beside all engines.
+            analytic: true,
+            ..options(&engine)
+        };
+        let tracer = Tracer::new(&scene);
+        let factors = form_factors(&scene, &tracer, &options, &Progress::new()).unwrap();
+        assert_eq!(factors.get(0, 1).0, 0.0, "{engine:?}");
+    }
+}
+
 /// T-joints: the floor is divided where its neighbours have no vertex. It stays closed, and sees what it saw.
 /// By hemicubes, up to 69% of the light of a wall had ended on its own back.
 #[test]
