@@ -275,8 +275,11 @@ fn float32(pose: &mut Pose, _: &mut Dice) {
 }
 
 fn format(pose: &mut Pose, dice: &mut Dice) {
-    let formats = pose.formats;
-    pose.extension = *dice.one_of(formats);
+    let has_double = pose.scene.objects.iter().any(|o| o.name == DOUBLE);
+    // STL makes one object of all, and a double a part of what it is compared with.
+    let suits = |format: &&str| !(has_double && *format == "stl");
+    let formats: Vec<&'static str> = pose.formats.iter().copied().filter(suits).collect();
+    pose.extension = *dice.one_of(&formats);
     pose.words.push(format!("as .{}", pose.extension));
 }
 

@@ -37,6 +37,8 @@ pub struct PosedCommand {
     most_faces: usize,
     /// Whether it knows exact shapes.
     takes_solids: bool,
+    /// Whether both sides of each face count.
+    is_two_sided: bool,
 }
 
 /// Formats that keep surfaces; that keep the names of objects, too; that keep matt surfaces and their light;
@@ -89,6 +91,7 @@ pub fn commands() -> Vec<PosedCommand> {
                 // A solid stands on something: which of the two surfaces in one place a ray from inside meets has no
                 // answer.
                 takes_solids: takes_solids && by_object && !is_two_sided,
+                is_two_sided,
                 ..PosedCommand::new(
                     format!("form-factors {engine} by {group}{words}"),
                     &format!("--engine {engine} {options} {formulas}{sides}"),
@@ -139,6 +142,7 @@ impl PosedCommand {
             measure,
             most_faces: 200,
             takes_solids: true,
+            is_two_sided: false,
         }
     }
 
@@ -151,6 +155,7 @@ impl PosedCommand {
         scene.faces <= self.most_faces
             && (self.takes_solids || scene.is_polygonal)
             && (scene.is_lit || !needs_light)
+            && (scene.is_apart || !self.is_two_sided)
     }
 
     /// Whether a change leaves what it computes as it is. Particles from outside start all around the scene, and
@@ -166,7 +171,8 @@ impl PosedCommand {
             Measure::Info => SURFACES,
             Measure::Exchange => NAMED,
             _ if scene.is_specular => MIRRORS,
-            Measure::Factors { .. } => SURFACES,
+            Measure::Factors { by_object: true } => NAMED,
+            Measure::Factors { by_object: false } => SURFACES,
             _ if scene.has_lights => ALL,
             _ => LIGHT,
         }

@@ -116,7 +116,13 @@ pub fn run(
     let plans = poses.plans(args)?;
     let folder = poses.folder.clone();
     std::fs::create_dir_all(&folder).map_err(|e| Failure::file("create", &folder, &e))?;
-    let records = session.with_progress(|progress| poses.run(plans, session, progress))?;
+    let mut records = Vec::new();
+    let run = session.with_progress(|progress| poses.run(plans, session, progress, &mut records));
+    // The poses before a cancellation are written.
+    run.or_else(|failure| match failure {
+        Failure::Cancelled => Ok(()),
+        failure => Err(failure),
+    })?;
     if args.pose.is_empty() {
         std::fs::remove_dir_all(&folder).map_err(|e| Failure::file("remove", &folder, &e))?;
     }
@@ -242,9 +248,9 @@ impl<'a> Poses<'a> {
         plans: Vec<PosePlan<'a>>,
         session: &Session,
         progress: &Progress,
-    ) -> Result<Vec<PoseRecord>, Failure> {
+        records: &mut Vec<PoseRecord>,
+    ) -> Result<(), Failure> {
         progress.begin("poses", plans.len() as u64);
-        let mut records = Vec::new();
         for plan in plans {
             let clock = Clock::start();
             let mut record = self.judged(plan)?;
@@ -261,7 +267,7 @@ impl<'a> Poses<'a> {
                 break;
             }
         }
-        Ok(records)
+        Ok(())
     }
 
     /// Runs a pose; what fails in it is in the record.

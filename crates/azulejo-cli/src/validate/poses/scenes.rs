@@ -20,6 +20,8 @@ pub struct PosedScene {
     pub name: String,
     /// The scene; its objects are called `part0`, `part1` and so on.
     pub scene: Scene,
+    /// Whether no two faces lie in one place, whichever way they look.
+    is_apart: bool,
 }
 
 /// What a scene is, as far as commands need to know.
@@ -35,6 +37,8 @@ pub struct SceneTraits {
     pub is_lit: bool,
     /// Whether some of it is from lights without area.
     pub has_lights: bool,
+    /// Whether faces have a place of their own, so that both of their sides do.
+    pub is_apart: bool,
 }
 
 /// A family of scenes, drawn from with equal chance.
@@ -60,6 +64,7 @@ impl PosedScene {
         PosedScene {
             name: name.into(),
             scene: plain(scene),
+            is_apart: true,
         }
     }
 
@@ -74,6 +79,7 @@ impl PosedScene {
             is_specular: materials.any(|m| !is_matt(m) || m.brdf.is_some()),
             is_lit: self.scene.has_light(),
             has_lights: !self.scene.lights.is_empty(),
+            is_apart: self.is_apart,
         }
     }
 }
@@ -172,15 +178,17 @@ fn model(path: &Path) -> Option<PosedScene> {
     let model = models::read(path, &models::Reading::default(), &Progress::new()).ok()?;
     let file = path.file_name()?.to_string_lossy().into_owned();
     let folder = path.parent().and_then(Path::file_name)?.to_string_lossy();
-    let posed = PosedScene::new(format!("{folder}/{file}"), model.scene);
+    let mut posed = PosedScene::new(format!("{folder}/{file}"), model.scene);
     posed.scene.validate().ok()?;
-    (!has_flaws(&posed.scene)).then_some(posed)
+    posed.is_apart = !has_flaws(&posed.scene, true);
+    (!has_flaws(&posed.scene, false)).then_some(posed)
 }
 
 /// Whether faces overlap in one plane: which of them light meets is then chance, and another in each pose.
-fn has_flaws(scene: &Scene) -> bool {
+fn has_flaws(scene: &Scene, two_sided: bool) -> bool {
     let options = FormFactorOptions {
         size: PatchSize::FlatWhole(256),
+        two_sided,
         ..FormFactorOptions::default()
     };
     let tracer = Tracer::new(scene);
