@@ -194,13 +194,12 @@ fn coincident_rooms_are_named_as_what_they_are() {
     ] {
         folder.write("rooms.obj", coincident_rooms(rooms));
         let line = format!("form-factors rooms.obj --patch-size 0 --engine {engine} -o f.npz");
-        let run = folder.ok(&format!("{line} --json"));
-        let found: Value = serde_json::from_str(&run.out).unwrap();
+        let found = folder.json(&line);
         assert_eq!(found["patches"], json!(1 + 6 * rooms), "{engine}");
         let [error, missing] =
             ["row_error", "unaccounted_mean"].map(|k| found[k].as_f64().unwrap());
         assert!(error >= missing && missing > 0.5, "{engine}: {found}");
-        let words = run.err;
+        let words = folder.ok(&line).err;
         assert!(words.contains("remove duplicates"), "{engine}: {words}");
     }
     // Formulas know nothing of coincident faces; rays do, and contradict them.
