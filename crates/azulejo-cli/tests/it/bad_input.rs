@@ -115,7 +115,7 @@ fn errors_are_json_for_those_who_ask() {
     let folder = Folder::new();
     let run = folder.run("info missing.grf --json");
     assert_eq!(run.code, Some(1));
-    let value: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let value: Value = serde_json::from_str(&run.out).unwrap();
     assert!(value["error"].as_str().unwrap().contains("missing.grf"));
 }
 

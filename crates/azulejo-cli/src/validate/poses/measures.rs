@@ -564,8 +564,7 @@ pub fn keep_comparable(expected: &mut Vec<Quantity>, found: &mut Vec<Quantity>) 
         names.any(|name| name.starts_with(INSIDE_OUT))
     };
     if has_verdicts(expected) != has_verdicts(found) {
-        let is_area =
-            |q: &Quantity| !q.name.starts_with(VOLUME) && !q.name.starts_with(INSIDE_OUT);
+        let is_area = |q: &Quantity| !q.name.starts_with(VOLUME) && !q.name.starts_with(INSIDE_OUT);
         expected.retain(is_area);
         found.retain(is_area);
     }
