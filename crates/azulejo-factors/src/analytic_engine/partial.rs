@@ -29,9 +29,9 @@ const FAR: f64 = 0.1;
 /// measured.
 const UNCUT: f64 = 0.01;
 
-/// Relative error of cells where the facets and an obstruction touch, which no quartering ends: measured, at the
+/// The same where the facets and obstructions touch besides, which no quartering ends: measured, at the
 /// walls of a box without bottom, from inside.
-const TOUCHING: f64 = 5e-3;
+const TOUCHING: f64 = 4e-3;
 
 /// A blocker or window, with the edges that matter.
 #[derive(Clone, Copy)]
@@ -250,11 +250,8 @@ impl PartialVisibility {
             self.work.count(WorkKind::Contour, 2 * slabs);
             return value;
         }
-        if points == 3 && !fits(3) {
-            if pair.depth < MOST_DEPTH {
-                return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
-            }
-            self.contact_doubt += TOUCHING * size;
+        if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
+            return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
         let (from_to, way, is_far) = if ratio_a <= ratio_b {
             ([a, b], 1.0, is_far(ratio_b))
@@ -266,9 +263,10 @@ impl PartialVisibility {
             if pair.depth < MOST_DEPTH {
                 return self.quartered(pair, way > 0.0, kept, goal);
             }
-            // At corners where facets and obstructions meet, the rest is small beside what was quartered.
             if fits(points) {
                 self.doubt = self.doubt.hypot(UNCUT * size);
+            } else {
+                self.contact_doubt += TOUCHING * size;
             }
         }
         let seen = self.integrate(from_to, way, kept, points, is_far, goal);

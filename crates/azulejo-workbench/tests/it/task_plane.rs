@@ -24,7 +24,7 @@ fn a_task_plane_is_added_judged_moved_and_removed() {
     }
     set(&mut window, "Height", 0.3);
     set(&mut window, "Points 1", 4.0);
-    assert!(says(&window, "These figures are of another height"));
+    assert!(says(&window, "These figures are for another height"));
     // A spinner turns until it is done.
     find(&window, Role::Button, "Measure the plane").click();
     window.run_steps(3);

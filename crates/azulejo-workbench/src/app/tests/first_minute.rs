@@ -184,7 +184,7 @@ fn a_file_without_a_model_is_a_failure_and_replaces_nothing() {
     assert!(
         app.failure
             .as_ref()
-            .is_some_and(|f| f.contains("nothing in this file"))
+            .is_some_and(|f| f.contains("contains nothing"))
     );
     assert_eq!(app.document.objects.len(), before);
     assert!(!app.preferences.recent.contains(&path));

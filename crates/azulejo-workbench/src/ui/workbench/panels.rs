@@ -124,10 +124,10 @@ impl SidePanel {
             .default_size(width)
             .size_range(NARROWEST.min(width)..=widths.most(self, window))
             .show(ui, |ui| bounded(ui, |ui| body(ui, cx)));
-        let width = shown.response.rect.width();
+        let shown_width = shown.response.rect.width();
         let is_held = ui.input(|i| i.pointer.any_down());
-        if !is_held && (width - width).abs() > 1.0 {
-            let new = widths.resized(&cx.app.preferences, self, width.round());
+        if !is_held && (shown_width - width).abs() > 1.0 {
+            let new = widths.resized(&cx.app.preferences, self, shown_width.round());
             cx.send(Command::SetPreferences(Box::new(new)));
         }
     }
