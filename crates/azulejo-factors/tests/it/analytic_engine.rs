@@ -262,7 +262,8 @@ fn check_no_ground(scene: &Scene, accuracies: &[Option<f64>]) {
         for (i, rest) in matrix.rest.iter().enumerate() {
             let most = 4.0 * rest.ground_error + 1e-9;
             assert!(rest.ground <= most, "{accuracy:?} {i}: {rest:?}");
-            assert!(rest.ground_error < 1e-4, "{rest:?}");
+            // Of whole walls that touch a house, which is more than they are off.
+            assert!(rest.ground_error < 3e-4, "{rest:?}");
         }
     }
 }

@@ -659,9 +659,10 @@ impl<'a> GrfParser<'a, '_, '_> {
     ) -> ParseResult<SurfaceLight> {
         let grids = self.grids(entries, kind.parts())?;
         let count = grids.iter().map(SurfaceGrid::vertices).sum();
-        let error = match entries.list.iter().any(|e| e.key == "error") {
-            true => self.rgb_list(entries, "error", count)?,
-            false => Vec::new(),
+        let error = if entries.list.iter().any(|e| e.key == "error") {
+            self.rgb_list(entries, "error", count)?
+        } else {
+            Vec::new()
         };
         Ok(SurfaceLight {
             irradiance: self.rgb_list(entries, "irradiance", count)?,

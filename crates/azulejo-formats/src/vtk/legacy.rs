@@ -254,9 +254,10 @@ impl LegacyReader<'_, '_> {
 
     /// The type of the channels of colours, which are shares of one in text.
     fn color_kind(&self) -> VtkType {
-        match self.source.is_binary {
-            true => VtkType::Unsigned(1),
-            false => VtkType::Real(4),
+        if self.source.is_binary {
+            VtkType::Unsigned(1)
+        } else {
+            VtkType::Real(4)
         }
     }
 
