@@ -29,10 +29,6 @@ const FAR: f64 = 0.1;
 /// measured.
 const UNCUT: f64 = 0.01;
 
-/// The same where the facets and obstructions touch besides, which no quartering ends: measured, at the
-/// walls of a box without bottom, from inside.
-const TOUCHING: f64 = 4e-3;
-
 /// A blocker or window, with the edges that matter.
 #[derive(Clone, Copy)]
 struct Obstruction<'a> {
@@ -51,10 +47,8 @@ pub(super) struct PartialVisibility {
     rest: [ClippedPolygon; 2],
     /// Whether there are more cells than are cut.
     is_uncut: bool,
-    /// Error of the present pair beyond its goal: of cells with discontinuities inside, and of those at contacts,
-    /// whose errors are alike.
+    /// Error of the present pair beyond its goal.
     doubt: f64,
-    contact_doubt: f64,
     /// What was done.
     pub work: PairWork,
 }
@@ -176,7 +170,6 @@ impl PartialVisibility {
             wants_seen,
         };
         self.doubt = 0.0;
-        self.contact_doubt = 0.0;
         self.work.count(WorkKind::Contour, 1);
         let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
         let value = base
@@ -187,7 +180,7 @@ impl PartialVisibility {
             };
         Approximate {
             value: value.max(0.0),
-            error: goal.error + self.doubt + self.contact_doubt,
+            error: goal.error + self.doubt,
         }
     }
 
@@ -263,10 +256,9 @@ impl PartialVisibility {
             if pair.depth < MOST_DEPTH {
                 return self.quartered(pair, way > 0.0, kept, goal);
             }
+            // At corners where facets and obstructions meet, the rest is small beside what was quartered.
             if fits(points) {
                 self.doubt = self.doubt.hypot(UNCUT * size);
-            } else {
-                self.contact_doubt += TOUCHING * size;
             }
         }
         let seen = self.integrate(from_to, way, kept, points, is_far, goal);

@@ -262,8 +262,7 @@ fn check_no_ground(scene: &Scene, accuracies: &[Option<f64>]) {
         for (i, rest) in matrix.rest.iter().enumerate() {
             let most = 4.0 * rest.ground_error + 1e-9;
             assert!(rest.ground <= most, "{accuracy:?} {i}: {rest:?}");
-            // Of whole walls that touch a house, which is more than they are off.
-            assert!(rest.ground_error < 3e-4, "{rest:?}");
+            assert!(rest.ground_error < 1e-4, "{rest:?}");
         }
     }
 }
@@ -411,35 +410,6 @@ fn check_against_rays(scene: &Scene) {
         }
     }
     assert!(chi < 1.5 * count, "χ² {chi} of {count}");
-}
-
-/// From inside a block without bottom that stands on a whole floor, nothing but the block and the floor is seen, within
-/// what is stated of the contacts.
-#[test]
-fn errors_at_contacts_are_stated() {
-    let mut scene = cornell_box(CornellVariant::Diffuse);
-    let (floor, tall_block) = (0..1, scene.objects.len() - 5..scene.objects.len());
-    let parts: Vec<Object> = [floor, tall_block]
-        .into_iter()
-        .flat_map(|range| scene.objects[range].to_vec())
-        .collect();
-    scene.objects = parts;
-    let options = FormFactorOptions {
-        two_sided: true,
-        ..options()
-    };
-    let factors = compute(&scene, &options);
-    for back in (factors.len() - 10 + 1..factors.len()).step_by(2) {
-        let (mut sum, mut error) = (0.0, 0.0);
-        for (_, value, stated) in factors.row(back) {
-            sum += value;
-            error += f64::from(stated);
-        }
-        assert!(
-            (sum - 1.0).abs() < error && error < 0.05,
-            "row {back}: {sum} ± {error}"
-        );
-    }
 }
 
 /// Outside of the notch of an L-shaped room, the backs of two walls see each other, and nothing in the room sees them.

@@ -38,7 +38,7 @@ pub struct DaylightUnits {
 
 impl DaylightUnits {
     /// A photometric quantity in the scene's unit.
-    fn from_lux(self, lux: f64) -> f64 {
+    fn scene_units(self, lux: f64) -> f64 {
         if self.photometric {
             lux
         } else {
@@ -60,7 +60,7 @@ impl DaylightUnits {
         if self.solar {
             watts
         } else {
-            self.from_lux(watts * SUNLIGHT_EFFICACY)
+            self.scene_units(watts * SUNLIGHT_EFFICACY)
         }
     }
 
@@ -85,9 +85,9 @@ impl DaylightUnits {
         let sky = match (irradiance, toward_sun) {
             (Some(irradiance), _) => Sky::cie(number, sun, irradiance),
             (None, _) if self.solar => return Err(DaylightError::NoBrightness(number)),
-            (None, None) => Sky::cie(number, sun, self.from_lux(OVERCAST_ILLUMINANCE)),
+            (None, None) => Sky::cie(number, sun, self.scene_units(OVERCAST_ILLUMINANCE)),
             (None, Some(sun)) => Sky::cie_typical(number, sun, TURBIDITY).map(|sky| Sky {
-                scale: self.from_lux(sky.scale),
+                scale: self.scene_units(sky.scale),
                 ..sky
             }),
         };
@@ -103,8 +103,8 @@ impl DaylightUnits {
             (weather.sky_in_solar_watts(azimuth), weather.dni)
         } else {
             let sky = weather.sky_in_lux(azimuth);
-            let scale = self.from_lux(sky.scale);
-            let direct = self.from_lux(weather.direct_normal_illuminance());
+            let scale = self.scene_units(sky.scale);
+            let direct = self.scene_units(weather.direct_normal_illuminance());
             (Sky { scale, ..sky }, direct)
         }
     }

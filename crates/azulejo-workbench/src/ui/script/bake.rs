@@ -14,9 +14,10 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
         "bake" => bake(rest),
         "save-lightmap" => path(word, rest).map(|path| {
             let extension = path.extension().map(|e| e.to_ascii_lowercase());
-            let what = match extension.is_some_and(|e| e == "exr") {
-                true => LightmapFile::Irradiance,
-                false => LightmapFile::Model,
+            let what = if extension.is_some_and(|e| e == "exr") {
+                LightmapFile::Irradiance
+            } else {
+                LightmapFile::Model
             };
             command(Command::SaveLightmap(what, path))
         }),
