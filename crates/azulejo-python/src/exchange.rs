@@ -194,7 +194,7 @@ impl NativeThermalSolution {
 
     /// What is known of the nodes of a band's network, by name.
     fn network<'py>(&self, py: Python<'py>, band: usize) -> PyResult<Bound<'py, PyDict>> {
-        let network = self.network(band)?;
+        let network = self.exchange_factors(band)?;
         let arrays = PyDict::new(py);
         arrays.set_item("names", network.names.clone())?;
         arrays.set_item("areas", network.areas.clone().into_pyarray(py))?;
@@ -211,7 +211,7 @@ impl NativeThermalSolution {
         band: usize,
         name: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let network = self.network(band)?;
+        let network = self.exchange_factors(band)?;
         let of: fn(&ExchangeFactors, usize, usize) -> f64 = match name {
             "GR" => |x, a, b| x.conductance(a, b).0,
             "GR_error" => |x, a, b| x.conductance(a, b).1,
@@ -339,7 +339,7 @@ impl NativeThermalSolution {
 }
 
 impl NativeThermalSolution {
-    fn network(&self, band: usize) -> PyResult<&ExchangeFactors> {
+    fn exchange_factors(&self, band: usize) -> PyResult<&ExchangeFactors> {
         let network = self.solution.networks.get(band);
         let (_, network) = network.ok_or_else(|| refused("there is no such band"))?;
         Ok(network)
