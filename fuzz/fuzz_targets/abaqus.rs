@@ -6,7 +6,9 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let options = ReadOptions::in_proportion(bytes.len());
-    let files = Memory::new().with("a.inp", bytes).with("b.inp", "9, 1, 2, 3\n");
+    let files = Memory::new()
+        .with("a.inp", bytes)
+        .with("b.inp", "9, 1, 2, 3\n");
     if let Ok(loaded) = abaqus::read(bytes, "fuzz.inp", &files, &options) {
         loaded
             .scene

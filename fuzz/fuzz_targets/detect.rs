@@ -11,7 +11,10 @@ fuzz_target!(|bytes: &[u8]| {
     for name in ["fuzz", "fuzz.vs3", "fuzz.scn", "fuzz.off", "fuzz.sff.gz"] {
         let recognized = recognize(bytes, name);
         if name == "fuzz" {
-            assert_eq!(recognized, detected, "a name without an extension decides nothing");
+            assert_eq!(
+                recognized, detected,
+                "a name without an extension decides nothing"
+            );
         }
         let loaded = read_with(bytes, name, &Memory::new(), &options);
         if let Ok(loaded) = loaded {

@@ -3,8 +3,8 @@
 #![no_main]
 
 use azulejo_formats::gltf::patch::{
-    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightsMode,
-    LightmapUvs, MediaType, ObjectLayout, Output, strip, with_lightmap, with_vertex_light,
+    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightmapUvs,
+    LightsMode, MediaType, ObjectLayout, Output, strip, with_lightmap, with_vertex_light,
 };
 use azulejo_formats::gltf::{FaceOrigin, ObjectOrigin, read_with_origins};
 use azulejo_formats::{Memory, ReadOptions};
@@ -68,7 +68,10 @@ fuzz_target!(|bytes: &[u8]| {
     let had_one = strip(bytes, "fuzz.gltf").is_ok();
     assert!(had_one || stripped.is_exact);
     // Blanks are gone; what is left is the same once more.
-    let once_more = GltfFile { bytes: &stripped.bytes, ..original };
+    let once_more = GltfFile {
+        bytes: &stripped.bytes,
+        ..original
+    };
     let twice = with_lightmap(&once_more, &origins, &edit).expect("what was stripped is edited");
     assert!(twice.bytes == patched.bytes);
     let again = strip(&twice.bytes, "fuzz.gltf").expect("what was edited has a lightmap");

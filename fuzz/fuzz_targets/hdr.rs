@@ -23,7 +23,10 @@ fuzz_target!(|bytes: &[u8]| {
         let largest = known.iter().copied().fold(0.0, f32::max);
         if largest > 1e-30 && largest < 1e38 {
             for (a, b) in found.iter().zip(known) {
-                assert!((a - b.max(0.0)).abs() <= largest / 127.0, "{found:?} {known:?}");
+                assert!(
+                    (a - b.max(0.0)).abs() <= largest / 127.0,
+                    "{found:?} {known:?}"
+                );
             }
         }
     }

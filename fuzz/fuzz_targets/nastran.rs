@@ -6,7 +6,9 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let options = ReadOptions::in_proportion(bytes.len());
-    let files = Memory::new().with("a.bdf", bytes).with("b.bdf", "GRID,9,,1.,2.,3.\n");
+    let files = Memory::new()
+        .with("a.bdf", bytes)
+        .with("b.bdf", "GRID,9,,1.,2.,3.\n");
     if let Ok(loaded) = nastran::read(bytes, "fuzz.bdf", &files, &options) {
         loaded
             .scene

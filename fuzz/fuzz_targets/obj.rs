@@ -6,8 +6,7 @@ use azulejo_formats::{Memory, ReadOptions, obj};
 use azulejo_scene::Scene;
 use libfuzzer_sys::fuzz_target;
 
-const LIBRARY: &str =
-    "newmtl m\nKd 0.1 0.2 0.3\nnewmtl n\nKs 1\nillum 3\nnewmtl g\nNi 1.5\nillum 7\nnewmtl t\nmap_Kd -s 2 -o 0.5 a.png\n";
+const LIBRARY: &str = "newmtl m\nKd 0.1 0.2 0.3\nnewmtl n\nKs 1\nillum 3\nnewmtl g\nNi 1.5\nillum 7\nnewmtl t\nmap_Kd -s 2 -o 0.5 a.png\n";
 
 fuzz_target!(|bytes: &[u8]| {
     let files = Memory::new().with("m.mtl", LIBRARY);

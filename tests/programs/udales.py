@@ -1,7 +1,10 @@
 """uDALES's files of a court with houses, read as its Fortran reads them: the sparse and the full matrix agree, and its
-own checks hold. Needs NumPy and SciPy (netCDF); uDALES itself is not run."""
+own checks hold. So does the strict check of its Python tools (validate_view_factors), of the court and of a wall on open
+ground, if UDALES is the folder of its repository. Needs NumPy and SciPy (netCDF), and trimesh for the latter; uDALES itself
+is not run."""
 
 import os
+import sys
 
 from common import azulejo, check, folder, skip
 
@@ -115,7 +118,32 @@ def examine(engine, *options):
     return full
 
 
+def strict(what, facets, *options):
+    """The check of uDALES' own tools, which read the files as they are."""
+    place = folder()
+    model = os.path.join(place, "model.stl")
+    write_stl(model, facets)
+    azulejo("form-factors", model, "-o", os.path.join(place, f"vfsparse.inp.{NUMBER}"), "--patch-size", "0", *options)
+    sparse, svf, areas, _, _ = read(place, len(facets))
+    tools.validate_view_factors(csr_matrix(sparse), svf, areas=areas)
+    print(f"ok: {what}: the strict check of uDALES holds, its sky is {svf.min():.4f} to {svf.max():.4f}")
+
+
 exact = examine("analytic", "--tolerance", "1e-9")
 # The sky of a row is estimated by its rays alone, its factors by those of both ends: sums err by noise.
 traced = examine("rays", "--rays", "262144")
 check("traced and exact, largest difference", np.abs(traced - exact).max(), 0.0, 1e-2)
+
+if "UDALES" not in os.environ:
+    print("skipped: UDALES is not the folder of a checkout of uDALES")
+    sys.exit(0)
+sys.path += [os.path.join(os.environ["UDALES"], "tools", "python", *more) for more in ([], ["udgeom"])]
+import view3d as tools  # noqa: E402
+from scipy.sparse import csr_matrix  # noqa: E402
+
+# The wall stands 10 m from the edge of the ground, and sees past it.
+GROUND = rectangle((0, 0, 0), (30, 0, 0), (30, 30, 0), (0, 30, 0))
+BLOCK = GROUND + rectangle((20, 0, 0), (20, 30, 0), (20, 30, 10), (20, 0, 10))
+for options in [(), ("--rays", "4096"), ("--rays", "1024", "--periodic", "x,y")]:
+    strict(f"a wall on open ground, {options}", BLOCK, *options)
+    strict(f"a court with houses, {options}", street(), *options)

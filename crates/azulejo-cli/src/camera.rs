@@ -1,8 +1,7 @@
 //! The camera of an image, and the image's size.
 
 use super::failure::Failure;
-use super::values;
-use super::values::UpArg;
+use super::values::{self, UpArg};
 use azulejo::models;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};

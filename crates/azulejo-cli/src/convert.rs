@@ -1,10 +1,10 @@
 //! `convert`: reads models and writes them as one.
 
 use super::failure::Failure;
-use super::input;
-use super::input::InputArgs;
+use super::input::{self, ClockArgs, InputArgs};
 use super::report::{Report, count};
 use super::session::Session;
+use super::values;
 use azulejo::models::ModelOutput;
 use azulejo_scene::Scene;
 use clap::{Args, ValueHint};
@@ -22,13 +22,17 @@ pub struct ConvertArgs {
     /// meshes, matt surfaces as `rgb`; what it cannot express is listed
     #[arg(long)]
     pub plain: bool,
-    /// Triangulate all polygons, for programs that read triangles only
-    #[arg(long)]
-    pub triangles: bool,
+    /// Triangulate all polygons, for programs that read triangles only, or keep them [default: yes for
+    /// .ply, otherwise no]
+    #[arg(long, value_name = "yes|no", num_args = 0..=1, require_equals = true,
+          default_missing_value = "yes", value_parser = values::yes_or_no)]
+    pub triangles: Option<bool>,
     /// Significant digits of the numbers of meshes in text formats [default: as many as the exact
     /// values need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
+    #[command(flatten)]
+    pub clock: ClockArgs,
     #[command(flatten)]
     pub input: InputArgs,
 }
@@ -46,13 +50,11 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> Result<Report, Failure>
         ModelOutput::check_plain(&args.output)?
     } else {
         ModelOutput::check(&args.output)?
-    };
+    }
+    .with_triangles(args.triangles);
     let digits = checked_digits(args.digits, &output)?;
     session.claim_stdout(output.is_stdout())?;
-    let mut scene = input::read_all(&args.input, session)?;
-    if args.triangles {
-        scene.divide_into_triangles();
-    }
+    let mut scene = input::read_all(&args.input, args.clock, session)?;
     round(&mut scene, digits);
     session.write(&scene, &output)?;
     let mut report = Report::default();

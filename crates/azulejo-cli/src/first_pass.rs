@@ -33,6 +33,12 @@ pub struct FirstPassArgs {
     /// The error is that of noise and discretization. docs/errors.md says what it means.
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
+    /// Target error of each vertex or point relative to its own irradiance, instead of --error: for gauges in the dark
+    ///
+    /// Takes many more rays where the scene has dark places. Points darker than a thousandth of the mean are taken to
+    /// have that. Not for lightmaps.
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction, conflicts_with = "error")]
+    pub error_each: Option<f64>,
     /// Rays per patch, and maximum number of rays per vertex or point
     ///
     /// `bake` gathers with this number at every texel if neither --error nor --time is given, and does
@@ -85,6 +91,11 @@ pub struct FirstPassArgs {
 }
 
 impl FirstPassArgs {
+    /// The error to reach, of all or of each.
+    pub fn requested_error(&self) -> Option<f64> {
+        self.error_each.or(self.error)
+    }
+
     /// How long to work: the last that is given.
     pub fn limit(&self) -> Option<Duration> {
         self.time.iter().rev().find_map(|time| match time {

@@ -1,14 +1,15 @@
 //! `info`: what is in a model.
 
 use super::failure::Failure;
-use super::input;
-use super::input::InputArgs;
+use super::input::{self, ClockArgs, InputArgs};
 use super::inventory::Inventory;
 use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{LightKind, MaterialId, Mesh, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use azulejo_scene::{
+    LightKind, MaterialId, Mesh, Object, PlacedMesh, PrimitiveKind, Rgb, Scene, Shape, Up,
+};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -33,6 +34,8 @@ pub struct InfoArgs {
         requires = "table"
     )]
     pub format: TableFormat,
+    #[command(flatten)]
+    pub clock: ClockArgs,
     #[command(flatten)]
     pub input: InputArgs,
 }
@@ -61,6 +64,7 @@ Examples:
 const LISTED: usize = 20;
 
 /// The properties of one object.
+#[derive(Default)]
 struct ObjectSummary<'s> {
     kind: &'static str,
     /// The parts of an exact shape, other than a primitive.
@@ -81,7 +85,7 @@ struct ObjectSummary<'s> {
 /// Runs `info`.
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     session.list_warnings();
-    let scene = input::read_all(&args.input, session)?;
+    let scene = input::read_all(&args.input, args.clock, session)?;
     // The mean of a picture is near enough here to what shines of it.
     let scene = scene.with_even_emission().unwrap_or(scene);
     let parts: Vec<ObjectSummary<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
@@ -149,79 +153,77 @@ fn skipped(session: &Session, report: &mut Report) {
 }
 
 fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
-    // Of both sides together.
-    let emission = |m: MaterialId| {
-        let material = &scene.materials[m as usize];
-        material.emission_from(true) + material.emission_from(false)
-    };
-    if let Some(placed) = object.shape.placed_mesh() {
-        let mesh = placed.mesh;
-        let mut power = Rgb::BLACK;
-        let mut area = 0.0;
-        for (face, &m) in mesh.face_materials.iter().enumerate() {
-            let a = placed.face_area_vector(face).length();
-            area += a;
-            power += emission(m) * (PI * a);
-        }
-        let emits = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
-        return ObjectSummary {
-            kind: if placed.world_from_mesh().is_some() {
-                "instance"
-            } else {
-                "mesh"
-            },
-            inventory: None,
-            materials: different(&mesh.face_materials),
-            vertices: mesh.positions.len(),
-            faces: mesh.faces.len(),
-            triangles: mesh.faces.triangle_count(),
-            area,
-            volume: mesh.enclosed_volume().map(|volume| {
-                let map = placed.world_from_mesh();
-                volume * map.map_or(1.0, |map| map.matrix3.determinant())
-            }),
-            power: emits.then_some(power),
-            solved: !placed.irradiance.is_empty() || scene.is_lightmapped(&object.shape),
-        };
-    }
     match &object.shape {
-        // Returned above.
-        Shape::Mesh(_) | Shape::Instance(_) => unreachable!("all meshes are placed"),
+        Shape::Mesh(_) | Shape::Instance(_) => {
+            let placed = object.shape.placed_mesh();
+            placed.map_or_else(ObjectSummary::default, |placed| ObjectSummary {
+                solved: !placed.irradiance.is_empty() || scene.is_lightmapped(&object.shape),
+                ..mesh_part(scene, &placed)
+            })
+        }
         Shape::Exact(exact) => {
             let areas = exact.areas(1e-3 * exact.bounds().diagonal());
-            let power: Rgb = areas.iter().map(|(&m, a)| emission(m) * (PI * a)).sum();
+            let power = areas.iter().map(|(&m, a)| emission(scene, m) * (PI * a));
+            let power: Rgb = power.sum();
             let inventory = Inventory::of(exact);
             let materials: Vec<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
             ObjectSummary {
                 kind: inventory.kind(exact),
                 inventory: Some(inventory),
                 materials: different(&materials),
-                vertices: 0,
-                faces: 0,
-                triangles: 0,
                 area: areas.values().sum(),
-                volume: None,
                 power: (!power.is_black()).then_some(power),
                 solved: exact.proxy.is_some(),
+                ..ObjectSummary::default()
             }
         }
         Shape::Primitive(p) => {
-            let emitted = emission(p.material);
+            let emitted = emission(scene, p.material);
             let area = p.area();
             ObjectSummary {
                 kind: kind_name(p.kind),
-                inventory: None,
                 materials: 1,
-                vertices: 0,
-                faces: 0,
-                triangles: 0,
                 area,
-                volume: None,
                 power: (!emitted.is_black()).then_some(emitted * (PI * area)),
                 solved: p.light.is_some(),
+                ..ObjectSummary::default()
             }
         }
     }
+}
+
+/// The properties of a mesh but for its light.
+fn mesh_part<'s>(scene: &Scene, placed: &PlacedMesh) -> ObjectSummary<'s> {
+    let mesh = placed.mesh;
+    let mut power = Rgb::BLACK;
+    let mut area = 0.0;
+    for (face, &m) in mesh.face_materials.iter().enumerate() {
+        let a = placed.face_area_vector(face).length();
+        area += a;
+        power += emission(scene, m) * (PI * a);
+    }
+    let mut materials = mesh.face_materials.iter();
+    let emits = materials.any(|&m| !emission(scene, m).is_black());
+    let map = placed.world_from_mesh();
+    ObjectSummary {
+        kind: if map.is_some() { "instance" } else { "mesh" },
+        materials: different(&mesh.face_materials),
+        vertices: mesh.positions.len(),
+        faces: mesh.faces.len(),
+        triangles: mesh.faces.triangle_count(),
+        area,
+        volume: mesh
+            .enclosed_volume()
+            .map(|volume| volume * map.map_or(1.0, |map| map.matrix3.determinant())),
+        power: emits.then_some(power),
+        ..ObjectSummary::default()
+    }
+}
+
+/// The radiance that a material emits, of both sides together.
+fn emission(scene: &Scene, material: MaterialId) -> Rgb {
+    let material = &scene.materials[material as usize];
+    material.emission_from(true) + material.emission_from(false)
 }
 
 fn different(materials: &[MaterialId]) -> usize {

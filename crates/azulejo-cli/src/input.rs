@@ -6,13 +6,11 @@ use super::placement::{self, PlaceArg};
 use super::session::Session;
 use super::surroundings;
 use super::surroundings::args::{Site, SurroundingsArgs};
-use super::values;
-use super::values::UpArg;
+use super::values::{self, UpArg};
 use azulejo::models::{self, read_bytes};
 use azulejo::recipe::Recipe;
-use azulejo_formats::Lod;
-use azulejo_formats::{ReadOptions, camera_json};
-use azulejo_scene::{Scene, Units};
+use azulejo_formats::{Lod, ReadOptions, VertexColors, camera_json};
+use azulejo_scene::{Scene, Units, Up};
 use clap::builder::Resettable;
 use clap::{Args, ValueHint};
 use globset::GlobMatcher;
@@ -45,6 +43,14 @@ impl InputArgs {
     }
 }
 
+/// When the sun stands where it stands, for commands that do nothing else with time.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct ClockArgs {
+    /// Date and time for which the sun is computed, as in 2025-06-21T14:00+02:00, at the LAT,LON of --place
+    #[arg(long, value_name = "TIME", value_parser = values::when, help_heading = "Time")]
+    pub time: Option<Timestamp>,
+}
+
 /// How models are read and put together.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading")]
@@ -71,6 +77,10 @@ pub struct ReadingArgs {
     /// model's units, or a level as in lod1.3 (CityJSON)
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
+    /// Colours of vertices in OBJ and PLY are linear, or sRGB as screens show them [default: linear, or
+    /// sRGB if Blender wrote the file]
+    #[arg(long, value_name = "linear|srgb")]
+    pub vertex_colors: Option<VertexColors>,
     /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
     /// background, fog. May be given several times
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -92,6 +102,17 @@ pub struct ReadingArgs {
 }
 
 impl ReadingArgs {
+    /// The options of readers.
+    pub fn options(&self, darkens_unpainted: bool) -> ReadOptions {
+        ReadOptions {
+            lod: self.lod,
+            most_elements: self.most_elements,
+            darkens_unpainted,
+            vertex_colors: self.vertex_colors,
+            ..ReadOptions::default()
+        }
+    }
+
     /// How models are placed.
     pub fn placements(&self) -> impl Iterator<Item = &Placement> {
         self.place.iter().filter_map(|place| match place {
@@ -112,8 +133,8 @@ impl ReadingArgs {
 /// What a command does with its models.
 #[derive(Clone, Copy)]
 enum Purpose {
-    /// It converts or describes them as they are.
-    AsGiven,
+    /// It converts or describes them as they are, with the sun of an instant.
+    AsGiven(Option<Timestamp>),
     /// It shows light, for an instant at which the sun stands somewhere.
     Lit(Option<Timestamp>),
     /// It computes light in place of what the models have.
@@ -123,8 +144,12 @@ enum Purpose {
 /// Reads all models of a command, places and merges them, and reports what was skipped.
 ///
 /// The scene has the axes and unit of the first model, unless the command line specifies others.
-pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
-    read_all_for(input, Purpose::AsGiven, session)
+pub fn read_all(
+    input: &InputArgs,
+    clock: ClockArgs,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
+    read_all_for(input, Purpose::AsGiven(clock.time), session)
 }
 
 /// [`read_all`] for light, at an instant if one is given.
@@ -174,7 +199,17 @@ fn read_all_for(
         }
         let units = scene_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
         for change in models::changes(model.units, units) {
-            session.note(&format!("{}: {change}", path.display()));
+            let hint = match (change, input.reading.up) {
+                (models::Change::Turned { to, .. }, Some(_)) => {
+                    let axis = if to == Up::Z { "z" } else { "y" };
+                    let path = path.display();
+                    format!(
+                        " (if it is drawn with {axis} up: --place {path}:up={axis} in place of --up)"
+                    )
+                }
+                _ => String::new(),
+            };
+            session.note(&format!("{}: {change}{hint}", path.display()));
         }
         let mut model = model.adapted(units);
         if let Some(placement) = placement {
@@ -310,8 +345,7 @@ impl<'a> PlacementQueue<'a> {
 impl Purpose {
     fn instant(self) -> Option<Timestamp> {
         match self {
-            Purpose::AsGiven => None,
-            Purpose::Lit(instant) | Purpose::Relit(instant) => instant,
+            Purpose::AsGiven(instant) | Purpose::Lit(instant) | Purpose::Relit(instant) => instant,
         }
     }
 }
@@ -324,17 +358,12 @@ fn read_one(
     session: &mut Session,
 ) -> Result<Scene, Failure> {
     let how = models::Reading {
-        options: ReadOptions {
-            lod: reading.lod,
-            most_elements: reading.most_elements,
-            darkens_unpainted: !matches!(purpose, Purpose::AsGiven),
-            ..ReadOptions::default()
-        },
+        options: reading.options(!matches!(purpose, Purpose::AsGiven(_))),
         allow: reading.allow.clone(),
         home: None,
     };
     let model = match purpose {
-        Purpose::AsGiven | Purpose::Lit(_) => models::read(path, &how, session.progress())?,
+        Purpose::AsGiven(_) | Purpose::Lit(_) => models::read(path, &how, session.progress())?,
         Purpose::Relit(_) => {
             let (model, notes) = models::read_unbaked(path, &how, session.progress())?;
             notes.iter().for_each(|note| session.note(note));

@@ -117,10 +117,10 @@ impl<'s> Inventory<'s> {
 
 /// Number of set operations in a solid.
 fn operations(solid: &Solid) -> usize {
-    let all = |solids: &[Solid]| solids.iter().map(operations).sum::<usize>();
+    let sum = |solids: &[Solid]| solids.iter().map(operations).sum::<usize>();
     match solid {
-        Solid::Csg(csg) => 1 + all(&csg.left) + all(&csg.right),
-        Solid::Shell(pieces) => all(pieces),
+        Solid::Csg(csg) => 1 + sum(&csg.left) + sum(&csg.right),
+        Solid::Shell(pieces) => sum(pieces),
         Solid::Primitive(_) | Solid::Prism(_) | Solid::Patch(_) | Solid::Mesh(_) => 0,
     }
 }

@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::info::{InfoArgs, TableFormat};
-use super::input::{self, InputArgs};
-use super::report::{Report, bytes, count, number};
+use super::input::{self, ClockArgs, InputArgs};
+use super::report::{Report, bytes, count, csv_cell, number};
 use super::session::Session;
 use super::surroundings::args::SurroundingsArgs;
 use azulejo_formats::grf;
@@ -85,7 +85,7 @@ fn row(path: &Path, input: &InputArgs, session: &mut Session) -> Result<ModelRow
         outside: SurroundingsArgs::default(),
         reading: input.reading.clone(),
     };
-    let scene = input::read_all(&one, session)?;
+    let scene = input::read_all(&one, ClockArgs::default(), session)?;
     let mut size = CountedBytes(0);
     grf::write(&scene, &mut size).map_err(|e| Failure::file("measure", path, &e))?;
     let mut row = ModelRow {
@@ -207,11 +207,7 @@ fn markdown(rows: &[ModelRow]) -> Vec<String> {
 fn separated(rows: &[ModelRow]) -> Vec<String> {
     let head = "model,source_bytes,objects,materials,vertices,faces,grf_bytes,ratio".to_owned();
     let body = rows.iter().map(|row| {
-        let name = if row.name.contains([',', '"', '\n']) {
-            format!("\"{}\"", row.name.replace('"', "\"\""))
-        } else {
-            row.name.clone()
-        };
+        let name = csv_cell(&row.name);
         let [objects, materials, vertices, faces] = row.counts();
         let (source, grf, ratio) = (row.source, row.grf, row.ratio());
         format!("{name},{source},{objects},{materials},{vertices},{faces},{grf},{ratio:.4}")

@@ -27,8 +27,10 @@ pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
 pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine, session: &Session) -> FirstPass {
     FirstPass {
         size: patch_size(&args.division).unwrap_or(FirstPass::default().size),
-        error: args.error,
+        error: args.requested_error(),
+        error_each: args.error_each.is_some(),
         rays: args.rays,
+        ray_budget: None,
         bounces: args.bounces,
         seed: args.seed,
         memory: args.memory.unwrap_or(machine::budget_of(session.memory())),
@@ -58,8 +60,19 @@ pub fn solve(
     session: &Session,
 ) -> Result<LightSolution, Failure> {
     let options = options(args, prepared, session);
+    solve_with(scene, tracer, args, &options, session)
+}
+
+/// The same with other options than those that `args` give, but within their time.
+pub fn solve_with(
+    scene: &Scene,
+    tracer: &Tracer,
+    args: &FirstPassArgs,
+    options: &FirstPass,
+    session: &Session,
+) -> Result<LightSolution, Failure> {
     with_forecast(args, (&Alone, session), |run| {
-        azulejo_radiosity::solve(scene, tracer, &options, run)
+        azulejo_radiosity::solve(scene, tracer, options, run)
     })
     .map_err(failure)
 }
@@ -116,7 +129,7 @@ fn forecast(measured: &Measured, args: &FirstPassArgs, start: Instant) -> Option
     else {
         return None;
     };
-    args.error?;
+    args.requested_error()?;
     let spent = measured.at.saturating_duration_since(start).as_secs_f64();
     let needed = seconds((spent + more).max(1.0).round());
     let rays = match args.rays {
@@ -179,13 +192,7 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    if pass.balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
-        return Err(Failure::failed(format_args!(
-            "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
-             error, more rays or more time, or accept it with --allow-imbalance",
-            percent(pass.balance.error())
-        )));
-    }
+    refuse_imbalance(&pass.balance, args)?;
     prepared.describe(&pass.engine_used, report);
     let method = match pass.method {
         Method::Matrix => "matrix",
@@ -243,6 +250,18 @@ pub fn describe(
     Ok(())
 }
 
+/// Refuses a result from which so much of the emitted power is missing that it cannot be trusted, unless `args` allow it.
+pub fn refuse_imbalance(balance: &EnergyBalance, args: &FirstPassArgs) -> Result<(), Failure> {
+    if balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
+        return Err(Failure::failed(format_args!(
+            "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
+             error, more rays or more time, or accept it with --allow-imbalance",
+            percent(balance.error())
+        )));
+    }
+    Ok(())
+}
+
 /// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
 fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
     let parts = pass.error_parts;
@@ -264,6 +283,17 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     words.push(')');
     words += balance;
     report.fact("error", number(pass.error), "estimated error", words);
+    let mut reached = pass.error;
+    if let Some(requested) = args.error_each {
+        reached = pass.error_each;
+        let words = format!(
+            "{} of its irradiance ({} was requested; root mean square over the points)",
+            percent(pass.error_each),
+            percent(requested)
+        );
+        report.line("error of each point", words);
+    }
+    report.value("error_each", number(pass.error_each));
     report.value("error_noise", number(parts.noise));
     report.value("error_discretization", number(parts.discretization));
     report.value("error_interpolation", number(parts.interpolation));
@@ -285,27 +315,22 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     report.value("quarter_means", numbers(pass.quarters.map(|q| q.mean)));
     report.value("quarter_errors", numbers(pass.quarters.map(|q| q.error)));
     if pass.path_traced > 0.0 && pass.method != Method::Paths {
-        let words = format!(
-            "{} of the {}, where patches are too coarse",
-            percent(pass.path_traced),
-            if pass.points == 1 { "point" } else { "points" }
-        );
+        let share = percent(pass.path_traced);
+        let points = if pass.points == 1 { "point" } else { "points" };
+        let words = format!("{share} of the {points}, where patches are too coarse");
         report.line("path traced", words);
     }
     report.value("path_traced", number(pass.path_traced));
     if pass.interpolated > 0.0 {
-        let words = format!(
-            "{} of the points, in indirect light",
-            percent(pass.interpolated)
-        );
+        let words = percent(pass.interpolated) + " of the points, in indirect light";
         report.line("interpolated", words);
     }
     report.value("interpolated", number(pass.interpolated));
     report.value("rays_needed", number(pass.rays_needed));
-    let requested = args
-        .error
-        .filter(|e| pass.error > *e && pass.rays_needed > 1.0);
-    if let Some(requested) = requested {
+    if let Some(requested) = args.requested_error()
+        && reached > requested
+        && pass.rays_needed > 1.0
+    {
         let more = short(pass.rays_needed);
         let words = format!(
             "{} was not reached: it would take about {more} times the rays from points; allow more \

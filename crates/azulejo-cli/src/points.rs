@@ -102,10 +102,10 @@ fn text_table(bytes: &[u8], columns: usize) -> Result<Vec<f64>, String> {
             })?;
             values.push(number);
         }
-        let found = values.len() - before;
-        if found != 0 && found != columns {
+        let count = values.len() - before;
+        if count != 0 && count != columns {
             return Err(format!(
-                "line {}: found {found} numbers, expected {columns}",
+                "line {}: found {count} numbers, expected {columns}",
                 i + 1
             ));
         }

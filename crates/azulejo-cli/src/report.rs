@@ -1,6 +1,7 @@
 //! The summary of a command, as text and as JSON.
 
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// Results in order, each with a label and text, a key and a JSON value, or both.
@@ -64,6 +65,15 @@ impl Report {
     /// Writes one JSON object on a line of its own.
     pub fn write_json(self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "{}", Value::Object(self.values))
+    }
+}
+
+/// A cell of CSV, in quotes where RFC 4180 wants them.
+pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
     }
 }
 

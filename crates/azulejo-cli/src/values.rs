@@ -163,6 +163,11 @@ pub fn instant(text: &str) -> Option<Result<Timestamp, String>> {
     })
 }
 
+/// An instant alone.
+pub fn when(text: &str) -> Result<Timestamp, String> {
+    instant(text).unwrap_or_else(|| Err("expected as in 2025-06-21T14:00+02:00".to_owned()))
+}
+
 /// A length of time, or an instant with its offset from UTC: `60s`, `2025-06-21T14:00+02:00`.
 pub fn time(text: &str) -> Result<TimeArg, String> {
     match instant(text) {
@@ -298,6 +303,15 @@ pub fn lod(text: &str) -> Result<Lod, String> {
         other => not_negative(other).map(Lod::Distance).map_err(|e| {
             format!("{e}; expected finest, coarsest, all, a distance or a number as in lod1.3")
         }),
+    }
+}
+
+/// `yes` or `no`.
+pub fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err("expected yes or no".to_owned()),
     }
 }
 

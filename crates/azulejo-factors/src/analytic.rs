@@ -20,6 +20,7 @@ mod shadow;
 use azulejo_scene::math::area_vector;
 use azulejo_trace::lambert::{ArrayPolygon, clip, polygon_vector};
 pub(crate) use blocker::{Blocker, Effect, PLANE, edge_bit};
+pub(crate) use cells::integrate as integrate_cells;
 use glam::DVec3;
 pub(crate) use mirrored::Chain;
 pub use mirrored::mirrored_form_factor;

@@ -19,13 +19,22 @@ const CLEARLY: u32 = 4;
 /// Fewer hits than this prove nothing.
 const FEW: u32 = 16;
 
-/// Hits of other objects by rays from both sides of an object, [`RAYS`] from each.
+/// What rays from one side of an object meet, of [`RAYS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct SideCounts {
+    /// Fronts and backs of other objects.
+    others: [u32; 2],
+    /// Fronts and backs of the object itself.
+    own: [u32; 2],
+    /// Nothing: sky or ground.
+    free: u32,
+}
+
+/// What rays from front and back of an object meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct FacingCounts {
-    /// From its fronts, on fronts and on backs.
-    front: [u32; 2],
-    /// From its backs, on fronts and on backs.
-    back: [u32; 2],
+    front: SideCounts,
+    back: SideCounts,
 }
 
 /// What is probably turned inside out.
@@ -33,23 +42,28 @@ struct FacingCounts {
 pub enum InsideOut {
     /// Nothing.
     Nothing,
-    /// These objects, by their numbers: their backs see the fronts of others, and their fronts hardly do.
+    /// These objects, by their numbers: their backs see fronts of others or the sky, and their fronts hardly do.
     Objects(Vec<u32>),
     /// The whole scene: backs see backs, and fronts see nothing.
     Everything,
 }
 
 impl FacingCounts {
-    /// Whether the object would see more of the others' fronts if it were turned.
+    /// Whether the object would see more if it were turned: its fronts see neither the sky nor fronts of others,
+    /// which its backs do. Where fronts see backs, as of a roof that faces into its house, the sky behind counts, too.
     fn is_turned(&self) -> bool {
-        self.back[0] >= FEW && self.back[0] > CLEARLY * self.front[0]
+        let seen = self.front.others[0] + self.front.free;
+        let is_hidden = self.front.others[1] + self.front.own[1] >= RAYS / 2;
+        let behind = self.back.others[0] + if is_hidden { self.back.free } else { 0 };
+        let least = if is_hidden { RAYS / 2 } else { FEW };
+        behind >= least && behind > CLEARLY * seen
     }
 }
 
 /// Finds what is probably turned inside out, by 512 rays from each object.
 ///
 /// An object counts as turned if its backs see at least four times as much of other objects' fronts as its
-/// fronts do; the scene does if its fronts see nothing while its backs see backs. A single body in empty space
+/// fronts do of these and of the sky; the scene does if its fronts see nothing while its backs see backs. A single body in empty space
 /// cannot be told from an empty room: both are `Everything`.
 ///
 /// # Errors
@@ -66,13 +80,12 @@ pub fn inside_out(
         progress.advance(1)?;
         Ok(count(&patches, tracer, object))
     });
-    let counts: Vec<(FacingCounts, [u32; 2])> = counts.collect::<Result<_, _>>()?;
-    let turned = counts.iter().enumerate();
-    let turned = turned.filter(|(_, (others, _))| others.is_turned());
-    let turned: Vec<u32> = turned.map(|(k, _)| k as u32).collect();
-    let sum = |hits: fn(&(FacingCounts, [u32; 2])) -> u32| counts.iter().map(hits).sum::<u32>();
-    let fronts = sum(|(others, own)| others.front.iter().sum::<u32>() + own[0]);
-    let backs = sum(|(others, own)| others.back[1] + own[1]);
+    let counts: Vec<FacingCounts> = counts.collect::<Result<_, _>>()?;
+    let turned = (0..).zip(&counts).filter(|(_, counts)| counts.is_turned());
+    let turned: Vec<u32> = turned.map(|(k, _)| k).collect();
+    let sum = |hits: fn(&FacingCounts) -> u32| counts.iter().map(hits).sum::<u32>();
+    let fronts = sum(|c| c.front.others.iter().chain(&c.front.own).sum());
+    let backs = sum(|c| c.back.others[1] + c.back.own.iter().sum::<u32>());
     Ok(if !turned.is_empty() {
         InsideOut::Objects(turned)
     } else if fronts == 0 && backs >= FEW {
@@ -82,9 +95,8 @@ pub fn inside_out(
     })
 }
 
-/// Hits of others, and of the object itself from front and back.
-fn count(patches: &Patches, tracer: &Tracer, object: u32) -> (FacingCounts, [u32; 2]) {
-    let (mut others, mut own) = (FacingCounts::default(), [0; 2]);
+fn count(patches: &Patches, tracer: &Tracer, object: u32) -> FacingCounts {
+    let mut sides = [SideCounts::default(); 2];
     let rows = patches.patches_of(object);
     let area: f64 = rows.clone().map(|p| patches.area(p)).sum();
     let (mut patch, mut reached) = (rows.start, 0.0);
@@ -100,21 +112,24 @@ fn count(patches: &Patches, tracer: &Tracer, object: u32) -> (FacingCounts, [u32
         }
         let random = |k: u32| f64::from(uniform(&[hash(&[object, ray]), k]));
         let at = patches.sample(patch, random(0), random(1));
-        for (side, normal) in [at.normal, -at.normal].into_iter().enumerate() {
+        for (side, normal) in sides.iter_mut().zip([at.normal, -at.normal]) {
             let direction = cosine_about(&Frame::from_normal(normal), random(2), random(3));
             let from = tracer.leaving(at.position, normal);
             let Some(hit) = tracer.hit(&Ray::new(from, direction)) else {
+                side.free += 1;
                 continue;
             };
-            if hit.object == object {
-                own[side] += 1;
+            let is_own = hit.object == object;
+            let counts = if is_own {
+                &mut side.own
             } else {
-                let counts = [&mut others.front, &mut others.back];
-                counts[side][usize::from(!hit.entering)] += 1;
-            }
+                &mut side.others
+            };
+            counts[usize::from(!hit.entering)] += 1;
         }
     }
-    (others, own)
+    let [front, back] = sides;
+    FacingCounts { front, back }
 }
 
 #[cfg(test)]

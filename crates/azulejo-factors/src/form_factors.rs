@@ -51,6 +51,7 @@ use crate::samples::{RowSamples, SampleCounts};
 use azulejo_scene::{Material, MaterialId, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
+pub use closure::NOT_RECONCILED;
 pub use design_effect::DesignEffect;
 pub use enclosure::{InterchangeError, Scaled};
 use forecast::Costs;
@@ -137,7 +138,8 @@ impl<'a> Plan<'a> {
     /// What in the scene makes form factors wrong without a trace in their sums, in sentences: faces that overlap
     /// in one plane, and faces without area. Empty if there is nothing of the kind.
     pub fn flaws(&self) -> Vec<String> {
-        self.patches.flaws(&self.proxy.scene)
+        self.patches
+            .flaws(&self.proxy.scene, self.options.two_sided)
     }
 
     /// The patches.
@@ -292,12 +294,29 @@ impl<'a> PreparedPlan<'a> {
         let mut factors = self.estimate(run)?;
         factors.engine_used.notes.extend(self.group_note());
         self.describe(&mut factors);
+        self.empty_covered_backs(&mut factors);
         factors.is_closed = factors.loses_no_light() || self.loses_only_strays(&factors);
         if self.plan.is_to_close(&mut factors) {
             factors.close(run.progress)?;
         }
         factors.update_row_errors();
         Ok(factors)
+    }
+
+    /// Leaves nothing to backs that fronts of other faces cover: those have their light.
+    fn empty_covered_backs(&self, factors: &mut FormFactors) {
+        if !self.plan.options.two_sided {
+            return;
+        }
+        let mut is_covered = vec![false; factors.len()];
+        for patch in self.plan.patches.covered_backs() {
+            is_covered[2 * patch + 1] = true;
+            factors.rest[2 * patch + 1] = RowRemainder::default();
+        }
+        let is_left = |i: usize, e: &mut Exchange| !is_covered[i] && !is_covered[e.column as usize];
+        factors.exchange.retain(is_left);
+        let orders = &mut factors.orders;
+        orders.iter_mut().for_each(|order| order.retain(is_left));
     }
 
     /// Whether light is lost by nothing but rays of rows that are too narrow for them.

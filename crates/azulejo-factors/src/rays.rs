@@ -20,6 +20,10 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Mutex;
 
+mod visits;
+
+pub(crate) use visits::Visits;
+
 /// Rays traced at a time: enough to keep the tracer busy, few enough to stay in the cache.
 pub const BATCH: usize = 1024;
 
@@ -138,6 +142,8 @@ pub struct RayEstimator<'a> {
     per_replicate: SampleCounts,
     seed: u32,
     columns: Columns,
+    /// Whether paths go on from some surface.
+    is_specular: bool,
     /// Working memory not in use by any thread.
     spare: Mutex<Vec<RowWorkspace>>,
 }
@@ -150,6 +156,8 @@ pub(crate) struct RowWorkspace {
     next_event: NextEvent,
     /// Sums of what they hit.
     pub sums: RowAccumulator,
+    /// What each of them hit by mirrors and glass; only in rows by rays.
+    visits: Option<Visits>,
 }
 
 impl<'a> RayEstimator<'a> {
@@ -174,6 +182,7 @@ impl<'a> RayEstimator<'a> {
     ) -> RayEstimator<'a> {
         let per_replicate = rays.map(|n| RayEstimator::rounded(n) / REPLICATES as u32);
         let most = per_replicate.most() as usize;
+        let materials = patches.materials_in_use(gatherer.surfaces().scene);
         RayEstimator {
             gatherer,
             patches,
@@ -182,6 +191,7 @@ impl<'a> RayEstimator<'a> {
             per_replicate,
             seed,
             columns,
+            is_specular: materials.iter().any(|m| m.is_specular()),
             spare: Mutex::new(Vec::new()),
         }
     }
@@ -244,14 +254,23 @@ impl<'a> RayEstimator<'a> {
         let mut work = self.work();
         let all = self.per_replicate.of((side / 2) as usize) as usize;
         let share = 1.0 / all as f64;
+        if self.is_specular {
+            let sides = 2 * self.patches.len();
+            work.visits.get_or_insert_with(|| Visits::new(sides));
+        }
         for first in (0..all).step_by(BATCH) {
             let stretch = first..(first + BATCH).min(all);
             self.sampler
                 .fill(side, replicate, stretch, share, &mut work.paths);
+            let paths = work.paths.iter_mut().zip(0..);
+            paths.for_each(|(path, number)| path.id = number);
             let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
             self.follow(&mut work, chances, (replicate, 1.0), &mut row);
+            work.visits.iter_mut().for_each(|visits| visits.end(share));
         }
         row.entries[replicate] = work.sums.take();
+        let visits = work.visits.as_mut();
+        row.excess[replicate] = visits.map(Visits::take).unwrap_or_default();
         self.give_back(work);
         row
     }
@@ -264,6 +283,7 @@ impl<'a> RayEstimator<'a> {
             scratch: Scratch::default(),
             next_event: NextEvent::default(),
             sums: RowAccumulator::new(2 * self.patches.len()),
+            visits: None,
         })
     }
 
@@ -291,6 +311,7 @@ impl<'a> RayEstimator<'a> {
             scratch,
             next_event,
             sums,
+            visits,
         } = work;
         follow(surfaces, paths, scratch, chances, |path, event| {
             let weight = path.weight * scale;
@@ -315,7 +336,13 @@ impl<'a> RayEstimator<'a> {
                     next_event.add(self.gatherer, path, &hit, 0, chances);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
-                        sums.add(side(patch, front), order(path), weight);
+                        let (side, order) = (side(patch, front), order(path));
+                        sums.add(side, order, weight);
+                        if let Some(visits) = visits
+                            && (order > 0 || surfaces.is_specular(hit.item))
+                        {
+                            visits.add(path.id, side, order, weight.mean());
+                        }
                     }
                 }
             }

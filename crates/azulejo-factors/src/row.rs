@@ -47,6 +47,12 @@ pub type Entries = Vec<Entry>;
 pub struct Row {
     /// Per replicate, the extended form factor to each side that was reached.
     pub entries: [Entries; REPLICATES],
+    /// Per replicate, Σ k² − k/N over its N paths for each side and order, with what a path brings there, k: the
+    /// variance beyond that of paths which arrive whole or not at all, with some for the path that brings most.
+    /// Mirrors show a side to one path several times, and leaving glass gives a path more weight. Of order 0 it is
+    /// what the direct light of paths has in common with the rest. Empty where light is direct, and in rows by item
+    /// buffers.
+    pub excess: [Entries; REPLICATES],
     /// Per replicate, irradiance from emission and surroundings found along the paths that direct
     /// lighting does not count, W/m².
     pub stray: [Rgb; REPLICATES],
@@ -80,6 +86,11 @@ impl Row {
             escaped
                 .zip(part.escaped[replicate])
                 .for_each(|(sum, more)| *sum += more);
+        }
+        for (own, excess) in self.excess.iter_mut().zip(part.excess) {
+            if !excess.is_empty() {
+                *own = excess;
+            }
         }
         self.external += part.external;
         self.absorbed += part.absorbed;

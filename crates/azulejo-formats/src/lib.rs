@@ -41,6 +41,8 @@ pub mod outline;
 pub mod picture;
 pub mod ply;
 mod read;
+#[cfg(test)]
+mod reader_tests;
 mod reading;
 pub mod scn;
 pub mod sff;
@@ -57,4 +59,5 @@ pub use read::{RecognizedModel, read, read_drawing, read_with};
 pub use reading::detect::{Format, Unrecognized, detect, recognize};
 pub use reading::error::{Loaded, Position, ReadError, Warning};
 pub use reading::files::{FileError, Files, Folder, Memory};
-pub use reading::options::{Lod, ReadOptions};
+pub use reading::options::{Lod, ReadOptions, VertexColors};
+pub use surface::tessellate::divide_into_triangles;

@@ -7,16 +7,56 @@ use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
-use crate::{FileError, Files, Position, ReadError, ReadOptions, Warning};
-use crate::{abaqus, cityjson, energyplus, nastran, openfoam};
+use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions, Warning};
 use crate::{
-    dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
-    vtk,
+    abaqus, cityjson, dxf, energyplus, gltf, gmsh, grf, mgf, nastran, obj, off, openflight,
 };
+use crate::{openfoam, ply, scn, sff, stl, studio3ds, view3d, vrml, vtk};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
+
+/// Reads a model: its bytes, its name, the files that it names, and options.
+type FormatReader = fn(&[u8], &str, &dyn Files, &ReadOptions) -> Result<Loaded, ReadError>;
+
+impl Format {
+    /// The name of the format as users know it.
+    pub fn name(self) -> &'static str {
+        self.name_and_reader().0
+    }
+
+    /// The function that reads it.
+    fn reader(self) -> FormatReader {
+        self.name_and_reader().1
+    }
+
+    fn name_and_reader(self) -> (&'static str, FormatReader) {
+        match self {
+            Format::Grf => ("GRF", grf::read_with),
+            Format::Obj => ("Wavefront OBJ", obj::read_with),
+            Format::Studio3ds => ("3DS", studio3ds::read),
+            Format::Dxf => ("DXF", dxf::read),
+            Format::OpenFlight => ("OpenFlight", openflight::read),
+            Format::Vrml => ("VRML or X3D", vrml::read),
+            Format::Mgf => ("MGF", mgf::read),
+            Format::Gltf => ("glTF", gltf::read),
+            Format::Ply => ("PLY", ply::read),
+            Format::Stl => ("STL", stl::read),
+            Format::Sff => ("SFF", sff::read),
+            Format::Scn => ("SCN", scn::read),
+            Format::View3d => ("View3D", view3d::read),
+            Format::Gmsh => ("gmsh", gmsh::read),
+            Format::Off => ("OFF", off::read),
+            Format::Vtk => ("VTK", vtk::read),
+            Format::Nastran => ("NASTRAN bulk data", nastran::read),
+            Format::Abaqus => ("Abaqus or CalculiX input", abaqus::read),
+            Format::OpenFoam => ("OpenFOAM", openfoam::read),
+            Format::CityJson => ("CityJSON", cityjson::read),
+            Format::EnergyPlus => ("EnergyPlus", energyplus::read),
+        }
+    }
+}
 
 /// A model and the format that it was recognized as.
 #[derive(Clone, Debug)]
@@ -67,29 +107,7 @@ pub fn read_with(
     let bytes = &*gzip::unpacked(bytes, name, options)?;
     let format = recognize(bytes, name)
         .map_err(|unrecognized| ReadError::whole(name, unrecognized.looks_like, EXPECTED))?;
-    let read = match format {
-        Format::Grf => grf::read_with,
-        Format::Obj => obj::read_with,
-        Format::Studio3ds => studio3ds::read,
-        Format::Dxf => dxf::read,
-        Format::OpenFlight => openflight::read,
-        Format::Vrml => vrml::read,
-        Format::Mgf => mgf::read,
-        Format::Gltf => gltf::read,
-        Format::Ply => ply::read,
-        Format::Stl => stl::read,
-        Format::Sff => sff::read,
-        Format::Scn => scn::read,
-        Format::View3d => view3d::read,
-        Format::Gmsh => gmsh::read,
-        Format::Off => off::read,
-        Format::Vtk => vtk::read,
-        Format::Nastran => nastran::read,
-        Format::Abaqus => abaqus::read,
-        Format::OpenFoam => openfoam::read,
-        Format::CityJson => cityjson::read,
-        Format::EnergyPlus => energyplus::read,
-    };
+    let read = format.reader();
     let listed = ListedFiles {
         files,
         names: RefCell::default(),
@@ -195,7 +213,7 @@ pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
 mod tests {
     use super::*;
     use crate::outline::{ppe, ppf};
-    use crate::{Loaded, Memory, brdf, camera_json};
+    use crate::{Memory, brdf, camera_json};
     use azulejo_scene::{BackIrradiance, Material, Mesh, Object, Rgb, Sidedness};
     use glam::DVec3;
 

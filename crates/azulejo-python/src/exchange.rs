@@ -149,7 +149,8 @@ fn owned(matrices: &[Arc<Enclosure>], to_sky: bool) -> (Vec<(String, Enclosure)>
         if to_sky {
             for row in rest {
                 row.sky += lost(row);
-                (row.hidden, row.cut) = (0.0, 0.0);
+                row.sky_error = row.sky_error.hypot(row.hidden_error);
+                (row.hidden, row.hidden_error, row.cut) = (0.0, 0.0, 0.0);
             }
         } else if most > LOST {
             notes.push(format!(

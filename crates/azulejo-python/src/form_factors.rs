@@ -251,7 +251,7 @@ impl NativeFormFactors {
         self.factors().areas.clone().into_pyarray(py)
     }
 
-    /// Shares that reach no column, by name: sky, sky_error, ground, ground_error, hidden, cut, lost.
+    /// Shares that reach no column, by name: sky, sky_error, ground, ground_error, hidden, hidden_error, cut, lost.
     fn share<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let share: fn(&RowRemainder) -> f64 = match name {
             "sky" => |r| r.sky,
@@ -259,6 +259,7 @@ impl NativeFormFactors {
             "ground" => |r| r.ground,
             "ground_error" => |r| r.ground_error,
             "hidden" => |r| r.hidden,
+            "hidden_error" => |r| r.hidden_error,
             "cut" => |r| r.cut,
             "lost" => |r| r.lost,
             _ => return Err(refused(format_args!("there is no share \"{name}\""))),

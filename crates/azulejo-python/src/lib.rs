@@ -2,7 +2,7 @@
 //!
 //! What users see is written in Python (`python/pyazulejo`): names, documentation, and the checks of
 //! what they pass. Here are arrays that have been checked, on their way into the libraries and back.
-//! Long work runs without the interpreter, see [`work`].
+//! Long work runs without the interpreter, see `work`.
 
 mod arrays;
 mod brdf;

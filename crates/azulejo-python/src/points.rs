@@ -142,7 +142,7 @@ fn rows<'py>(py: Python<'py>, points: &[PointFactors]) -> PointRows<'py> {
 }
 
 fn rests<'py>(py: Python<'py>, points: &[PointFactors]) -> Vec<Bound<'py, PyArray1<f64>>> {
-    let shares: [fn(&RowRemainder) -> f64; 7] = [
+    let shares: [fn(&RowRemainder) -> f64; 8] = [
         |r| r.sky,
         |r| r.sky_error,
         |r| r.ground,
@@ -150,6 +150,7 @@ fn rests<'py>(py: Python<'py>, points: &[PointFactors]) -> Vec<Bound<'py, PyArra
         |r| r.hidden,
         |r| r.cut,
         |r| r.lost,
+        |r| r.hidden_error,
     ];
     let array = |share: fn(&RowRemainder) -> f64| {
         let shares: Vec<f64> = points.iter().map(|p| share(&p.rest)).collect();

@@ -16,7 +16,7 @@ import pyazulejo as az
 sparse = pytest.importorskip("scipy.sparse")
 
 PLATES = [[0, 1], [1, 0]]
-ARRAYS = ("areas", "sky", "sky_error", "ground", "ground_error", "hidden", "cut", "lost")
+ARRAYS = ("areas", "sky", "sky_error", "ground", "ground_error", "hidden", "hidden_error", "cut", "lost")
 
 
 def triangle(**more: object) -> az.FormFactors:

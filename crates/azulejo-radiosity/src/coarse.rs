@@ -88,7 +88,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let found = self.gather_at(&records, 0..rays, all.strata.termination(0))?;
         let found: Option<Vec<SplitIrradiance>> = found.into_iter().collect();
         let found = found.ok_or(GatherError::OutOfTime)?;
-        all.values = GatheredValues::of_cells(cells, self.points.len(), &found);
+        all.values = GatheredValues::of_cells(cells, &all.strata, &found);
         all.spent = vec![rays; self.points.len()];
         all.records = Some(records.len());
         all.combine();

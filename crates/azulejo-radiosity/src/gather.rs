@@ -43,6 +43,11 @@ const PACE_POINTS: u32 = 64;
 /// How many more rays than are permitted a goal may take before it is said to be out of reach.
 const TOLERATED: f64 = 0.1;
 
+/// How many times the error of a dark stratum may be that of the law of [`Strata::permitted`]: to keep to it takes
+/// several times the rays of the whole (measured in rooms); with three times it, the dark is still as exact as
+/// where all points get the same rays.
+const UNEVEN: f64 = 3.0;
+
 /// Largest growth of a point's total per pass: early variances are too uncertain to be trusted
 /// further.
 const GROWTH: f64 = 8.0;
@@ -52,6 +57,8 @@ const GROWTH: f64 = 8.0;
 pub struct GatherEffort {
     /// Error of irradiance to reach, see [`Gathering::relative_error`]; `None` uses all rays.
     pub error: Option<f64>,
+    /// Whether each point is to reach it, relative to its own irradiance.
+    pub is_each: bool,
     /// Most rays per point.
     pub rays: u32,
     /// Which points are path traced.
@@ -205,6 +212,22 @@ impl Gathering {
             .hypot(parts.interpolation)
     }
 
+    /// Root mean square over the points of the standard error of each relative to its irradiance, where there is any.
+    pub fn error_of_each(&self) -> f64 {
+        let errors = self.standard_errors();
+        let relative = |(g, error): (&Gathered, &Rgb)| {
+            let mean = self.strata.mean_of(g.mean());
+            (mean > 0.0).then(|| self.strata.mean_of(*error * *error) / (mean * mean))
+        };
+        let squares: Vec<f64> = self
+            .gathered
+            .iter()
+            .zip(&errors)
+            .filter_map(relative)
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
+
     /// The error by its causes.
     pub fn parts(&self) -> ErrorParts {
         self.strata.error(&self.errors())
@@ -291,7 +314,7 @@ pub(crate) fn gather_watched(
     };
     run.progress.limit_phase(1.0);
     // Before a deadline, all points are planned together.
-    let is_sparse = effort.interpolate && !run.progress.has_deadline();
+    let is_sparse = effort.interpolate && !effort.is_each && !run.progress.has_deadline();
     if effort.error.is_some() && is_sparse && targets.points.len() >= sparse::LEAST_POINTS {
         return sparse::gather_sparse(&pass, targets, effort, watch);
     }
@@ -319,7 +342,7 @@ pub(crate) fn gather_split(
     };
     run.progress.limit_phase(1.0);
     let mut all = Gathering {
-        values: GatheredValues::apart(targets.points.len()),
+        values: GatheredValues::apart(&Strata::new(targets.points.len(), targets.areas)),
         ..Gathering::new(targets)
     };
     pass.reach(&mut all, effort, &mut |_| ())?;
@@ -347,12 +370,48 @@ impl Gathering {
         self.allocate_to(&self.allowed_noise(&self.errors(), goal), growth, most)
     }
 
-    /// What discretization leaves to the noise of each stratum, for all to reach `goal`.
+    /// The mean variance to which each stratum should be brought, so that all reach `goal` with the fewest rays,
+    /// and no stratum has an error above [`UNEVEN`] times what [`permitted`](Strata::permitted) would give it.
+    ///
+    /// Variance falls with rays n as strength · n^−rate. With points N for a share a of the area, by Lagrange the whole
+    /// is cheapest where variances are in proportion to (N/a)^(rate/(1 + rate)) · strength^(1/(1 + rate)), whose mean over
+    /// the points is [`mean_strength`]. Strata that have less already leave more to the others.
     pub(crate) fn allowed_noise(&self, errors: &[StratumError], goal: f64) -> Vec<f64> {
         let permitted = self.strata.permitted(errors, goal);
-        let allowed =
-            |(e, p): (&StratumError, f64)| noise_beside(e.discretization + e.interpolation, p);
-        errors.iter().zip(permitted).map(allowed).collect()
+        let beside = |e: &StratumError, p: f64| noise_beside(e.discretization + e.interpolation, p);
+        let cheapest = |(k, e): (usize, &StratumError)| {
+            let rate = noise_rate(self.strata.termination(k));
+            let points_per_share =
+                self.strata.points(k).len() as f64 / e.share.max(f64::MIN_POSITIVE);
+            points_per_share.powf(rate / (1.0 + rate)) * mean_strength(&self.strengths(k, e), rate)
+        };
+        let cheapest: Vec<f64> = errors.iter().enumerate().map(cheapest).collect();
+        let pairs = || errors.iter().zip(&permitted);
+        let most: Vec<f64> = pairs()
+            .map(|(e, p)| beside(e, UNEVEN * UNEVEN * p))
+            .collect();
+        if self.strata.is_each() {
+            return pairs().map(|(e, &p)| beside(e, p)).collect();
+        }
+        let budget: f64 = pairs().map(|(e, &p)| e.share * beside(e, p)).sum();
+        let allowed = |scale: f64, k: usize| most[k].min(scale * cheapest[k]);
+        let noise = |scale: f64| -> f64 {
+            let of = |(k, e): (usize, &StratumError)| e.share * e.noise.min(allowed(scale, k));
+            errors.iter().enumerate().map(of).sum()
+        };
+        // The largest factor, to a thousandth, at which all together are within the budget.
+        let (mut low, mut high) = (1e-12, 1e12);
+        while high > 1.001 * low {
+            let middle = f64::sqrt(low * high);
+            if noise(middle * budget) <= budget {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (0..errors.len())
+            .map(|k| allowed(low * budget, k))
+            .collect()
     }
 
     /// The same for given mean variances.
@@ -373,22 +432,29 @@ impl Gathering {
         totals
     }
 
-    /// Variance times rays^rate of every point of a stratum, and the cost of its rays.
+    /// Variance times rays^rate of every point of a stratum, by its part of the stratum's area relative to the mean, and
+    /// the cost of its rays.
     pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, f64, u32)> {
         let rate = noise_rate(self.strata.termination(stratum));
         let points = self.strata.points(stratum);
-        let own = |i: usize| self.strata.mean_of(self.values.variance(i)) * error.gain;
-        let shared = self.values.mean_by_kind(points, &own);
+        let weight = |i: usize| self.strata.weight(i);
+        let mean_weight =
+            points.iter().map(|&i| weight(i as usize)).sum::<f64>() / points.len() as f64;
+        let own = |i: usize| {
+            let variance = self.strata.mean_of(self.values.variance(i, weight(i)));
+            variance * error.gain * f64::from(self.spent[i]).powf(rate) / mean_weight
+        };
+        // What the rays of points of equal areas leave, as far as they are alike.
+        let shared = self.values.mean_by_kind(points, &|i| own(i) / weight(i));
         let strength = |&i: &u32| {
             let i = i as usize;
             let kind = self.values.kind(i);
-            let (shared, spent) = (shared[kind as usize], self.spent[i]);
+            let (shared, spent) = (shared[kind as usize] * weight(i), self.spent[i]);
             // Four replicates estimate a point's variance badly; half of it is taken from all. Of few
             // rays, all is: points that miss a rare light would be believed to be dark, and stay so.
             let is_known = spent >= FIRST_RAYS || kind == PointKind::Interpolated;
             let own = if is_known { own(i) } else { shared };
-            let strength = 0.5 * (own + shared) * f64::from(spent).powf(rate);
-            (strength, kind.cost(), i as u32)
+            (0.5 * (own + shared), kind.cost(), i as u32)
         };
         points.iter().map(strength).collect()
     }
@@ -501,6 +567,9 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let most = effort.most();
         if effort.paths == Paths::Always {
             all.strata.trace_paths(0);
+        }
+        if effort.is_each {
+            all.strata.ask_each();
         }
         let rays = match effort.error {
             _ if self.run.progress.has_deadline() => match self.hasty(all)? {
@@ -655,9 +724,17 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         lists: &[PointList],
         minds_time: bool,
     ) -> Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> {
-        let groups = lists.iter().map(|list| PointGroup {
-            minds_time,
-            ..self.irradiance_group(&list.points, list.rays.clone(), list.termination)
+        let groups = lists.iter().map(|list| {
+            let (points, rays) = (&list.points, list.rays.clone());
+            let group = if list.has_direct {
+                self.irradiance_group(points, rays, list.termination)
+            } else {
+                self.indirect_group(points, rays, list.termination)
+            };
+            PointGroup {
+                minds_time,
+                ..group
+            }
         });
         self.gather_groups(&groups.collect::<Vec<_>>())
     }
@@ -693,6 +770,32 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 let rays = points.len() as u64 * u64::from(options.rays);
                 self.pace.add(termination, rays, start.elapsed());
                 found
+            }),
+        }
+    }
+
+    /// Points whose indirect light alone is gathered.
+    fn indirect_group<'g>(
+        &'g self,
+        chosen: &'g [u32],
+        rays: Range<u32>,
+        termination: Termination,
+    ) -> PointGroup<'g> {
+        let (light, ending) = self.light.ending(termination);
+        let options = self.options(&rays, ending);
+        let directions = DirectionTables::new(&options);
+        let split = |indirect| SplitIrradiance {
+            direct: Gathered::default(),
+            indirect,
+        };
+        PointGroup {
+            chosen,
+            rays,
+            minds_time: true,
+            gather: Box::new(move |points| {
+                let gatherer = self.gatherer;
+                let found = gatherer.gather_indirect(points, &options, &directions, light);
+                found.into_iter().map(split).collect()
             }),
         }
     }
@@ -797,6 +900,8 @@ pub struct PointList {
     pub rays: Range<u32>,
     /// How their paths end.
     pub termination: Termination,
+    /// Whether direct light is gathered, too.
+    pub has_direct: bool,
 }
 
 /// The light at points that are gathered together.
@@ -860,7 +965,7 @@ impl Record for PointChunk {
 
 /// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,
 /// or one and a half times one, in units of the first pass.
-fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
+pub(crate) fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
     let below = [FEWEST_RAYS, 16, 32, 48, 64, 96].into_iter();
     let totals = (0..24).map(|k| ((FIRST_RAYS * [2, 3][k as usize % 2]) << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;

@@ -17,6 +17,7 @@
 //! | [`particles`] | particles from the lights, which need no rows either |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
+//! | `plan` | whether light between patches pays, or paths alone are cheaper |
 //! | `deadline` | what the time until a deadline suffices for |
 //! | `sparse`, `records`, `interpolation` | many points from few of them |
 //! | `standard_errors` | errors of single points, from their own spread and that of points like them |
@@ -33,6 +34,7 @@ mod interpolation;
 pub mod light;
 pub mod particles;
 mod path_pairs;
+mod plan;
 mod preview;
 mod records;
 pub mod refine;

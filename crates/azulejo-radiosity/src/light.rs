@@ -16,6 +16,10 @@ const COARSE: f64 = 0.5;
 pub struct PatchLight<'a> {
     hit_patches: HitPatches<'a>,
     reflectance: &'a [Rgb],
+    /// That of all patches of a material, where it is the same.
+    reflectance_of_materials: Vec<Option<Rgb>>,
+    surfaces: &'a Surfaces<'a>,
+    /// Empty if nothing is known.
     reflected: Vec<[[f32; 3]; REPLICATES]>,
     /// Distance from which each diffuse patch may be read, zero for the others.
     footprint: Vec<f32>,
@@ -42,10 +46,25 @@ impl<'a> PatchLight<'a> {
         };
         let footprint = (0..patches.len()).map(footprint).collect();
         PatchLight {
-            hit_patches: HitPatches::new(surfaces, patches),
-            reflectance,
             footprint,
             reflected: (0..2 * patches.len()).map(of_side).collect(),
+            ..PatchLight::unknown(surfaces, patches, reflectance)
+        }
+    }
+
+    /// Light of which nothing is known: for path tracing alone.
+    pub fn unknown(
+        surfaces: &'a Surfaces<'a>,
+        patches: &'a Patches,
+        reflectance: &'a [Rgb],
+    ) -> PatchLight<'a> {
+        PatchLight {
+            reflectance_of_materials: reflectance_of_materials(surfaces, patches, reflectance),
+            surfaces,
+            hit_patches: HitPatches::new(surfaces, patches),
+            reflectance,
+            footprint: Vec::new(),
+            reflected: Vec::new(),
             fine: None,
         }
     }
@@ -68,24 +87,53 @@ impl<'a> PatchLight<'a> {
     }
 }
 
+/// The reflectance of each material, where all of its patches have the same: without textures and vertex colours.
+fn reflectance_of_materials(
+    surfaces: &Surfaces,
+    patches: &Patches,
+    reflectance: &[Rgb],
+) -> Vec<Option<Rgb>> {
+    let mut of_materials: Vec<Option<Rgb>> = vec![None; surfaces.scene.materials.len()];
+    let mut varies = vec![false; of_materials.len()];
+    for (patch, &reflectance) in reflectance.iter().enumerate() {
+        let material = patches.material(patch) as usize;
+        varies[material] |= *of_materials[material].get_or_insert(reflectance) != reflectance;
+    }
+    for (reflectance, varies) in of_materials.iter_mut().zip(varies) {
+        *reflectance = reflectance.filter(|_| !varies);
+    }
+    of_materials
+}
+
 impl DiffuseLight for PatchLight<'_> {
     fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
-        let patch = self.hit_patches.at(&at.hit);
         let fine = self.fine.and_then(|field| field.irradiance(at));
         if let Some((irradiance, footprint)) = fine {
-            let reflectance = self.reflectance[patch as usize].to_f32();
+            let reflectance = self.reflectance(at).to_f32();
             return OutgoingRadiosity {
                 radiosity: std::array::from_fn(|c| reflectance[c] * irradiance[c]),
                 footprint,
             };
         }
-        OutgoingRadiosity {
-            radiosity: self.reflected[side(patch, at.front) as usize][replicate],
-            footprint: self.footprint[patch as usize],
+        let patch = self.hit_patches.at(&at.hit);
+        match self.reflected.get(side(patch, at.front) as usize) {
+            Some(reflected) => OutgoingRadiosity {
+                radiosity: reflected[replicate],
+                footprint: self.footprint[patch as usize],
+            },
+            None => OutgoingRadiosity::default(),
         }
     }
 
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
-        self.reflectance[self.hit_patches.at(&at.hit) as usize]
+        let material = self.surfaces.material_id(at.hit.item);
+        match self.reflectance_of_materials[material as usize] {
+            Some(reflectance) => reflectance,
+            None => self.reflectance[self.hit_patches.at(&at.hit) as usize],
+        }
+    }
+
+    fn is_unknown(&self) -> bool {
+        self.reflected.is_empty() && self.fine.is_none()
     }
 }

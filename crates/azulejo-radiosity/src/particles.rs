@@ -156,16 +156,16 @@ fn sources(gatherer: &Gatherer, patches: &Patches) -> Vec<ParticleSource> {
             power: irradiance * (PI * radius * radius),
             kind: SourceKind::Parallel(direction, half_angle),
         },
-        // Irradiance πL on the inside of the ball.
-        LightKind::Ambient { radiance } => ParticleSource {
-            power: radiance * (PI * 4.0 * PI * radius * radius),
-            kind: SourceKind::Ambient,
-        },
-        // They are one source, below.
-        LightKind::Environment(_) => ParticleSource {
+        // They are two sources, below.
+        LightKind::Ambient { .. } | LightKind::Environment(_) => ParticleSource {
             power: Rgb::BLACK,
             kind: SourceKind::Environments,
         },
+    };
+    let ambient = ParticleSource {
+        // Irradiance πL on the inside of the ball.
+        power: gatherer.ambient() * (PI * 4.0 * PI * radius * radius),
+        kind: SourceKind::Ambient,
     };
     let environments = ParticleSource {
         power: gatherer.lights().outside().total() * (PI * radius * radius),
@@ -173,7 +173,7 @@ fn sources(gatherer: &Gatherer, patches: &Patches) -> Vec<ParticleSource> {
     };
     let surfaces = (0..2 * patches.len() as Side).map(surface);
     let lights = scene.lights.iter().map(|l| light(&l.kind));
-    let all = surfaces.chain(lights).chain(Some(environments));
+    let all = surfaces.chain(lights).chain([ambient, environments]);
     all.filter(|s| s.power.max_channel() > 0.0).collect()
 }
 
@@ -527,6 +527,7 @@ impl ParticleTracing<'_> {
                 iterations: sums.reflections,
                 residual: 0.0,
                 is_reached: true,
+                ..Convergence::default()
             };
             found.add_replicate(solution, &incident, state);
         }

@@ -66,6 +66,7 @@ pub(crate) fn gather_pairs(
                 points,
                 rays,
                 termination,
+                has_direct: false,
             });
         };
         add(&target.read, Termination::Radiosity);

@@ -8,7 +8,7 @@ use azulejo_factors::{Patches, ProxyScene};
 use azulejo_scene::Irradiance;
 use std::time::{Duration, Instant};
 
-/// Least time between two previews.
+/// Least time between two previews of a stage.
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// Provisional light of a scene.
@@ -37,7 +37,7 @@ pub(crate) struct PreviewReporter<'w, 'a> {
     watch: Option<&'w mut dyn FnMut(Preview)>,
     proxy: &'a ProxyScene<'a>,
     pass: &'a FirstPass,
-    last: Option<Instant>,
+    last: Option<(PreviewStage, Instant)>,
 }
 
 impl<'w, 'a> PreviewReporter<'w, 'a> {
@@ -58,13 +58,13 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
     /// Reports the light of patches.
     pub fn show_patches(&mut self, patches: &Patches, found: &RadiositySolution) {
         let (given, scene, pass) = (self.proxy.given, &self.proxy.scene, self.pass);
-        self.show(|| Preview {
+        self.show(PreviewStage::Patches, |stage| Preview {
             irradiance: targets(given, patches, found, pass).interpolated(
                 scene,
                 patches,
                 &found.incident,
             ),
-            stage: PreviewStage::Patches,
+            stage,
             error: found.error(patches),
         });
     }
@@ -72,18 +72,18 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
     /// Reports what has been gathered at the vertices so far.
     pub fn show_vertices(&mut self, targets: &Targets, patches: &Patches, found: &Gathering) {
         let scene = &self.proxy.scene;
-        self.show(|| Preview {
+        self.show(PreviewStage::Vertices, |stage| Preview {
             irradiance: targets.irradiance(scene, patches, found),
-            stage: PreviewStage::Vertices,
+            stage,
             error: found.relative_error(),
         });
     }
 
-    fn show(&mut self, preview: impl FnOnce() -> Preview) {
-        let is_due = self.last.is_none_or(|last| last.elapsed() >= PAUSE);
-        if let Some(watch) = self.watch.as_mut().filter(|_| is_due) {
-            watch(preview());
-            self.last = Some(Instant::now());
+    fn show(&mut self, stage: PreviewStage, preview: impl FnOnce(PreviewStage) -> Preview) {
+        let is_due = |(shown, at): (_, Instant)| shown != stage || at.elapsed() >= PAUSE;
+        if let Some(watch) = self.watch.as_mut().filter(|_| self.last.is_none_or(is_due)) {
+            watch(preview(stage));
+            self.last = Some((stage, Instant::now()));
         }
     }
 }

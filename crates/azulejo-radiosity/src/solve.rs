@@ -13,7 +13,7 @@ use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Progress, Run, RunStage, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Progress, Run, RunStage, Tracer};
 use std::fmt;
 
 /// Options of the first pass.
@@ -26,9 +26,15 @@ pub struct FirstPass {
     /// Estimated relative RMS errors of the patches' radiosity and of irradiance at which to stop;
     /// `None` leaves it to `rays`.
     pub error: Option<f64>,
+    /// Whether irradiance is to reach `error` at each point, relative to its own, instead of the mean of all: many more
+    /// rays in the dark. Points darker than a thousandth of the mean are taken to have that.
+    pub error_each: bool,
     /// Rays per patch, and most rays per vertex; with an `error`, most of both. `None` chooses by
     /// `error`. With neither, the goal is 3% at no more than 2,048 rays per vertex.
     pub rays: Option<u32>,
+    /// Rays from all vertices or points together, about: each gets as many as that leaves by a pilot of paths, up to
+    /// the default, and no more for `error`. Takes the place of `rays`.
+    pub ray_budget: Option<f64>,
     /// Diffuse bounces of light to follow; `None` follows them to convergence.
     pub bounces: Option<u32>,
     /// Seed of the random numbers.
@@ -51,7 +57,9 @@ impl Default for FirstPass {
             engine: Engine::Auto,
             size: PatchSize::Squares(1_500),
             error: None,
+            error_each: false,
             rays: None,
+            ray_budget: None,
             bounces: None,
             seed: 0,
             memory: 4 << 30,
@@ -66,7 +74,7 @@ impl Default for FirstPass {
 const DEFAULT_ERROR: f64 = 0.03;
 
 /// Most rays per point by default: caustics of glass and curved mirrors would take far more.
-const DEFAULT_RAYS: u32 = 2048;
+pub(crate) const DEFAULT_RAYS: u32 = 2048;
 
 /// Most rays per patch where only an error is requested.
 const MOST_PATCH_RAYS: u32 = 1 << 17;
@@ -90,12 +98,14 @@ impl FirstPass {
         match (self.error, self.rays) {
             (None, None) => GatherEffort {
                 error: Some(DEFAULT_ERROR),
+                is_each: self.error_each,
                 rays: DEFAULT_RAYS,
                 paths,
                 interpolate: self.interpolate,
             },
             (error, rays) => GatherEffort {
                 error,
+                is_each: self.error_each,
                 rays: rays.unwrap_or(MOST_RAYS),
                 paths,
                 interpolate: self.interpolate,
@@ -137,30 +147,42 @@ impl FirstPass {
         goal.filter(|_| self.bounces.is_none())
     }
 
+    /// The same with as many rays from each vertex or point as its budget affords.
+    pub(crate) fn within_budget(&self, affordable: impl Fn(f64) -> u32) -> FirstPass {
+        let Some(budget) = self.ray_budget else {
+            return self.clone();
+        };
+        FirstPass {
+            error: Some(self.aim()),
+            rays: Some(affordable(budget)),
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn key(&self) -> u32 {
         hash(&[self.seed as u32, (self.seed >> 32) as u32])
     }
 }
 
 /// What the radiosity of patches is for: how large its error may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PatchPurpose {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PatchPurpose<'p> {
     /// Each patch is a result.
     Result,
     /// To be gathered to vertices, which need to know which sides of surfaces are lit: every point
     /// reads hundreds of patches, whose errors are independent, so the more there are, the larger they
     /// may be.
     Vertices,
-    /// To be gathered to points whose side is given.
-    Points,
+    /// To be gathered to these points, whose side is given; none if they are not known yet.
+    Points(&'p [GatherPoint]),
 }
 
-impl PatchPurpose {
+impl PatchPurpose<'_> {
     /// How much larger the error of so many patches may be than that of the light in the end.
     fn relief(self, patches: usize) -> f64 {
         match self {
             PatchPurpose::Result => 1.0,
-            PatchPurpose::Vertices | PatchPurpose::Points => {
+            PatchPurpose::Vertices | PatchPurpose::Points(_) => {
                 (patches as f64 / AVERAGED_PATCHES).max(1.0).sqrt()
             }
         }
@@ -287,7 +309,10 @@ pub struct Report {
     /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error); at least the share of
     /// the emitted power that is unaccounted for beyond its standard error.
     pub error: f64,
-    /// The same error by its causes.
+    /// Root mean square over the points of the standard error of each relative to its irradiance; points without light
+    /// are left out.
+    pub error_each: f64,
+    /// `error` by its causes.
     pub error_parts: ErrorParts,
     /// Mean irradiance and error of the quarters of the vertices or points, from dark to bright.
     pub quarters: [QuarterError; 4],
@@ -384,17 +409,23 @@ fn solve_for(
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
-    let (light, black) = (solved.light(pass), solved.black_light(pass));
+    let (light, black) = (solved.light(), solved.black_light());
     run.blocks.rely_on(RunStage::Points, solved.digest())?;
     let seed = hash(&[pass.key(), 1]);
+    // Where each point is to reach an error, all count alike.
+    let areas = if pass.error_each {
+        Vec::new()
+    } else {
+        targets.areas(&solved.patches)
+    };
     let found = gather_watched(
         &solved.gatherer,
         GatherLight::new(&light, black.as_ref()),
         GatherTargets {
             points: &targets.points,
-            areas: &targets.areas(&solved.patches),
+            areas: &areas,
         },
-        pass.effort(solved.method),
+        solved.effort(),
         seed,
         run,
         &mut |found| reporter.show_vertices(&targets, &solved.patches, found),

@@ -1,15 +1,18 @@
 //! The light on patches, before it is gathered.
 
 use crate::deadline::affordable_patch_rays;
-use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
+use crate::gather::{CHUNK, GatherEffort, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
+use crate::plan::{GatherForecast, GatherGoal, Pilot};
 use crate::records::RecordCells;
 use crate::refine::{RefinementGoal, RefinementWork, refine};
-use crate::solve::{Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
+use crate::solve::{DEFAULT_RAYS, Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
 use crate::stochastic;
 use crate::system::{RadiositySolution, System};
+use crate::vertices::vertex_area;
 use azulejo_factors::estimator::Estimator;
+use azulejo_factors::patch::DisplayVertex;
 use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, reflectances};
 use azulejo_scene::{Rgb, Scene};
@@ -98,6 +101,8 @@ pub(crate) struct SolvedPatches<'a> {
     has_light_left: bool,
     /// Share of the emitted light that is absorbed because reflectances were limited.
     absorbed_by_limit: f64,
+    /// What is asked, within its budget.
+    pass: FirstPass,
 }
 
 /// Called with a solution that is about to be refined.
@@ -123,16 +128,22 @@ impl<'a> SolvedPatches<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         let mut reflectance = reflectances(scene, &patches);
         let seed = hash(&[pass.key(), 0]);
+        let light = PatchLight::unknown(gatherer.surfaces(), &patches, &reflectance);
+        let pilot = pilot(&gatherer, &light, (&patches, pass), purpose, seed, progress);
+        let pass = match &pilot {
+            Some(pilot) => {
+                &pass.within_budget(|budget| pilot.affordable_paths(budget, DEFAULT_RAYS))
+            }
+            None => pass,
+        };
         let enough = pass.patch_rays(purpose, patches.len());
         let rays = if progress.has_deadline() {
             enough.min(HASTY_RAYS)
         } else {
             enough
         };
-        // Entries of eight bytes, hardly more of them than rays.
-        let expected = patches.len() as u64 * u64::from(rays) * 8;
-        let mut solve = |reflectance: &[Rgb]| -> Result<PatchSolution, SolveError> {
-            let parts = SolverInputs {
+        let mut solve = |reflectance: &[Rgb]| {
+            let inputs = SolverInputs {
                 gatherer: &gatherer,
                 patches: &patches,
                 reflectance,
@@ -140,36 +151,20 @@ impl<'a> SolvedPatches<'a> {
                 goal: pass.goal(purpose, patches.len()),
                 seed,
             };
-            progress.limit_phase(PATCH_SHARE);
-            let found = if pass.engine == Engine::Particles {
-                Some(parts.particles(pass, progress)?)
-            } else if expected <= pass.memory {
-                parts.matrix(pass, run, watch)?
-            } else {
-                parts.shoot(pass, expected, progress)?
-            };
-            match found {
-                Some(found) => Ok(found),
-                None => parts.without_patches(purpose, progress),
-            }
+            inputs.solution(pass, pilot.as_ref(), purpose, run, watch)
         };
         let mut found = solve(&reflectance)?;
         let mut absorbed_by_limit = 0.0;
         if pass.bounces.is_none() && !found.solution.convergence.is_reached {
             let endless = SolveError::Endless(found.solution.convergence.iterations);
-            let limited: Vec<Rgb> = reflectance.iter().map(|r| r.map(limited)).collect();
+            let limited = limited_reflectances(scene, &patches, &reflectance);
             found = solve(&limited)?;
             absorbed_by_limit = found.absorbed_by_limit(&patches, &reflectance, &limited);
-            let is_small = absorbed_by_limit <= MOST_ABSORBED;
-            if !found.solution.convergence.is_reached || !is_small {
+            if !found.solution.convergence.is_reached || absorbed_by_limit > MOST_ABSORBED {
                 return Err(endless);
             }
-            found.engine_used.notes.push(format!(
-                "surfaces that reflect more than {:.0}% were taken to reflect that much, because the \
-                 light between some of them did not die out; they absorb {:.2}% of all light",
-                100.0 * MOST_REFLECTED,
-                100.0 * absorbed_by_limit
-            ));
+            let note = limit_note(absorbed_by_limit);
+            found.engine_used.notes.push(note);
             reflectance = limited;
         }
         if found.method != Method::Paths {
@@ -191,6 +186,7 @@ impl<'a> SolvedPatches<'a> {
             engine_used,
             has_light_left: pass.bounces.is_some(),
             absorbed_by_limit,
+            pass: pass.clone(),
         })
     }
 
@@ -226,14 +222,27 @@ impl<'a> SolvedPatches<'a> {
         (0..2 * self.patches.len()).map(estimate).collect()
     }
 
-    pub fn light(&self, pass: &FirstPass) -> PatchLight<'_> {
+    /// What random numbers depend on.
+    pub fn key(&self) -> u32 {
+        self.pass.key()
+    }
+
+    /// How the light is gathered.
+    pub fn effort(&self) -> GatherEffort {
+        self.pass.effort(self.method)
+    }
+
+    pub fn light(&self) -> PatchLight<'_> {
+        if self.method == Method::Paths {
+            return self.unknown_light();
+        }
         let light = PatchLight::new(
             self.gatherer.surfaces(),
             &self.patches,
             &self.reflectance,
             &self.solution.solutions,
         );
-        if pass.bounces.is_some() {
+        if self.pass.bounces.is_some() {
             light.without_footprint()
         } else {
             light
@@ -241,18 +250,14 @@ impl<'a> SolvedPatches<'a> {
     }
 
     /// Black light for the paths of a gather, if bounces are limited.
-    pub fn black_light(&self, pass: &FirstPass) -> Option<(PatchLight<'_>, u32)> {
-        let black = RadiositySolution::dark(2 * self.patches.len());
-        let light = |bounces: u32| {
-            let light = PatchLight::new(
-                self.gatherer.surfaces(),
-                &self.patches,
-                &self.reflectance,
-                &black.solutions,
-            );
-            (light.without_footprint(), bounces)
-        };
-        pass.bounces.map(light)
+    pub fn black_light(&self) -> Option<(PatchLight<'_>, u32)> {
+        self.pass
+            .bounces
+            .map(|bounces| (self.unknown_light(), bounces))
+    }
+
+    fn unknown_light(&self) -> PatchLight<'_> {
+        PatchLight::unknown(self.gatherer.surfaces(), &self.patches, &self.reflectance)
     }
 
     /// The share of the emitted power that is missing beyond its standard error, or that limits of
@@ -290,6 +295,7 @@ impl<'a> SolvedPatches<'a> {
             balance: self.solution.balance.scaled(square_metres),
             balance_error: self.solution.balance_error,
             error: gathering.relative_error().max(self.unexplained()),
+            error_each: gathering.error_of_each(),
             error_parts: gathering.parts(),
             quarters: gathering.quarters(),
             path_traced: gathering.path_traced(),
@@ -320,9 +326,90 @@ impl PatchSolution {
     }
 }
 
-/// A reflectance, or the most of [`MOST_REFLECTED`].
-fn limited(reflectance: f64) -> f64 {
-    reflectance.min(MOST_REFLECTED)
+/// Why there is no light between patches before a deadline.
+const TOO_LITTLE_TIME: &str =
+    "paths are traced from the points, because the time does not suffice for patches";
+
+/// Why there is none without.
+fn paths_are_cheaper(forecast: &GatherForecast) -> String {
+    format!(
+        "paths are traced from the points, about {:.0} from each: rows of patches, and what is gathered with them, \
+         would cost {:.1} times as much",
+        forecast.paths_per_point,
+        forecast.by_patches / forecast.by_paths
+    )
+}
+
+/// A pilot where it is needed: to keep to a budget, or where paths or patches may be taken. That is not where the engine,
+/// the number of rays or of bounces was chosen, before a deadline, or where points are not known.
+fn pilot(
+    gatherer: &Gatherer,
+    light: &PatchLight,
+    (patches, pass): (&Patches, &FirstPass),
+    purpose: PatchPurpose,
+    seed: u32,
+    progress: &Progress,
+) -> Option<Pilot> {
+    let is_free = pass.engine == Engine::Auto && pass.bounces.is_none();
+    let is_chosen = pass.effort(Method::Paths).error.is_none();
+    let is_forecast = is_free && !is_chosen && !progress.has_deadline();
+    if !is_forecast && pass.ray_budget.is_none() {
+        return None;
+    }
+    let (vertices, vertex_areas);
+    let (points, areas): (&[GatherPoint], &[f64]) = match purpose {
+        PatchPurpose::Points(points) => (points, &[]),
+        PatchPurpose::Result => (&[], &[]),
+        PatchPurpose::Vertices => {
+            let all = 0..patches.vertices().len();
+            vertices = vertex_points(patches);
+            vertex_areas = all.map(|v| vertex_area(patches, v)).collect::<Vec<f64>>();
+            (&vertices, &vertex_areas)
+        }
+    };
+    // Where each point is to reach an error, all count alike.
+    let areas = if pass.error_each { &[] } else { areas };
+    let targets = GatherTargets { points, areas };
+    (!points.is_empty()).then(|| Pilot::new(gatherer, light, targets, seed))
+}
+
+/// The vertices of patches as points, to know what light at them costs.
+fn vertex_points(patches: &Patches) -> Vec<GatherPoint> {
+    let point = |(key, vertex): (usize, &DisplayVertex)| GatherPoint {
+        position: vertex.gather,
+        normal: vertex.normal,
+        key: key as u32,
+    };
+    patches.vertices().iter().enumerate().map(point).collect()
+}
+
+/// What is said of limited reflectances.
+fn limit_note(absorbed: f64) -> String {
+    format!(
+        "surfaces that reflect more than {:.0}% were taken to reflect that much, because the light between some of \
+         them did not die out; they absorb {:.2}% of all light",
+        100.0 * MOST_REFLECTED,
+        100.0 * absorbed
+    )
+}
+
+/// The reflectances of patches with which light dies out.
+fn limited_reflectances(scene: &Scene, patches: &Patches, reflectance: &[Rgb]) -> Vec<Rgb> {
+    let of_patch = |(p, &r): (usize, &Rgb)| {
+        let material = &scene.materials[patches.material(p) as usize];
+        limited(r, material.mirror + material.mean_glossy())
+    };
+    reflectance.iter().enumerate().map(of_patch).collect()
+}
+
+/// A diffuse reflectance, or the most of [`MOST_REFLECTED`] of what a surface does not reflect in a mirror.
+fn limited(diffuse: Rgb, specular: Rgb) -> Rgb {
+    let most = |k: usize| MOST_REFLECTED * (1.0 - specular[k]).max(0.0);
+    Rgb::new(
+        diffuse[0].min(most(0)),
+        diffuse[1].min(most(1)),
+        diffuse[2].min(most(2)),
+    )
 }
 
 /// The inputs of a solution.
@@ -336,6 +423,54 @@ struct SolverInputs<'a> {
 }
 
 impl SolverInputs<'_> {
+    /// The light on patches as `pass` asks for it, or none where paths from the points are cheaper or sooner.
+    fn solution(
+        &self,
+        pass: &FirstPass,
+        pilot: Option<&Pilot>,
+        purpose: PatchPurpose,
+        run: Run,
+        watch: CoarseCallback,
+    ) -> Result<PatchSolution, SolveError> {
+        let progress = run.progress;
+        if let Some(pilot) = pilot
+            && let Some(forecast) = self.forecast(pass, pilot)
+            && forecast.prefers_paths()
+        {
+            return self.without_patches(purpose, progress, paths_are_cheaper(&forecast));
+        }
+        // Entries of eight bytes, hardly more of them than rays.
+        let expected = self.patches.len() as u64 * u64::from(self.rays) * 8;
+        progress.limit_phase(PATCH_SHARE);
+        let found = if pass.engine == Engine::Particles {
+            Some(self.particles(pass, progress)?)
+        } else if expected <= pass.memory {
+            self.matrix(pass, run, watch)?
+        } else {
+            self.shoot(pass, expected, progress)?
+        };
+        match found {
+            Some(found) => Ok(found),
+            None => self.without_patches(purpose, progress, TOO_LITTLE_TIME.to_owned()),
+        }
+    }
+
+    /// What paths and patches would cost, where either may be taken: not where the engine or the number of bounces was
+    /// chosen, or where surfaces reflect so much that paths hardly end.
+    fn forecast(&self, pass: &FirstPass, pilot: &Pilot) -> Option<GatherForecast> {
+        let brightest = self.reflectance.iter().map(|r| r.max_channel());
+        let is_dim = brightest.fold(0.0, f64::max) <= MOST_REFLECTED;
+        if pass.engine != Engine::Auto || pass.bounces.is_some() || !is_dim {
+            return None;
+        }
+        let effort = pass.effort(Method::Paths);
+        let goal = GatherGoal {
+            error: effort.error?,
+            is_each: effort.is_each,
+        };
+        pilot.forecast((self.patches, pass.size, self.rays), goal)
+    }
+
     /// What traced the rays, where no engine computed rows, and why.
     fn rays_alone(&self, why: String) -> EngineUsed {
         EngineUsed {
@@ -381,15 +516,11 @@ impl SolverInputs<'_> {
         &self,
         purpose: PatchPurpose,
         progress: &Progress,
+        why: String,
     ) -> Result<PatchSolution, SolveError> {
         let patches = self.patches;
         let mut solution = RadiositySolution::dark(2 * patches.len());
-        let light = PatchLight::new(
-            self.gatherer.surfaces(),
-            patches,
-            self.reflectance,
-            &solution.solutions,
-        );
+        let light = PatchLight::unknown(self.gatherer.surfaces(), patches, self.reflectance);
         let options = GatherOptions {
             rays: SIDE_RAYS,
             spent: 0,
@@ -407,7 +538,7 @@ impl SolverInputs<'_> {
         };
         let count = match purpose {
             PatchPurpose::Vertices => 2 * patches.len(),
-            PatchPurpose::Points | PatchPurpose::Result => 0,
+            PatchPurpose::Points(_) | PatchPurpose::Result => 0,
         };
         let sides: Vec<GatherPoint> = (0..count).map(point).collect();
         let cells = RecordCells::at_most(&sides, self.seed, MOST_SIDES);
@@ -430,12 +561,11 @@ impl SolverInputs<'_> {
                 solution.incident[k as usize] = mean;
             }
         }
-        let why = "paths are traced from the points, because the time does not suffice for patches";
         Ok(PatchSolution {
             solution,
             spent: RefinementWork::default(),
             method: Method::Paths,
-            engine_used: self.rays_alone(why.to_owned()),
+            engine_used: self.rays_alone(why),
         })
     }
 

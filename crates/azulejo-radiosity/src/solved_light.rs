@@ -22,7 +22,6 @@ const BLOCK: usize = 1;
 pub struct SolvedLight<'a> {
     proxy: &'a ProxyScene<'a>,
     solved: SolvedPatches<'a>,
-    pass: FirstPass,
     run: Run<'a>,
 }
 
@@ -36,11 +35,24 @@ impl<'a> SolvedLight<'a> {
         pass: &FirstPass,
         run: impl Into<Run<'a>>,
     ) -> Result<SolvedLight<'a>, SolveError> {
-        let (purpose, run) = (PatchPurpose::Points, run.into());
+        SolvedLight::for_points(proxy, pass, run.into(), &[])
+    }
+
+    /// The same for these points alone: without light between patches where paths from them cost less.
+    ///
+    /// # Errors
+    /// As [`new`](SolvedLight::new).
+    pub fn for_points(
+        proxy: &'a ProxyScene<'a>,
+        pass: &FirstPass,
+        run: impl Into<Run<'a>>,
+        points: &[PointNormal],
+    ) -> Result<SolvedLight<'a>, SolveError> {
+        let (places, run) = (gather_points(&proxy.on_polygons(points)), run.into());
+        let purpose = PatchPurpose::Points(&places);
         Ok(SolvedLight {
             proxy,
             solved: SolvedPatches::new(proxy, pass, purpose, run, &mut |_, _| ())?,
-            pass: pass.clone(),
             run,
         })
     }
@@ -107,17 +119,8 @@ impl<'a> SolvedLight<'a> {
     pub fn probe(&self, points: &[PointNormal]) -> Result<Probed, SolveError> {
         let digest = self.solved.digest();
         self.run.blocks.rely_on(RunStage::Points, digest)?;
-        let points = self.proxy.on_polygons(points);
-        let place = |(i, p): (usize, &PointNormal)| GatherPoint {
-            position: p.position,
-            normal: p.normal,
-            key: i as u32,
-        };
-        let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
-        let (light, black) = (
-            self.solved.light(&self.pass),
-            self.solved.black_light(&self.pass),
-        );
+        let places = gather_points(&self.proxy.on_polygons(points));
+        let (light, black) = (self.solved.light(), self.solved.black_light());
         let found = gather(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
@@ -125,8 +128,8 @@ impl<'a> SolvedLight<'a> {
                 points: &places,
                 areas: &[],
             },
-            self.pass.effort(self.solved.method),
-            hash(&[self.pass.key(), 2]),
+            self.solved.effort(),
+            hash(&[self.solved.key(), 2]),
             self.run,
         )?;
         let errors = found.standard_errors();
@@ -154,17 +157,17 @@ impl<'a> SolvedLight<'a> {
         fine: Option<&dyn IrradianceField>,
         seed: u32,
     ) -> Result<Vec<Vec<PathPair>>, SolveError> {
-        let light = self.solved.light(&self.pass);
+        let light = self.solved.light();
         let light = match fine {
             Some(field) => light.with_fine(field),
             None => light,
         };
-        let black = self.solved.black_light(&self.pass);
+        let black = self.solved.black_light();
         Ok(gather_pairs(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             targets,
-            hash(&[self.pass.key(), 2, seed]),
+            hash(&[self.solved.key(), 2, seed]),
             self.run,
         )?)
     }
@@ -183,12 +186,12 @@ impl<'a> SolvedLight<'a> {
         error: f64,
         seed: u32,
     ) -> Result<Vec<Gathered>, SolveError> {
-        let light = self.solved.light(&self.pass);
-        let black = self.solved.black_light(&self.pass);
+        let light = self.solved.light();
+        let black = self.solved.black_light();
         let effort = GatherEffort {
             interpolate: false,
             error: Some(error),
-            ..self.pass.effort(self.solved.method)
+            ..self.solved.effort()
         };
         // Parts that never meet store one gather of points alone: that of `split` or `probe`.
         let run = self.run.without_storage();
@@ -197,7 +200,7 @@ impl<'a> SolvedLight<'a> {
             GatherLight::new(&light, black.as_ref()),
             GatherTargets { points, areas },
             effort,
-            hash(&[self.pass.key(), 2, seed]),
+            hash(&[self.solved.key(), 2, seed]),
             run,
         )?;
         Ok(found.indirect())
@@ -219,20 +222,20 @@ impl<'a> SolvedLight<'a> {
     ) -> Result<SplitLight, SolveError> {
         let digest = self.solved.digest_at(points);
         self.run.blocks.rely_on(RunStage::Points, digest)?;
-        let light = self.solved.light(&self.pass);
-        let black = self.solved.black_light(&self.pass);
+        let light = self.solved.light();
+        let black = self.solved.black_light();
         let effort = GatherEffort {
             interpolate: false,
             error: None,
             rays,
-            ..self.pass.effort(self.solved.method)
+            ..self.solved.effort()
         };
         let mut found = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets { points, areas },
             effort,
-            hash(&[self.pass.key(), 2, seed]),
+            hash(&[self.solved.key(), 2, seed]),
             self.run,
         )?;
         let relative_error = found.relative_error();
@@ -249,6 +252,16 @@ impl<'a> SolvedLight<'a> {
             relative_error,
         })
     }
+}
+
+/// Points, keyed by their numbers.
+fn gather_points(points: &[PointNormal]) -> Vec<GatherPoint> {
+    let place = |(i, p): (usize, &PointNormal)| GatherPoint {
+        position: p.position,
+        normal: p.normal,
+        key: i as u32,
+    };
+    points.iter().enumerate().map(place).collect()
 }
 
 /// Irradiance at points by where it comes from, W/m².
@@ -287,5 +300,5 @@ pub fn probe<'r>(
     run: impl Into<Run<'r>>,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    SolvedLight::new(&proxy, pass, run.into())?.probe(points)
+    SolvedLight::for_points(&proxy, pass, run.into(), points)?.probe(points)
 }

@@ -6,9 +6,10 @@
 //! cells are divided where it is largest, until it is a small part of the error that is permitted.
 //! What remains is part of the stated error.
 
-use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gathering};
+use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gathering, well_spread};
 use crate::interpolation::{Interpolator, Stencil};
 use crate::records::RecordCells;
+use crate::strata::Strata;
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, SplitIrradiance};
 
@@ -78,7 +79,8 @@ struct InterpolatedValues {
     /// Which record each point is.
     record_of: Vec<Option<u32>>,
     stencils: Vec<Stencil>,
-    /// Per record: indirect irradiance, and the sum over all points of its squared weights.
+    /// Per record: indirect irradiance, and the sum over all points of its squared weights by their areas relative to
+    /// the mean.
     indirect: Vec<Gathered>,
     influence: Vec<f64>,
 }
@@ -93,10 +95,10 @@ impl GatheredValues {
     }
 
     /// All light is gathered at every point, with indirect light apart.
-    pub fn apart(count: usize) -> GatheredValues {
-        let all = 0..count as u32;
+    pub fn apart(strata: &Strata) -> GatheredValues {
+        let all = 0..strata.shares().len() as u32;
         let alone = all.clone().map(Stencil::alone).collect();
-        GatheredValues::at_records(all.map(Some).collect(), alone)
+        GatheredValues::at_records(all.map(Some).collect(), alone, strata)
     }
 
     /// Indirect light of each point; nothing where it is not kept apart.
@@ -118,11 +120,17 @@ impl GatheredValues {
     }
 
     /// Indirect light is gathered where there is a record.
-    fn at_records(record_of: Vec<Option<u32>>, stencils: Vec<Stencil>) -> GatheredValues {
+    fn at_records(
+        record_of: Vec<Option<u32>>,
+        stencils: Vec<Stencil>,
+        strata: &Strata,
+    ) -> GatheredValues {
         let count = record_of.iter().flatten().count();
         let mut influence = vec![0.0; count];
-        for (record, weight) in stencils.iter().flat_map(Stencil::weights) {
-            influence[record] += weight * weight;
+        for (point, stencil) in stencils.iter().enumerate() {
+            for (record, weight) in stencil.weights() {
+                influence[record] += strata.weight(point) * weight * weight;
+            }
         }
         GatheredValues {
             own: vec![Gathered::default(); record_of.len()],
@@ -138,9 +146,10 @@ impl GatheredValues {
     /// All light of each cell's record, for all of its points; `found` is in the order of the cells.
     pub fn of_cells(
         cells: &RecordCells,
-        points: usize,
+        strata: &Strata,
         found: &[SplitIrradiance],
     ) -> GatheredValues {
+        let points = strata.shares().len();
         let mut record_of = vec![None; points];
         let mut stencils = vec![Stencil::default(); points];
         let mut own = vec![Gathered::default(); points];
@@ -151,7 +160,7 @@ impl GatheredValues {
                 stencils[point as usize] = Stencil::alone(number as u32);
             }
         }
-        let mut values = GatheredValues::at_records(record_of, stencils);
+        let mut values = GatheredValues::at_records(record_of, stencils, strata);
         values.own = own;
         if let Some(between) = &mut values.interpolated {
             between.indirect = found.iter().map(|f| f.indirect).collect();
@@ -199,9 +208,10 @@ impl GatheredValues {
         }
     }
 
-    /// The variance that the rays of a point cause, summed over all points, per channel.
-    pub fn variance(&self, point: usize) -> Rgb {
-        let own = self.own[point].variance();
+    /// The variance that the rays of a point cause, summed over all points by their weights, per channel; `weight` is
+    /// that of the point.
+    pub fn variance(&self, point: usize, weight: f64) -> Rgb {
+        let own = self.own[point].variance() * weight;
         let Some(between) = &self.interpolated else {
             return own;
         };
@@ -308,15 +318,14 @@ impl RecordGather {
             stencil.unwrap_or_else(|| Stencil::alone(r as u32))
         };
         let stencils = around.into_iter().enumerate().map(alone).collect();
+        let nothing = Gathering::new(GatherTargets {
+            points: &points,
+            areas: &areas,
+        });
+        let record_of = (0..records.len() as u32).map(Some).collect();
         let found = Gathering {
-            values: GatheredValues::at_records(
-                (0..records.len() as u32).map(Some).collect(),
-                stencils,
-            ),
-            ..Gathering::new(GatherTargets {
-                points: &points,
-                areas: &areas,
-            })
+            values: GatheredValues::at_records(record_of, stencils, &nothing.strata),
+            ..nothing
         };
         Ok(RecordGather {
             cells,
@@ -510,8 +519,8 @@ impl RecordGather {
             }));
         }
         let mut all = Gathering {
+            values: GatheredValues::at_records(record_of, stencils, &strata),
             strata,
-            values: GatheredValues::at_records(record_of, stencils),
             ..Gathering::new(targets)
         };
         let doubts = self.stratum_errors(&errors);
@@ -522,8 +531,20 @@ impl RecordGather {
             all.values.add(i as usize, &self.known(record), 1.0);
             all.spent[i as usize] = self.found.spent[record];
         }
+        // What the record of a cell took, by the root of the area, as rays are distributed.
+        let cell_weights: Vec<f64> = (self.cells.points())
+            .map(|cell| {
+                let sum: f64 = cell.iter().map(|&i| all.strata.weight(i as usize)).sum();
+                sum / cell.len() as f64
+            })
+            .collect();
         let total = |i: usize| match all.values.kind(i) {
-            PointKind::Record => self.found.spent[parents[i] as usize].max(all.spent[i]),
+            PointKind::Record => {
+                let cell = parents[i] as usize;
+                let relative = (all.strata.weight(i) / cell_weights[cell]).sqrt();
+                let rays = relative * f64::from(self.found.spent[cell]);
+                well_spread(all.spent[i], rays, effort.most())
+            }
             PointKind::Interpolated => DIRECT_RAYS.min(effort.most()),
         };
         let totals: Vec<u32> = (0..count).map(total).collect();

@@ -9,13 +9,11 @@
 
 use crate::gather::Gathering;
 use crate::sparse::PointKind;
+use crate::strata::{OWN, coverage};
 use azulejo_scene::Rgb;
 
 /// Points of a class, at least.
 const LEAST: usize = 24;
-
-/// Degrees of freedom of one point's variance.
-const OWN: f64 = 3.0;
 
 /// Most degrees of freedom of what a class says of a point: no prior is right.
 const MOST: f64 = 12.0;
@@ -91,7 +89,9 @@ fn noise_of(class: &[u32], gathering: &Gathering, gain: f64) -> Vec<Rgb> {
     }
     let typical = sum(&|k| points[k].1.mean()) / whole;
     let relative = |k: usize| points[k].1.mean() / scales[k].mean().max(f64::MIN_POSITIVE);
+    // A point says nothing of itself but what its own variance says.
     let shared = likeness(sum(&|k| relative(k).sqrt()) / count, sum(&relative) / count);
+    let shared = shared.min(OWN * (count - 1.0));
     let factor = coverage(OWN + shared).powi(2);
     let shrunk = |(&(_, own), &scale): (&(Rgb, Rgb), &Rgb)| {
         (scale * (typical * shared) + own * OWN) * (factor / (OWN + shared))
@@ -118,14 +118,6 @@ fn likeness(root: f64, mean: f64) -> f64 {
     } else {
         0.56 * f / left
     }
-}
-
-/// Half of the deviation, in standard errors estimated with so many degrees of freedom, that covers
-/// what two standard deviations of a normal distribution do: Student's t by its expansion in 1/ν
-/// (Fisher and Cornish 1960), too small by 0.9% at ν = 3 and less above.
-fn coverage(freedom: f64) -> f64 {
-    let x = 1.0 / freedom;
-    1.0 + x * (1.25 + x * (1.531 + x * 1.43))
 }
 
 #[cfg(test)]

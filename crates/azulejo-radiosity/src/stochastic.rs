@@ -110,8 +110,7 @@ pub fn solve(
         let first = shooter.total(&unshot).max_channel();
         let mut state = Convergence {
             iterations: 1,
-            residual: 0.0,
-            is_reached: false,
+            ..Convergence::default()
         };
         let mut shots = 0.0;
         loop {

@@ -66,7 +66,7 @@ pub struct System<'j> {
 }
 
 /// Convergence of a solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
     /// Bounces of light followed.
     pub iterations: u32,
@@ -74,9 +74,35 @@ pub struct Convergence {
     pub residual: f64,
     /// Whether iteration ended because little light was left.
     pub is_reached: bool,
+    /// Change half a [`PERIOD`] ago, W/m², and the factor by which it fell at each bounce since.
+    pub(crate) before: f64,
+    pub(crate) rate: f64,
 }
 
 impl Convergence {
+    /// Whether light hardly dies out: what is reflected most lasts longest, so that changes never fall faster than they
+    /// have begun to.
+    fn is_endless(&self) -> bool {
+        self.iterations >= 2 * PERIOD && self.rate >= ENDLESS
+    }
+
+    /// Notes the change of a bounce; every [`PERIOD`] returns how much of it is still to come, if it goes on to fall so
+    /// (Lyusternik 1947, after Varga, *Matrix Iterative Analysis*, 1962).
+    fn note(&mut self, change: f64) -> Option<f64> {
+        match self.iterations % PERIOD {
+            0 => {
+                self.rate = (change / self.before).powf(2.0 / f64::from(PERIOD));
+                let is_slow = (SLOW..ENDLESS).contains(&self.rate);
+                is_slow.then(|| self.rate / (1.0 - self.rate))
+            }
+            HALF_PERIOD => {
+                self.before = change;
+                None
+            }
+            _ => None,
+        }
+    }
+
     /// The progress of one replicate.
     pub(crate) fn measure(&self, replicate: usize) -> Measure {
         Measure::Residual {
@@ -204,7 +230,8 @@ impl<'j> System<'j> {
             );
         }
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
-        let lost = |j: usize| materials[patches.material(j) as usize].diffuse - reflectance[j];
+        let diffuse = |j: usize| materials[patches.material(j) as usize].diffuse;
+        let lost = |j: usize| diffuse(j) - reflectance[j];
         while !wave.is_empty() {
             progress.begin("direct light", wave.len() as u64);
             let light = |&i: &usize| {
@@ -250,7 +277,7 @@ impl<'j> System<'j> {
                 let rows = estimator.rows(&sides, progress)?;
                 let traced = rows
                     .par_iter()
-                    .map(|row| TracedRow::new(row, channels, lost));
+                    .map(|row| TracedRow::new(row, channels, diffuse, lost));
                 Ok(traced.collect())
             };
             let mut is_told = is_planned.clone();
@@ -323,13 +350,16 @@ impl<'j> System<'j> {
         let most = bounces.unwrap_or(MOST_ITERATIONS);
         let start = Convergence {
             iterations: 0,
-            residual: 0.0,
             is_reached: false,
+            ..Convergence::default()
         };
         let mut all = vec![(vec![Rgb::BLACK; self.sides], start); REPLICATES];
         loop {
             progress.advance(0)?;
-            let is_open = |state: &Convergence| !state.is_reached && state.iterations < most;
+            let is_open = |state: &Convergence| {
+                let is_limited = bounces.is_some();
+                !state.is_reached && state.iterations < most && (is_limited || !state.is_endless())
+            };
             let open = all.iter().enumerate();
             let open = open.filter(|(_, (_, state))| is_open(state));
             let open: Vec<(usize, &[Rgb])> = open.map(|(r, (light, _))| (r, &light[..])).collect();
@@ -340,35 +370,39 @@ impl<'j> System<'j> {
             let arriving = self.arriving(&open)?;
             for (replicate, arriving) in replicates.into_iter().zip(arriving) {
                 let (reflected, state) = &mut all[replicate];
-                self.bounce(replicate, arriving, reflected, state);
+                self.bounce(replicate, arriving, reflected, state, bounces.is_some());
                 state.is_reached = state.residual <= tolerance;
                 progress.measured(state.measure(replicate));
             }
         }
     }
 
-    /// One bounce more of the light `reflected` from each side, which arrives at every unknown.
+    /// One bounce more of the light `reflected` from each side, which arrives at every unknown; where bounces are not
+    /// limited, now and then with what is expected of those to come.
     fn bounce(
         &self,
         replicate: usize,
         arriving: Vec<Rgb>,
         reflected: &mut [Rgb],
         state: &mut Convergence,
+        is_limited: bool,
     ) {
-        let next = self
-            .unknowns
-            .iter()
-            .zip(arriving)
-            .map(|(u, h)| u.reflectance * (u.unbounced(replicate) + h));
+        let next = self.unknowns.iter().zip(arriving);
+        let next = next.map(|(u, h)| u.reflectance * (u.unbounced(replicate) + h));
+        let next: Vec<Rgb> = next.collect();
         let (mut change, mut largest) = (0f64, 0f64);
-        for (u, value) in self.unknowns.iter().zip(next) {
-            let old = &mut reflected[u.side as usize];
-            change = change.max((value - *old).map(f64::abs).max_channel());
+        for (u, &value) in self.unknowns.iter().zip(&next) {
+            let old = reflected[u.side as usize];
+            change = change.max((value - old).map(f64::abs).max_channel());
             largest = largest.max(value.max_channel());
-            *old = value;
         }
         state.iterations += 1;
         state.residual = if largest > 0.0 { change / largest } else { 0.0 };
+        let to_come = state.note(change).filter(|_| !is_limited).unwrap_or(0.0);
+        for (u, value) in self.unknowns.iter().zip(next) {
+            let old = &mut reflected[u.side as usize];
+            *old = value + (value - *old) * to_come;
+        }
     }
 
     /// Irradiance of every unknown by light reflected from each side, for some replicates, with that of each: 4
@@ -454,16 +488,37 @@ impl Unknown {
 }
 
 impl TracedRow {
-    /// `lost` is what vertex colours and textures of a patch absorb beyond its material.
-    fn new(row: &Row, channels: usize, lost: impl Fn(usize) -> Rgb) -> TracedRow {
+    /// `diffuse` is the reflectance of a patch's material, and `lost` what vertex colours and textures absorb of it.
+    fn new(
+        row: &Row,
+        channels: usize,
+        diffuse: impl Fn(usize) -> Rgb,
+        lost: impl Fn(usize) -> Rgb,
+    ) -> TracedRow {
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
+        // Of what coincides, each counts all of the light that arrives: it would grow.
+        let reflected = |e: &Entry| diffuse((e.side / 2) as usize) * e.weight * share;
+        let reflected: Rgb = row.entries.iter().flatten().map(reflected).sum();
+        let arrived = reflected + row.absorbed + row.all_escaped() + row.cut;
+        let whole = match arrived.max_channel() {
+            arrived if arrived > 1.0 + OFF => arrived,
+            _ => 1.0,
+        };
+        let scaled = |entries: &[Entry]| -> Vec<Entry> {
+            let weight = |e: &Entry| e.weight / whole;
+            let entry = |e: &Entry| Entry {
+                weight: weight(e),
+                ..*e
+            };
+            entries.iter().map(entry).collect()
+        };
         TracedRow {
-            rows: std::array::from_fn(|r| SparseRow::new(channels, &row.entries[r])),
+            rows: std::array::from_fn(|r| SparseRow::new(channels, &scaled(&row.entries[r]))),
             stray: row.stray,
             external: row.external,
-            outcomes: [row.absorbed + patterns, row.all_escaped(), row.cut],
+            outcomes: [row.absorbed + patterns, row.all_escaped(), row.cut].map(|o| o / whole),
             rays: row.rays,
         }
     }
@@ -523,9 +578,8 @@ impl RadiositySolution {
             solutions: Vec::with_capacity(REPLICATES),
             incident: vec![Rgb::BLACK; sides],
             convergence: Convergence {
-                iterations: 0,
-                residual: 0.0,
                 is_reached: true,
+                ..Convergence::default()
             },
             balance: EnergyBalance::default(),
             balance_error: 0.0,
@@ -585,6 +639,15 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Even facing perfect mirrors end here.
 const MOST_ITERATIONS: u32 = 2_000;
+
+/// Bounces in the second half of which it is measured how fast changes fall.
+const PERIOD: u32 = 64;
+const HALF_PERIOD: u32 = PERIOD / 2;
+
+/// Factors by which changes fall at each bounce: from the first on, later bounces are foreseen, and from the second on
+/// light is taken not to die out.
+const SLOW: f64 = 0.8;
+const ENDLESS: f64 = 0.9999;
 
 /// Share of the emitted power that may be unaccounted for.
 const OFF: f64 = 0.02;

@@ -101,6 +101,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 Verdict::Open(found, doubt) if goal.is_none() => {
                     all.strata.read_patches(stratum, found + 0.5 * doubt);
                 }
+                Verdict::Open(found, _)
+                    if all.strata.is_each() && !self.run.progress.out_of_time() =>
+                {
+                    self.trace_paths(all, stratum, found, (spent, sample), most)?;
+                }
                 // To tell would take about as long as to path trace all: the doubt is stated instead.
                 Verdict::Open(found, doubt) => all.strata.read_patches(stratum, found + doubt),
             }
@@ -268,6 +273,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                     points: compared.sample.iter().map(|c| c.point).collect(),
                     rays: spent..next,
                     termination,
+                    has_direct: true,
                 })
             });
             let lists: Vec<PointList> = lists.collect();

@@ -108,18 +108,22 @@ impl PointValues<'_> {
     }
 }
 
+/// A display vertex's share of the patches around it, square scene units.
+pub(crate) fn vertex_area(patches: &Patches, vertex: usize) -> f64 {
+    let share = |&p: &u32| {
+        let p = p as usize;
+        patches.area(p) / patches.corner_vertices(p).len() as f64
+    };
+    patches.patches_at(vertex).iter().map(share).sum()
+}
+
 impl Targets {
     /// The area for which each point stands: a corner's share of the patches around it, square scene
     /// units; on both sides if both have a point.
     pub fn areas(&self, patches: &Patches) -> Vec<f64> {
-        let of_patch = |&p: &u32| {
-            let p = p as usize;
-            patches.area(p) / patches.corner_vertices(p).len() as f64
-        };
-        let of_vertex = |v: usize| -> f64 { patches.patches_at(v).iter().map(of_patch).sum() };
         let mut areas = vec![0.0; self.points.len()];
         for (vertex, points) in self.vertices.iter().enumerate() {
-            areas[vertex] = of_vertex(vertex);
+            areas[vertex] = vertex_area(patches, vertex);
             if let Some(other) = points.other {
                 areas[other as usize] = areas[vertex];
             }

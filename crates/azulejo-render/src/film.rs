@@ -84,6 +84,11 @@ impl Film {
 }
 
 impl Tile {
+    /// Columns.
+    pub fn width(self) -> u32 {
+        self.width
+    }
+
     /// Indices of its pixels in an image of `width` columns.
     pub fn pixels(self, width: u32) -> impl Iterator<Item = u32> {
         (self.y..self.y + self.height)

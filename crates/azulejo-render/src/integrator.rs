@@ -2,6 +2,7 @@
 //! of glossy lobes.
 
 use crate::measured::RayRadiance;
+use crate::path_cost::PathCost;
 use crate::path_sampler::PathSampler;
 use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Colors, Parts, Shading, mirrored};
@@ -14,10 +15,11 @@ use azulejo_trace::interaction::{
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     DiffuseHit, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, OutgoingRadiosity,
-    Termination,
+    REPLICATES, Termination,
 };
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
 use std::f64::consts::FRAC_1_PI;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
@@ -31,7 +33,8 @@ const GATHER_BATCH: u32 = 16_384;
 /// Finds radiance in one scene under one set of options. Immutable, shared by all threads.
 pub(crate) struct Integrator<'a> {
     scene: RenderScene<'a>,
-    gather: FinalGather,
+    /// Where irradiance is gathered.
+    pub gather: FinalGather,
     /// Whether the scene carries irradiance.
     is_solved: bool,
     /// Whether it has a lightmap, of which surfaces without one get light.
@@ -82,6 +85,8 @@ pub(crate) struct Scratch {
     to_split: Vec<DeferredGather>,
     points: Vec<GatherPoint>,
     shadows: ShadowBatch,
+    /// Rays of camera paths after their first segment.
+    traced: u64,
 }
 
 impl<'a> Integrator<'a> {
@@ -131,6 +136,70 @@ impl<'a> Integrator<'a> {
         scratch: &mut Scratch,
         found: &mut Vec<RayRadiance>,
     ) {
+        self.follow(rays, sampler, scratch, found);
+        self.resolve(scratch, found);
+        self.split(scratch, found);
+        if let Some(most) = self.clamp {
+            found.iter_mut().for_each(|found| found.limit(most));
+        }
+    }
+
+    /// Mean cost of the paths that start along `rays`.
+    pub fn cost(
+        &self,
+        rays: &[KernelRay],
+        sampler: impl Fn(usize) -> PathSampler,
+        scratch: &mut Scratch,
+    ) -> PathCost {
+        self.follow(rays, sampler, scratch, &mut Vec::new());
+        let mean = |sum: usize| sum as f64 / rays.len().max(1) as f64;
+        PathCost {
+            rays: mean(rays.len() + scratch.traced as usize),
+            gathers: mean(scratch.deferred.len()),
+            per_direction: self.cost_per_direction(&scratch.deferred),
+            direct: self.scene.gatherer.direct_cost(),
+        }
+    }
+
+    /// Mean cost of a direction of deferred gathers: its first ray, and two for each hit from which it goes on.
+    fn cost_per_direction(&self, deferred: &[DeferredGather]) -> f64 {
+        let options = GatherOptions {
+            rays: REPLICATES as u32,
+            ..self.gather_options()
+        };
+        let light = CountedLight {
+            light: self,
+            read: AtomicU64::new(0),
+        };
+        let directions = DirectionTables::new(&options);
+        let points: Vec<GatherPoint> = deferred.iter().map(|d| d.point).collect();
+        for points in points.chunks(GATHER_BATCH as usize / REPLICATES) {
+            let gatherer = &self.scene.gatherer;
+            gatherer.gather_with(points, &options, &directions, &light);
+        }
+        let hits = light.read.into_inner() as f64;
+        let rays = (points.len() * REPLICATES).max(1) as f64;
+        (2.0 * hits / rays - 1.0).max(1.0)
+    }
+
+    /// How gathers are made.
+    fn gather_options(&self) -> GatherOptions {
+        GatherOptions {
+            rays: self.gather.rays(),
+            seed: self.seed,
+            spent: 0,
+            termination: Termination::Radiosity,
+        }
+    }
+
+    /// Radiance along each ray into `found`, without the deferred gathers.
+    fn follow(
+        &self,
+        rays: &[KernelRay],
+        sampler: impl Fn(usize) -> PathSampler,
+        scratch: &mut Scratch,
+        found: &mut Vec<RayRadiance>,
+    ) {
         let mut hits = std::mem::take(&mut scratch.hits);
         self.tracer().closest(rays, &mut hits);
         found.clear();
@@ -150,21 +219,11 @@ impl<'a> Integrator<'a> {
                 }),
         );
         scratch.hits = hits;
-        self.resolve(scratch, found);
-        self.split(scratch, found);
-        if let Some(most) = self.clamp {
-            found.iter_mut().for_each(|found| found.limit(most));
-        }
     }
 
     /// Runs the deferred gathers and adds what they find to their rays.
     fn resolve(&self, scratch: &mut Scratch, found: &mut [RayRadiance]) {
-        let options = GatherOptions {
-            rays: self.gather.rays(),
-            seed: self.seed,
-            spent: 0,
-            termination: Termination::Radiosity,
-        };
+        let options = self.gather_options();
         let directions = DirectionTables::new(&options);
         let gatherer = &self.scene.gatherer;
         let together = (GATHER_BATCH / options.rays.max(1)).max(1) as usize;
@@ -226,6 +285,7 @@ impl<'a> CameraPath<'_, 'a> {
         self.shade(&first, hit);
         while let Some(segment) = self.scratch.pending.pop() {
             let ray = std::slice::from_ref(&segment.ray);
+            self.scratch.traced += 1;
             self.integrator
                 .tracer()
                 .closest(ray, &mut self.scratch.next);
@@ -451,7 +511,9 @@ impl<'a> CameraPath<'_, 'a> {
     fn lit(&mut self, shading: &Shading, lobe_probability: f64) -> Rgb {
         let u = [(); 4].map(|()| self.chance());
         let scene = &self.integrator.scene;
-        scene.lit(shading, u, lobe_probability, &mut self.scratch.shadows)
+        let lit = scene.lit(shading, u, lobe_probability, &mut self.scratch.shadows);
+        self.scratch.traced += self.scratch.shadows.len() as u64;
+        lit
     }
 
     /// Makes the segment in that direction pending, unless roulette or the safety cap ends it.
@@ -501,6 +563,23 @@ impl DiffuseLight for Integrator<'_> {
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
         self.scene.interpolator.reflectance(&at.hit, material)
+    }
+}
+
+/// The same, which counts how often it is read.
+struct CountedLight<'i, 'a> {
+    light: &'i Integrator<'a>,
+    read: AtomicU64,
+}
+
+impl DiffuseLight for CountedLight<'_, '_> {
+    fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
+        self.read.fetch_add(1, Ordering::Relaxed);
+        self.light.outgoing(at, replicate)
+    }
+
+    fn reflectance(&self, at: &DiffuseHit) -> Rgb {
+        self.light.reflectance(at)
     }
 }
 

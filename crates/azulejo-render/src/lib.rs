@@ -9,6 +9,7 @@
 //! Every result depends on scene, options and seed alone: the same bits for any number of
 //! threads.
 
+mod budget;
 mod denoise;
 mod diffuse_reflectance;
 mod exposure;
@@ -18,7 +19,9 @@ mod integrator;
 mod interpolate;
 mod layers;
 mod measured;
+mod options;
 mod pass;
+mod path_cost;
 mod path_sampler;
 mod reference;
 mod render_scene;
@@ -33,6 +36,7 @@ pub use exposure::auto_exposure_of_surfaces;
 pub use first_view::first_view;
 pub use layers::{NO_DEPTH, PictureLayers, picture_layers};
 pub use measured::{MeasuredImage, relative_rmse};
-pub use pass::{FinalGather, SecondPass, radiance, render, render_measured};
+pub use options::{FinalGather, SecondPass};
+pub use pass::{radiance, render, render_measured, render_with_errors, render_within};
 pub use reference::{ReferencePass, reference, reference_radiance};
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

@@ -144,6 +144,8 @@ pub(crate) struct PixelSums {
     squares: Rgb,
     direct: Rgb,
     removed: Rgb,
+    /// Whether any path depended on random numbers.
+    pub is_random: bool,
 }
 
 impl PixelSums {
@@ -155,6 +157,7 @@ impl PixelSums {
         self.squares += value * value;
         self.direct += found.direct;
         self.removed += found.removed;
+        self.is_random |= found.is_random;
     }
 
     fn sum(&self) -> Rgb {
@@ -176,6 +179,11 @@ impl PixelSums {
     /// Mean of the samples.
     pub fn mean(&self) -> Rgb {
         self.sum() / self.count()
+    }
+
+    /// Standard deviation of the samples.
+    pub fn deviation(&self) -> Rgb {
+        self.standard_error() * self.count().sqrt()
     }
 
     /// Its standard error as if the samples were independent; 0 for one sample.

@@ -1,92 +1,16 @@
-//! The second pass: options, and the loops over pixels and probe rays.
+//! The second pass: the loops over pixels and probe rays.
 
+use crate::budget;
 use crate::film::{Film, Lens, Tile};
 use crate::integrator::{Integrator, Scratch};
 use crate::measured::{MeasuredImage, PixelSums, RayRadiance};
+use crate::options::SecondPass;
 use crate::path_sampler::PathSampler;
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
 use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};
 use rayon::prelude::*;
-
-/// How the second pass works.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SecondPass {
-    /// Image size in pixels, width then height. An image without pixels is allowed and empty.
-    pub size: (u32, u32),
-    /// Camera paths per pixel; 0 counts as 1.
-    pub samples_per_pixel: u32,
-    /// Where irradiance is gathered instead of interpolated between vertices.
-    pub gather: FinalGather,
-    /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
-    pub seed: u64,
-    /// A safety cap on mirrors and boundaries along one path, for closed rooms of perfect
-    /// mirrors, from which light never leaves. What a path still carries then is lost; paths end
-    /// long before it by Russian roulette, which loses nothing on average.
-    pub max_depth: u32,
-    /// The most radiance, W/(sr·m²), that paths behind the first surface that scatters may add to one
-    /// sample: above it is scaled down, which removes bright dots, and light. `None` removes
-    /// nothing.
-    pub clamp: Option<f64>,
-}
-
-/// Where paths gather irradiance, by rays over the hemisphere and the direct light of all lamps and
-/// lights, at the diffuse surfaces that the camera sees straight or by mirrors and glass, instead of
-/// interpolating it between vertices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FinalGather {
-    /// Nowhere but on sides of which the scene carries no irradiance.
-    #[default]
-    Unknown,
-    /// Also where the irradiance of the corners of a face differs so much that the light between
-    /// them is not known: at the edges of shadows, and where a face passes from the light into the
-    /// dark. So many rays at each hit.
-    Uneven(u32),
-    /// Everywhere, with so many rays at each hit. This hides the patches and sharpens contact shadows.
-    /// It also renders a scene without irradiance, slowly: light is then followed over its first
-    /// bounces only.
-    Everywhere(u32),
-}
-
-impl FinalGather {
-    /// Rays of a gather.
-    pub(crate) fn rays(self) -> u32 {
-        /// On a side of which the scene carries no irradiance.
-        const BACK_RAYS: u32 = 32;
-        match self {
-            FinalGather::Unknown => BACK_RAYS,
-            FinalGather::Uneven(rays) | FinalGather::Everywhere(rays) => rays.max(1),
-        }
-    }
-}
-
-impl Default for SecondPass {
-    /// 512 × 512 pixels, 16 samples each, no final gather, seed 0, at most 1000 interfaces, no clamp.
-    fn default() -> SecondPass {
-        SecondPass {
-            size: (512, 512),
-            samples_per_pixel: 16,
-            gather: FinalGather::Unknown,
-            seed: 0,
-            max_depth: 1000,
-            clamp: None,
-        }
-    }
-}
-
-impl SecondPass {
-    /// Paths that are followed together: enough to keep the kernel busy, few enough for the
-    /// cache and for cancelling within a moment.
-    fn batch(&self) -> u32 {
-        const RAYS: u32 = 4096;
-        const GATHER_RAYS: u32 = 1 << 18;
-        let gathers = match self.gather {
-            FinalGather::Everywhere(rays) => rays.max(1),
-            FinalGather::Unknown | FinalGather::Uneven(_) => 1,
-        };
-        (GATHER_RAYS / gathers).clamp(1, RAYS)
-    }
-}
+use std::ops::Range;
 
 /// Renders what `camera` sees: linear radiance, W/(sr·m²), averaged over each pixel by a tent
 /// filter of one pixel's radius.
@@ -115,11 +39,58 @@ pub fn render(
     options: &SecondPass,
     progress: &Progress,
 ) -> Result<Image, Cancelled> {
-    let integrator = Integrator::new(scene, tracer, options);
-    Ok(measure(integrator, camera, options, progress)?.image)
+    Ok(render_with_errors(scene, tracer, camera, options, progress)?.image)
 }
 
-/// [`render`] with standard errors, and with direct and indirect light apart.
+/// [`render`] with standard errors. Irradiance that is read from vertices counts as indirect light, though it
+/// holds the direct part, too: [`render_measured`] tells them apart, by rays to every light from every sample.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_with_errors(
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<MeasuredImage, Cancelled> {
+    measure(
+        Integrator::new(scene, tracer, options),
+        camera,
+        options,
+        progress,
+    )
+}
+
+/// [`render_with_errors`] with fewer rays, if the picture would take more than about `rays`, and the options under
+/// which it takes no more: first with fewer directions in the gathers of [`FinalGather::Uneven`](crate::FinalGather::Uneven), then with fewer
+/// samples per pixel, but at least four of each.
+///
+/// A pilot of one path in each 64th pixel says what they cost, so the result is the same on every machine.
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_within(
+    rays: u64,
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<(MeasuredImage, SecondPass), Cancelled> {
+    let mut integrator = Integrator::new(scene, tracer, options);
+    let taken = budget::within(rays, options, &integrator, camera);
+    integrator.gather = taken.gather;
+    Ok((measure(integrator, camera, &taken, progress)?, taken))
+}
+
+/// [`render_with_errors`] with direct and indirect light apart.
 ///
 /// The irradiance on vertices holds both: the direct part is computed anew where the camera sees it,
 /// exactly at the edges of shadows, and the rest is indirect. Where the vertices do not resolve a
@@ -165,6 +136,7 @@ fn measure(
         film,
         samples: options.samples_per_pixel.max(1),
         batch: options.batch(),
+        contrast: options.contrast,
         progress,
     };
     progress.begin("render", u64::from(width) * u64::from(height));
@@ -243,8 +215,12 @@ struct ImagePass<'a> {
     film: Film,
     samples: u32,
     batch: u32,
+    contrast: Option<f64>,
     progress: &'a Progress,
 }
+
+/// Paths of a pixel that say whether it is even.
+const FIRST_SAMPLES: u32 = 4;
 
 /// Working memory of one thread.
 #[derive(Default)]
@@ -273,24 +249,50 @@ impl ImagePass<'_> {
     fn tile(&self, tile: Tile, batch: &mut Batch) -> Result<Vec<PixelSums>, Cancelled> {
         let pixels: Vec<u32> = tile.pixels(self.film.width).collect();
         let mut sums = vec![PixelSums::default(); pixels.len()];
-        let together = (self.batch / self.samples).max(1) as usize;
-        for (pixels, sums) in pixels.chunks(together).zip(sums.chunks_mut(together)) {
-            self.expose(pixels, sums, batch)?;
+        let Some(contrast) = self.contrast.filter(|_| self.samples > FIRST_SAMPLES) else {
+            self.expose(&pixels, &mut sums, 0..self.samples, batch)?;
             self.progress.advance(pixels.len() as u64)?;
+            return Ok(sums);
+        };
+        self.expose(&pixels, &mut sums, 0..FIRST_SAMPLES, batch)?;
+        let rough: Vec<usize> = rough_pixels(&sums, tile.width() as usize, contrast);
+        let rough_numbers: Vec<u32> = rough.iter().map(|&k| pixels[k]).collect();
+        let mut rough_sums: Vec<PixelSums> = rough.iter().map(|&k| sums[k]).collect();
+        let rest = FIRST_SAMPLES..self.samples;
+        self.expose(&rough_numbers, &mut rough_sums, rest, batch)?;
+        for (k, sum) in rough.into_iter().zip(rough_sums) {
+            sums[k] = sum;
         }
+        self.progress.advance(pixels.len() as u64)?;
         Ok(sums)
     }
 
-    /// Adds up all samples of some pixels, a batch at a time.
+    /// Adds up a range of the samples of some pixels, a batch at a time.
     fn expose(
         &self,
         pixels: &[u32],
         sums: &mut [PixelSums],
+        samples: Range<u32>,
         batch: &mut Batch,
     ) -> Result<(), Cancelled> {
-        for start in (0..self.samples).step_by(self.batch as usize) {
+        let together = (self.batch / samples.len().max(1) as u32).max(1) as usize;
+        for (pixels, sums) in pixels.chunks(together).zip(sums.chunks_mut(together)) {
+            self.expose_together(pixels, sums, samples.clone(), batch)?;
+        }
+        Ok(())
+    }
+
+    /// The same for pixels that fit into a batch, or one pixel.
+    fn expose_together(
+        &self,
+        pixels: &[u32],
+        sums: &mut [PixelSums],
+        samples: Range<u32>,
+        batch: &mut Batch,
+    ) -> Result<(), Cancelled> {
+        for start in samples.clone().step_by(self.batch as usize) {
             self.progress.advance(0)?;
-            let count = self.batch.min(self.samples - start) as usize;
+            let count = self.batch.min(samples.end - start) as usize;
             let rays = pixels.iter().flat_map(|&pixel| {
                 let pixel = self.film.pixel(pixel);
                 let ray = move |sample| self.lens.ray(pixel.position(sample));
@@ -307,4 +309,29 @@ impl ImagePass<'_> {
         }
         Ok(())
     }
+}
+
+/// The pixels of a tile, `width` wide, that are not even: within themselves, or beside another that differs. Where
+/// paths are random, few of them may have missed what is seldom found.
+fn rough_pixels(sums: &[PixelSums], width: usize, contrast: f64) -> Vec<usize> {
+    let differs = |a: Rgb, b: Rgb, by: Rgb| {
+        by.map(f64::abs).max_channel() > contrast * a.mean().max(b.mean())
+    };
+    let means: Vec<Rgb> = sums.iter().map(PixelSums::mean).collect();
+    let mut rough: Vec<bool> = sums
+        .iter()
+        .zip(&means)
+        .map(|(sum, &mean)| sum.is_random || differs(mean, mean, sum.deviation() * 2.0))
+        .collect();
+    for k in 0..sums.len() {
+        let right = (k % width + 1 < width).then_some(k + 1);
+        let below = Some(k + width).filter(|&q| q < sums.len());
+        for q in [right, below].into_iter().flatten() {
+            if differs(means[k], means[q], means[k] - means[q]) {
+                rough[k] = true;
+                rough[q] = true;
+            }
+        }
+    }
+    (0..sums.len()).filter(|&k| rough[k]).collect()
 }

@@ -277,6 +277,11 @@ impl ShadowBatch {
         self.light.clear();
     }
 
+    /// Number of shadow rays.
+    pub fn len(&self) -> usize {
+        self.rays.len()
+    }
+
     fn push(&mut self, tracer: &Tracer, from: DVec3, to: DVec3, light: Rgb) {
         if !light.is_black() && light.is_finite() {
             self.rays.push(shadow_ray(tracer, from, to));

@@ -48,19 +48,17 @@ impl CoordinateRounding {
                 break;
             }
         }
-        let single =
-            is_single.then_some((f64::from(f32::EPSILON) * reach, CoordinateDigits::Single));
-        let decimals = decimals.map(|d| (10f64.powi(-i32::from(d)), CoordinateDigits::Decimals(d)));
-        let double = (f64::EPSILON * reach, CoordinateDigits::Double);
-        let (step, digits) = match (single, decimals) {
-            (Some(single), Some(decimals)) => {
-                if single.0 <= decimals.0 {
-                    single
-                } else {
-                    decimals
-                }
+        let single = f64::from(f32::EPSILON) * reach;
+        let unit = |base: f64| decimals.map(|d| base.powi(-i32::from(d)));
+        // Far from the origin all numbers of single precision have few decimals, at most one for each bit behind the
+        // point: decimals were meant where they leave some of these bits unused.
+        let leaves_bits = unit(2.0).is_some_and(|last| last > single);
+        let (step, digits) = match (unit(10.0), decimals) {
+            (Some(step), Some(d)) if !is_single || (leaves_bits && step < single) => {
+                (step, CoordinateDigits::Decimals(d))
             }
-            (one, other) => one.or(other).unwrap_or(double),
+            _ if is_single => (single, CoordinateDigits::Single),
+            _ => (f64::EPSILON * reach, CoordinateDigits::Double),
         };
         CoordinateRounding {
             error: 0.5 * step,
@@ -151,6 +149,21 @@ mod tests {
             0.5 * f64::EPSILON * single,
         );
         check(&[], CoordinateDigits::Single, 0.0);
+    }
+
+    /// What has been moved far away in single precision has seven or eight decimals, all of which are its bits.
+    #[test]
+    fn bits_behind_the_point_are_no_decimals() {
+        let far =
+            |k: f32| dvec3(0.37, 0.11, -0.53) * f64::from(k) + dvec3(65_710.0, 42_001.0, -33_333.0);
+        let positions = [1.0, 2.3, 3.7].map(|k| far(k).as_vec3().as_dvec3());
+        let error = 0.5 * f64::from(f32::EPSILON) * positions[2].x;
+        check(&positions, CoordinateDigits::Single, error);
+        check(
+            &[dvec3(70_000.125, 3.0, 0.0)],
+            CoordinateDigits::Decimals(3),
+            5e-4,
+        );
     }
 
     #[test]

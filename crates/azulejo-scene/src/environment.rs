@@ -1,7 +1,7 @@
 //! Radiance that arrives from infinitely far away, by direction: pictures of the surroundings, and
 //! skies.
 
-use crate::sky::Sky;
+use crate::sky::{Sky, SkyDistribution};
 use crate::{Image, Rgb, TextureId, Up};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -164,6 +164,28 @@ impl Environment {
         let turn = DQuat::from_axis_angle(up.axis(), self.north(up) - north);
         self.world_from_environment = (turn * self.world_from_environment).normalize();
         self
+    }
+
+    /// The radiance that arrives from every direction alike (W/(sr·m²)), and the environment without it: of an even sky
+    /// the less bright of sky and ground. Light from everywhere needs no choice of directions.
+    pub fn split_even(&self) -> (Rgb, Environment) {
+        let EnvironmentSource::Sky(sky) = self.source else {
+            return (Rgb::BLACK, *self);
+        };
+        if sky.distribution != SkyDistribution::Uniform {
+            return (Rgb::BLACK, *self);
+        }
+        let even = sky.scale.min(sky.ground);
+        let uneven = Sky {
+            scale: sky.scale - even,
+            ground: sky.ground - even,
+            ..sky
+        };
+        let uneven = Environment {
+            source: EnvironmentSource::Sky(uneven),
+            ..*self
+        };
+        (self.scale * even, uneven)
     }
 
     /// A direction of the world in the frame of the environment.
@@ -346,6 +368,29 @@ mod tests {
                 .dot(expected.world_from_environment);
             assert!(off.abs() > 1.0 - 1e-12, "{up:?}");
         }
+    }
+
+    #[test]
+    fn an_even_sky_is_split_into_what_comes_from_everywhere_and_the_rest() {
+        for (sky, ground, even) in [(1.0, 1.0, 1.0), (2.0, 0.5, 0.5), (0.5, 2.0, 0.5)] {
+            let mut whole = Environment::sky(
+                Sky {
+                    ground,
+                    ..Sky::uniform(sky)
+                },
+                Up::Z,
+                0.0,
+            );
+            whole.scale = Rgb::new(1.0, 2.0, 3.0);
+            let (everywhere, rest) = whole.split_even();
+            assert_eq!(everywhere, whole.scale * even);
+            for direction in [DVec3::Z, -DVec3::Z, DVec3::new(0.6, 0.0, 0.8)] {
+                let sum = everywhere + rest.radiance(direction, None);
+                assert_eq!(sum, whole.radiance(direction, None));
+            }
+        }
+        let picture = Environment::picture(0, Projection::Equirectangular, Up::Z);
+        assert_eq!(picture.split_even(), (Rgb::BLACK, picture));
     }
 
     #[test]

@@ -18,7 +18,9 @@ pub enum WrapMode {
 impl WrapMode {
     /// The column or row of `count` that is shown in place of column or row `k`.
     fn index(self, k: i64, count: i64) -> u32 {
+        // Most places need no division.
         let k = match self {
+            _ if (0..count).contains(&k) => k,
             WrapMode::Repeat => k.rem_euclid(count),
             WrapMode::Clamp => k.clamp(0, count - 1),
             WrapMode::Mirror => {
@@ -32,6 +34,8 @@ impl WrapMode {
     /// The coordinate in 0..1, or up to 2 where the picture is mirrored, in which all is shown.
     fn place(self, x: f64) -> f64 {
         match self {
+            // Most places need no division.
+            _ if (0.0..1.0).contains(&x) => x,
             WrapMode::Repeat => x.rem_euclid(1.0),
             WrapMode::Clamp => x.clamp(0.0, 1.0),
             WrapMode::Mirror => x.rem_euclid(2.0),

@@ -86,7 +86,7 @@ pub use prism::Prism;
 pub use rgb::Rgb;
 pub use rounding::rounded_number;
 pub use rtrace::Rtrace;
-pub use scene::{Fog, Object, Scene, SceneBackground};
+pub use scene::{Fog, Object, Scene, SceneBackground, Zone};
 pub use shape::Shape;
 pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use surface_maps::{

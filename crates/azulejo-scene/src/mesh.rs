@@ -32,8 +32,8 @@ pub struct Mesh {
     pub faces: Faces,
     /// Material of each face.
     pub face_materials: Vec<MaterialId>,
-    /// Smoothing group of each face, 0 for none; empty when the file has no groups. Faces of one
-    /// group that meet at an edge are one smooth surface there.
+    /// Smoothing group of each face, 0 for flat ones; empty when the file does not say what is smooth. Faces
+    /// of one group that meet at an edge are one smooth surface there.
     pub smoothing: Vec<u32>,
     /// How exactly the positions are known, where they were mapped:
     /// [`coordinate_rounding`](Mesh::coordinate_rounding) tells.
@@ -205,13 +205,30 @@ impl Mesh {
         self.smoothing.get(face).copied().unwrap_or(0)
     }
 
+    /// Makes all faces flat: without groups, but said.
+    pub fn be_flat(&mut self) {
+        self.smoothing = vec![0; self.faces.len()];
+    }
+
+    /// Whether any face has a smoothing group.
+    pub fn is_grouped(&self) -> bool {
+        self.smoothing.iter().any(|&group| group != 0)
+    }
+
+    /// Sets the normals of corners by the smoothing groups, if there are groups and no normals.
+    pub fn take_group_normals(&mut self) {
+        if self.normals.is_none() {
+            self.normals = self.group_normals();
+        }
+    }
+
     /// Unit normals of corners by the smoothing groups: the mean of the faces of one group around a
     /// vertex, weighted by their angles there. `None` without groups.
     ///
     /// Thürmer and Wüthrich, *Computing vertex normals from polygonal facets*, Journal of Graphics Tools
     /// 3(1), 1998.
     pub fn group_normals(&self) -> Option<Attribute<DVec3>> {
-        if self.smoothing.iter().all(|&group| group == 0) {
+        if !self.is_grouped() {
             return None;
         }
         let mut normals = Attribute {

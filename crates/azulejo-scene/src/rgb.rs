@@ -91,6 +91,7 @@ impl From<[f64; 3]> for Rgb {
 
 impl Index<usize> for Rgb {
     type Output = f64;
+    #[inline]
     fn index(&self, channel: usize) -> &f64 {
         match channel {
             0 => &self.r,
@@ -102,6 +103,7 @@ impl Index<usize> for Rgb {
 }
 
 impl IndexMut<usize> for Rgb {
+    #[inline]
     fn index_mut(&mut self, channel: usize) -> &mut f64 {
         match channel {
             0 => &mut self.r,

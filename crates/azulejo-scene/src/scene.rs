@@ -5,6 +5,7 @@ use crate::{
     Backplate, Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, Mesh,
     ObjectIrradiance, Rgb, Rtrace, Shape, Texture, TextureId, Units, VertexLight,
 };
+use std::sync::Arc;
 
 /// A scene as plain data. [`Scene::validate`] documents and checks its invariants.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -115,6 +116,17 @@ pub struct Object {
     pub name: String,
     /// Its geometry, placed in the world.
     pub shape: Shape,
+    /// The enclosure that its surface belongs to, if the file says so; objects of one share it.
+    pub zone: Option<Arc<Zone>>,
+}
+
+/// A zone of a building: surfaces that exchange thermal radiation with each other alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Zone {
+    /// Name in the file.
+    pub name: String,
+    /// Surfaces without a place, such as furniture: the name and the area of each, in square metres.
+    pub masses: Vec<(String, f64)>,
 }
 
 impl Object {
@@ -123,6 +135,7 @@ impl Object {
         Object {
             name: name.into(),
             shape,
+            zone: None,
         }
     }
 
@@ -137,6 +150,27 @@ impl Scene {
     pub fn add_material(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
         (self.materials.len() - 1) as MaterialId
+    }
+
+    /// The names of the zones of its objects, in the order of first appearance.
+    pub fn zones(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for zone in self.objects.iter().filter_map(|o| o.zone.as_ref()) {
+            if !names.contains(&&*zone.name) {
+                names.push(&zone.name);
+            }
+        }
+        names
+    }
+
+    /// The scene with the objects of one zone alone.
+    #[must_use]
+    pub fn of_zone(&self, name: &str) -> Scene {
+        let is_in = |o: &&Object| o.zone.as_ref().is_some_and(|zone| zone.name == name);
+        Scene {
+            objects: self.objects.iter().filter(is_in).cloned().collect(),
+            ..self.clone()
+        }
     }
 
     /// The smallest box around all objects.

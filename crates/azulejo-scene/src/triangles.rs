@@ -1,16 +1,11 @@
 //! Meshes of triangles alone, for programs that read no polygons.
 
-use crate::{Mesh, Scene, Shape};
+use crate::{Mesh, Scene};
 
 impl Scene {
     /// Divides the polygons of all meshes into triangles, as [`Mesh::triangulate`] does.
     pub fn divide_into_triangles(&mut self) {
-        for object in &mut self.objects {
-            if let Shape::Mesh(mesh) = &mut object.shape {
-                mesh.divide_into_triangles();
-            }
-        }
-        self.change_shared_meshes(Mesh::divide_into_triangles);
+        self.for_each_mesh(Mesh::divide_into_triangles);
     }
 }
 

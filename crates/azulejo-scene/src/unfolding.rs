@@ -51,6 +51,16 @@ impl Scene {
         });
     }
 
+    /// Applies a change to every mesh, and to every shared one once.
+    pub fn for_each_mesh(&mut self, mut change: impl FnMut(&mut Mesh)) {
+        for object in &mut self.objects {
+            if let Shape::Mesh(mesh) = &mut object.shape {
+                change(mesh);
+            }
+        }
+        self.change_shared_meshes(change);
+    }
+
     /// Applies a change to every shared mesh once; instances that shared a mesh share the changed one.
     pub fn change_shared_meshes(&mut self, mut change: impl FnMut(&mut Mesh)) {
         let mut changed: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();

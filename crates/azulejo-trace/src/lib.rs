@@ -24,6 +24,7 @@
 //! assert!((hit.t - 0.5).abs() < 1e-6 && hit.entering);
 //! ```
 
+mod back_to_back;
 mod exact;
 pub mod follow;
 mod frame;

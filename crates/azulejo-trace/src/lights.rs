@@ -44,7 +44,7 @@ pub struct Lights<'a> {
     pub(crate) delta: Vec<LightKind>,
     /// Environments and suns.
     pub(crate) outside: Outside<'a>,
-    /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
+    /// Radiance of the surroundings that is the same from everywhere, W/(sr·m²): of ambient lights, and of even skies.
     pub(crate) ambient: Rgb,
     /// Sum of the shares of the emitters up to each: the flat ones, the curved ones, the prisms, and all
     /// of pictures.
@@ -87,7 +87,7 @@ impl<'a> Lights<'a> {
         for light in &surfaces.scene.lights {
             match light.kind {
                 LightKind::Ambient { radiance } => ambient += radiance,
-                LightKind::Environment(_) => {}
+                LightKind::Environment(environment) => ambient += environment.split_even().0,
                 LightKind::Directional { half_angle, .. } if half_angle > 0.0 => {}
                 kind => delta.push(kind),
             }

@@ -1,5 +1,6 @@
 //! Surface properties that light transport needs at every hit, kept per traced item.
 
+use crate::back_to_back::{BACK_TO_BACK, back_to_back};
 use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
@@ -97,6 +98,8 @@ struct ItemSurface {
     material: MaterialId,
     is_specular: bool,
     is_emitter: bool,
+    /// Whether a front may lie in the same place as its back.
+    is_sheet: bool,
 }
 
 impl<'a> Surfaces<'a> {
@@ -116,7 +119,13 @@ impl<'a> Surfaces<'a> {
             let triangles = triangles[object].as_deref();
             ItemSurface::new(scene, &leaves[object], triangles, &emissions, item)
         };
-        let items = names.iter().map(surface).collect();
+        let mut items: Vec<ItemSurface> = names.iter().map(surface).collect();
+        // Where they are not examined, all are looked at again.
+        if let Some(sheets) = back_to_back(tracer) {
+            for (item, is_sheet) in items.iter_mut().zip(sheets) {
+                item.is_sheet = is_sheet;
+            }
+        }
         for (object, triangles) in scene.objects.iter().zip(&mut triangles) {
             if object.shape.mesh().is_none_or(|mesh| mesh.uvs.is_none()) {
                 *triangles = None;
@@ -322,7 +331,7 @@ impl<'a> Surfaces<'a> {
             return (*hit, true);
         }
         let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
-        if self.material(hit.item).dielectric.is_some() {
+        if !self.surface(hit.item).is_sheet || self.material(hit.item).dielectric.is_some() {
             return (*hit, false);
         }
         let far = length(ray.origin) + hit.t * length(ray.direction) + 1.0;
@@ -346,10 +355,6 @@ impl<'a> Surfaces<'a> {
         (*hit, false)
     }
 }
-
-/// Distance of two faces back to back, in units of the rounding of coordinates: a few for each, and for slanting
-/// rays.
-const BACK_TO_BACK: f32 = 16.0;
 
 /// Faces in one place that are looked at.
 const MOST_SHEETS: usize = 4;
@@ -383,6 +388,7 @@ impl ItemSurface {
             material,
             is_specular: surface.is_specular(),
             is_emitter: !emissions[material as usize].is_black(),
+            is_sheet: true,
         }
     }
 }

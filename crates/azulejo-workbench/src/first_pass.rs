@@ -7,6 +7,7 @@ use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Irradiance, Mesh, Scene};
 use azulejo::trace::{Progress, Tracer};
+use clap::ValueEnum;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// How form factors are computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum EngineChoice {
     /// Chosen automatically for the scene.
@@ -31,15 +32,6 @@ pub enum EngineChoice {
 }
 
 impl EngineChoice {
-    /// All engines, in the order of the list in the window.
-    pub const ALL: [EngineChoice; 5] = [
-        EngineChoice::Auto,
-        EngineChoice::Rays,
-        EngineChoice::Hemicube,
-        EngineChoice::Hybrid,
-        EngineChoice::Analytic,
-    ];
-
     /// The library's type for this engine.
     pub fn engine(self) -> Engine {
         match self {

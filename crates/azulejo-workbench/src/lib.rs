@@ -17,6 +17,7 @@ pub mod preferences;
 mod projection;
 pub mod recovery;
 pub mod ui;
+pub mod variants;
 pub mod view;
 pub mod words;
 

@@ -3,11 +3,12 @@
 use crate::projection::Projection;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Rgb, Up};
+use clap::ValueEnum;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Shading modes of the viewport.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shading {
     /// Vertices.
@@ -38,40 +39,6 @@ pub enum Shading {
 }
 
 impl Shading {
-    /// All modes in the order of the menu.
-    pub const ALL: [Shading; 12] = [
-        Shading::Points,
-        Shading::Lines,
-        Shading::HiddenLines,
-        Shading::Flat,
-        Shading::Gouraud,
-        Shading::Textured,
-        Shading::Irradiance,
-        Shading::FalseColor,
-        Shading::Error,
-        Shading::Patches,
-        Shading::FormFactors,
-        Shading::Normals,
-    ];
-
-    /// Its name in scripts.
-    pub fn script_name(self) -> &'static str {
-        match self {
-            Shading::Points => "points",
-            Shading::Lines => "lines",
-            Shading::HiddenLines => "hidden-lines",
-            Shading::Flat => "flat",
-            Shading::Gouraud => "gouraud",
-            Shading::Textured => "textured",
-            Shading::Irradiance => "irradiance",
-            Shading::FalseColor => "false-color",
-            Shading::Error => "error",
-            Shading::Patches => "patches",
-            Shading::FormFactors => "form-factors",
-            Shading::Normals => "normals",
-        }
-    }
-
     /// Whether it displays the solved light.
     pub fn shows_light(self) -> bool {
         matches!(
@@ -82,25 +49,19 @@ impl Shading {
 }
 
 /// The unit in which light is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightUnit {
     /// That of the document's numbers.
     #[default]
+    #[value(name = "file")]
     Document,
     /// Watts.
+    #[value(name = "watts")]
     Radiometric,
     /// Lumens.
+    #[value(name = "lumens")]
     Photometric,
-}
-
-impl LightUnit {
-    /// All units, in the order of the window.
-    pub const ALL: [LightUnit; 3] = [
-        LightUnit::Document,
-        LightUnit::Radiometric,
-        LightUnit::Photometric,
-    ];
 }
 
 /// A plane that cuts the model open.
@@ -147,7 +108,7 @@ pub struct Comparison {
 }
 
 /// Colour maps suitable for all kinds of colour vision.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorMap {
     /// Blue, green, yellow.
@@ -159,16 +120,6 @@ pub enum ColorMap {
     Magma,
     /// Black to white.
     Grey,
-}
-
-impl ColorMap {
-    /// All colour maps.
-    pub const ALL: [ColorMap; 4] = [
-        ColorMap::Viridis,
-        ColorMap::Cividis,
-        ColorMap::Magma,
-        ColorMap::Grey,
-    ];
 }
 
 /// The settings of false colours.
@@ -226,7 +177,7 @@ pub const COLORS: [(&str, [u8; 3]); 16] = [
 ];
 
 /// Standard directions of view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ViewDirection {
     /// From the front.
     Front,
@@ -242,19 +193,6 @@ pub enum ViewDirection {
     Bottom,
     /// From the front, slightly above and aside.
     Corner,
-}
-
-impl ViewDirection {
-    /// All directions, each once.
-    pub const ALL: [ViewDirection; 7] = [
-        ViewDirection::Front,
-        ViewDirection::Back,
-        ViewDirection::Left,
-        ViewDirection::Right,
-        ViewDirection::Top,
-        ViewDirection::Bottom,
-        ViewDirection::Corner,
-    ];
 }
 
 /// Camera and display settings.
@@ -462,6 +400,7 @@ pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::variants::all;
 
     fn view() -> ModelView {
         let mut view = ModelView::default();
@@ -538,7 +477,7 @@ mod tests {
     fn standard_views_look_at_the_middle() {
         let bounds = Aabb::around([DVec3::splat(1.0), DVec3::splat(3.0)]);
         for up in [Up::Y, Up::Z] {
-            for side in ViewDirection::ALL {
+            for side in all() {
                 let mut v = view();
                 v.view_from(side, bounds, up);
                 is_near(v.camera.target, DVec3::splat(2.0));

@@ -4,9 +4,11 @@
 //! light, and here the two meet. A [`BakeSource`] is the scene with the glTF file that gets its lightmap.
 
 mod brightness;
+mod charts;
 mod facing;
 mod indirect;
 mod occlusion;
+mod pages;
 mod radiance;
 mod sides;
 mod source;
@@ -16,19 +18,18 @@ pub use occlusion::bake_occlusion;
 pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
+use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{
-    Atlas, BetweenTexels, Layout, LayoutError, Lightmap, LightmapPage, Receiver, ReceiverLayout,
-    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions,
-    layout::NO_CHART,
+    Atlas, LayoutError, Lightmap, LightmapPage, ReceiverLayout, SeamErrors, TexelStatistics,
+    UnwrapOptions,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
-use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
+use azulejo_radiosity::{FirstPass, Report, SolveError};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
-use azulejo_trace::run::digest;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Progress, Run, Tracer};
-use indirect::{IndirectLight, SampleLight};
-use sides::{differing_share, lit_backs, power_beside_patches, turned};
+use azulejo_trace::{Cancelled, Progress, Run, Tracer};
+use charts::Charts;
+use pages::Pages;
 use std::fmt;
 
 /// Chord error of tessellated primitives, relative to their size.
@@ -36,18 +37,6 @@ const CHORD_ERROR: f64 = 1e-3;
 
 /// Longest edge of faces that are cut, as a part of the scene: contacts of a twentieth of that count.
 const CUTS: f64 = 8.0;
-
-/// Memory of a texel, and what one that covers a surface takes beside that, bytes: measured.
-const BYTES_PER_TEXEL: f64 = 100.0;
-const BYTES_PER_COVERED: f64 = 400.0;
-
-/// The same beside that where light is gathered at every texel: in a process that computes a part of it, and in one
-/// that puts all of it together.
-const BYTES_PER_GATHERED: [f64; 2] = [400.0, 700.0];
-
-/// Mean square error at edges of shadows, relative to that of even texels, with which it is worth that charts of even
-/// light have fewer.
-const WORTH_REPACKING: f64 = 0.9;
 
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
@@ -116,6 +105,17 @@ pub struct BakeOptions {
 }
 
 impl BakeOptions {
+    /// The error to reach, relative to the mean.
+    fn error(&self) -> f64 {
+        self.pass.error.unwrap_or(DEFAULT_ERROR)
+    }
+
+    /// What random numbers of texels depend on.
+    fn seed(&self) -> u32 {
+        let seed = self.pass.seed;
+        hash(&[seed as u32, (seed >> 32) as u32, 3])
+    }
+
     /// Rays of every texel, where their number is given and no error.
     fn fixed_rays(&self, progress: &Progress) -> Option<u32> {
         let is_fixed = self.pass.error.is_none()
@@ -228,273 +228,27 @@ pub fn bake<'r>(
     run: impl Into<Run<'r>>,
 ) -> Result<Baked, BakeError> {
     let run = run.into();
-    let progress = run.progress;
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
-    let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
-    let fronts = receivers.len();
-    // Which backs get light is known from the solution alone; otherwise charts come first, as they may not fit.
-    let mut solved = None;
-    if options.sides == BakedSides::Both {
-        let light = solved_light(&proxy, options, run)?;
-        for (receiver, object) in lit_backs(&receivers, &objects, &proxy.scene, &light) {
-            receivers.push(receiver);
-            objects.push(object);
-        }
-        solved = Some(light);
-    }
-    let mut atlas = arranged(receivers, options, &proxy.tracer, run)?;
-    let solved = match solved {
-        Some(solved) => solved,
-        None => solved_light(&proxy, options, run)?,
-    };
-    let turn =
-        |atlas: &Atlas| turned_charts(atlas, fronts, &objects, &proxy.scene, &solved, options);
-    atlas.turned = turn(&atlas)?;
-    let differing_sides = match options.sides {
-        BakedSides::Both => 0.0,
-        _ => differing_share(&atlas.receivers, &objects, &proxy.scene, &solved),
-    };
-    let gatherer = solved.gatherer();
-    let surfaces = gatherer.surfaces();
-    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
-    let seed = hash(&[
-        options.pass.seed as u32,
-        (options.pass.seed >> 32) as u32,
-        3,
-    ]);
-    let mut follows_light = false;
-    if options.follows_light
-        && options.coordinates == Coordinates::New
-        && let Some(layout) = following_layout(&atlas, &solved, &proxy.tracer, options, seed, run)?
-    {
-        atlas.layout = layout;
-        atlas.turned = turn(&atlas)?;
-        follows_light = true;
-    }
-    // The light of all texels, of which direct and indirect light stay apart.
-    let samples = agreed_samples(&atlas, surfaces.tracer, run)?;
-    let indirect_to = |error: f64| IndirectLight {
-        solved: &solved,
-        bounces: options.pass.bounces,
-        error,
-        run,
-    };
-    let light = match options.fixed_rays(progress) {
-        Some(rays) => indirect_to(error).with_rays(&atlas, &samples, rays, seed)?,
-        None => indirect_to(error).to_error(&atlas, &objects, &samples, options.light, seed)?,
-    };
-    let SampleLight {
-        direct,
-        all: mut light,
-        texels,
-        error,
-    } = light;
-    let indirect = indirect_to(error);
-    let power = power_beside_patches(&atlas, &objects, &proxy.scene, &solved, (&samples, &light));
-    let beside_patches = match options.light {
-        BakedLight::Total if power[0] > 0.0 => power[1] / power[0] - 1.0,
-        _ => 0.0,
-    };
-    let field = (options.light != BakedLight::Direct)
-        .then(|| TexelField::new(&atlas, &samples, &light, &objects, surfaces));
-    if options.light == BakedLight::Indirect {
-        direct.take_from(&mut light);
-    }
-    // Pages of what viewers read, with borders of charts and seams.
-    let shown = ShownSamples::new(&samples, &light, surfaces);
-    let mut lightmap = shown.lightmap(&samples, &light);
-    for page in &mut lightmap.pages {
-        azulejo_bake::pad_charts(page, options.charts.padding);
-    }
-    let seams = azulejo_bake::stitch(&mut lightmap, &atlas);
-    if options.light != BakedLight::Indirect {
-        direct.take_from(&mut light);
-    }
-    // What interpolation between texels misses, as part of their errors.
-    let between = BetweenTexels {
-        atlas: &atlas,
-        samples: &samples,
-        shown: &shown,
-        direct: &direct,
-        rest: &light,
-        gatherer,
-        error,
-        seed,
-    };
-    let rest = between.rest_of(options.charts.padding);
-    let mut between_texels = 0.0_f64;
-    if options.light != BakedLight::Indirect {
-        between_texels = between.add_direct(&mut lightmap, &rest, run)?;
-    }
-    if let Some(field) = &field {
-        let mut gather = |points: &[GatherPoint]| indirect.at(points, field);
-        let missed = between.add_indirect(&mut lightmap, &rest, &mut gather)?;
-        between_texels = between_texels.hypot(missed);
-    }
-    for page in &mut lightmap.pages {
-        azulejo_bake::fill(page);
-    }
+    let charts = Charts::new(&proxy, objects, options, run)?;
+    let samples = charts.samples(run)?;
+    let light = charts.light(&samples, options, run)?;
+    let (texels, beside_patches) = (light.texels, charts.beside_patches(&samples, &light));
+    let pages = Pages::new(&charts, &samples, light, options, run)?;
     Ok(Baked {
-        atlas,
-        objects,
-        lightmap,
+        lightmap: pages.lightmap,
         texels,
-        report: Some(solved.report()),
-        seams,
-        differing_sides,
-        beside_patches,
-        between_texels,
-        follows_light,
+        report: Some(charts.solved.report()),
+        seams: pages.seams,
+        differing_sides: charts.differing_sides(options.sides),
+        beside_patches: match options.light {
+            BakedLight::Total => beside_patches,
+            BakedLight::Indirect | BakedLight::Direct => 0.0,
+        },
+        between_texels: pages.between_texels,
+        follows_light: charts.follows_light,
+        atlas: charts.atlas,
+        objects: charts.objects,
     })
-}
-
-/// Whether each chart of an atlas shows the back of its surface.
-fn turned_charts(
-    atlas: &Atlas,
-    fronts: usize,
-    objects: &[u32],
-    scene: &Scene,
-    solved: &SolvedLight<'_>,
-    options: &BakeOptions,
-) -> Result<Vec<bool>, Cancelled> {
-    Ok(match options.sides {
-        BakedSides::Front => Vec::new(),
-        BakedSides::Brighter => turned(atlas, objects, scene, solved)?,
-        BakedSides::Both => {
-            let mut is_turned = vec![false; atlas.layout.charts as usize];
-            let backs = atlas.layout.receivers[fronts..].iter();
-            for &chart in backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
-                is_turned[chart as usize] = true;
-            }
-            is_turned
-        }
-    })
-}
-
-/// The layout in which charts with edges of shadows have more texels than others, if errors are less with it.
-fn following_layout(
-    atlas: &Atlas,
-    solved: &SolvedLight<'_>,
-    tracer: &Tracer,
-    options: &BakeOptions,
-    seed: u32,
-    run: Run,
-) -> Result<Option<Layout>, BakeError> {
-    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
-    let importance = azulejo_bake::chart_importance(atlas, solved.gatherer(), error, seed, run)?;
-    let (receivers, even) = (&atlas.receivers, &atlas.layout);
-    let followed = azulejo_bake::repack_charts(
-        receivers,
-        even,
-        &importance.densities,
-        tracer,
-        &options.charts,
-        run.progress,
-    )?;
-    // Charts of many sizes fill less of a page.
-    let error_in = |layout: &Layout| importance.shadow_error(layout, even, receivers);
-    let is_better = error_in(&followed) < WORTH_REPACKING * error_in(even);
-    Ok(is_better.then_some(followed))
-}
-
-/// The light between patches, on which processes that share the work agree.
-fn solved_light<'a>(
-    proxy: &'a ProxyScene<'a>,
-    options: &BakeOptions,
-    run: Run<'a>,
-) -> Result<SolvedLight<'a>, SolveError> {
-    let solved = SolvedLight::new(proxy, &options.pass, run)?;
-    solved.agree()?;
-    Ok(solved)
-}
-
-/// The points of all texels. Processes that share the work divide it by the numbers of points, so all of them must
-/// have the same.
-fn agreed_samples(atlas: &Atlas, tracer: &Tracer, run: Run) -> Result<Samples, Cancelled> {
-    let samples = Samples::new(atlas, tracer, run)?;
-    if run.is_shared() {
-        let places = samples.samples.iter().map(|s| (s.position, s.normal));
-        let numbers = places.flat_map(|(p, n)| [p.x, p.y, p.z, n.x, n.y, n.z]);
-        run.blocks
-            .rely_on(run.blocks.loop_stage(), digest(numbers))?;
-    }
-    Ok(samples)
-}
-
-/// The objects that receive, and their numbers.
-fn receivers_of(scene: &Scene, objects: &[u32], densities: &[f64]) -> (Vec<Receiver>, Vec<u32>) {
-    let receiver = |(place, &o): (usize, &u32)| {
-        let mut receiver = Receiver::of_object(&scene.objects[o as usize])?;
-        receiver.density = densities.get(place).copied().unwrap_or(1.0);
-        Some((receiver, o))
-    };
-    objects.iter().enumerate().filter_map(receiver).unzip()
-}
-
-/// The receivers with their charts, if there is room for the texels.
-fn arranged(
-    receivers: Vec<Receiver>,
-    options: &BakeOptions,
-    tracer: &Tracer,
-    run: Run,
-) -> Result<Atlas, BakeError> {
-    let layout = laid_out(&receivers, options, tracer, run.progress)?;
-    let bytes_per_covered = match options.fixed_rays(run.progress) {
-        Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(run.role().assembles)],
-        None => BYTES_PER_COVERED,
-    };
-    let needed = memory_of(&layout, bytes_per_covered);
-    if needed > options.pass.memory {
-        return Err(BakeError::Memory {
-            needed,
-            permitted: options.pass.memory,
-        });
-    }
-    Ok(Atlas {
-        receivers,
-        layout,
-        turned: Vec::new(),
-    })
-}
-
-/// Memory that the texels of a layout take while they are baked, bytes, about.
-fn memory_of(layout: &Layout, bytes_per_covered: f64) -> u64 {
-    let (mut texels, mut covered) = (0.0, 0.0);
-    for [width, height] in &layout.pages {
-        texels += f64::from(*width) * f64::from(*height);
-    }
-    for receiver in &layout.receivers {
-        for (uvs, &page) in receiver.uvs.iter().zip(&receiver.pages) {
-            let [width, height] = layout.pages[page as usize].map(f64::from);
-            let [a, b, c] = uvs.map(|uv| uv.map(f64::from));
-            let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            covered += 0.5 * area.abs() * width * height;
-        }
-    }
-    (texels * BYTES_PER_TEXEL + covered * bytes_per_covered) as u64
-}
-
-/// The layout of the receivers, made or kept.
-fn laid_out(
-    receivers: &[Receiver],
-    options: &BakeOptions,
-    tracer: &Tracer,
-    progress: &Progress,
-) -> Result<Layout, LayoutError> {
-    let charts = &options.charts;
-    match &options.coordinates {
-        Coordinates::New => azulejo_bake::unwrap(receivers, tracer, charts, progress),
-        Coordinates::Kept { of_objects, pages } => Ok(azulejo_bake::kept_layout(
-            receivers,
-            of_objects.clone(),
-            pages.clone(),
-            charts.crease,
-            Some(tracer),
-        )),
-        Coordinates::Repacked(of_objects) => {
-            azulejo_bake::repack(receivers, of_objects, tracer, charts, progress)
-        }
-    }
 }
 
 /// A scene of meshes alone, for models that are written anew; if wished, cut along the lines on which one

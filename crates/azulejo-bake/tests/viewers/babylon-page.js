@@ -37,6 +37,8 @@ BABYLON.GLTF2.GLTFLoader.RegisterExtension("MOZ_lightmap", (loader) => ({
         if (!lightmap) {
             return null;
         }
+        // The PNG: the decoder of KTX2 knows Basis Universal alone.
+        delete loader.gltf.textures[lightmap.index].extensions?.KHR_texture_basisu;
         const isUnlit = Boolean(definition.extensions.KHR_materials_unlit);
         const { MOZ_lightmap, ...others } = definition.extensions;
         const plain = { ...definition, extensions: others };

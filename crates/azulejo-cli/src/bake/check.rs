@@ -4,7 +4,7 @@ use super::args::BakeArgs;
 use super::source::read_file;
 use super::verdict::{Grade, TestRow, atlas_rows, table};
 use crate::failure::Failure;
-use crate::report::{Report, count, number, percent};
+use crate::report::{Report, count, percent};
 use crate::session::Session;
 use azulejo::bake::check::{CheckOptions, check};
 use azulejo::bake::{
@@ -25,7 +25,7 @@ const SIZE: u32 = 1024;
 /// Difference along seams above which it is reported, as a share of the mean.
 const SEAM_LIMIT: f64 = 0.01;
 
-/// Difference of a texel from which on it is counted, as a share of its value.
+/// Difference above which a texel is counted, as a share of its value.
 const OFF: f64 = 0.01;
 
 /// Error of the picture in the file above which it is reported, as a share of the mean.
@@ -72,6 +72,9 @@ pub fn run(
 /// The objects of a file that have coordinates, and its pictures.
 fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFile, Failure> {
     let file = read_file(&args.input.reading, path)?;
+    if let Some(lost) = patch::lost(&file.bytes, &file.name).map_err(Failure::failed)? {
+        return Err(Failure::failed(lost));
+    }
     let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
     let (loaded, origins) = read.map_err(Failure::failed)?;
     let lightmap = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);
@@ -114,7 +117,7 @@ pub fn receivers(
     is_wanted: impl Fn(usize) -> bool,
 ) -> (Vec<Receiver>, Vec<ReceiverLayout>) {
     let objects = scene.objects.iter().zip(&lightmap.objects).enumerate();
-    let of_object = |(number, (object, layout)): (usize, (_, &Option<patch::ObjectLayout>))| {
+    let receiver = |(number, (object, layout)): (usize, (_, &Option<patch::ObjectLayout>))| {
         let layout = layout.as_ref().filter(|_| is_wanted(number))?;
         let receiver = Receiver::of_object(object)?;
         (receiver.triangles.len() == layout.uvs.len()).then(|| {
@@ -126,7 +129,7 @@ pub fn receivers(
             (receiver, coordinates)
         })
     };
-    objects.filter_map(of_object).unzip()
+    objects.filter_map(receiver).unzip()
 }
 
 /// The pictures of all pages; none if the file names none, or one cannot be read.
@@ -226,14 +229,16 @@ fn scaled(image: &Image, intensity: f32) -> Vec<[f32; 3]> {
 
 /// Texels that cover surfaces, by page, with the area that they cover.
 fn weights(file: &CheckedFile) -> Result<Vec<Vec<(usize, f64)>>, Failure> {
-    let of_page = |page: u32| {
+    let page_weights = |page: u32| {
         let coverage = Coverage::new(&file.receivers, &file.layout, page, &Progress::new())?;
         let texels = coverage.texels.iter();
         Ok(texels
             .map(|t| (t.index as usize, f64::from(t.area)))
             .collect())
     };
-    (0..file.layout.pages.len() as u32).map(of_page).collect()
+    (0..file.layout.pages.len() as u32)
+        .map(page_weights)
+        .collect()
 }
 
 /// Differences on both sides of seams; `None` if there are no seams.
@@ -261,14 +266,15 @@ fn seam_row(
     let errors = seam_errors(&lightmap, &atlas);
     let share = errors.before / f64::max(sum / whole, f64::MIN_POSITIVE);
     (errors.points > 0).then(|| TestRow {
-        key: "seams",
-        name: "light across seams",
-        found: format!("{} of the mean apart", percent(share)),
-        value: number(share),
         count: errors.points,
-        limit: percent(SEAM_LIMIT),
-        grade: Grade::poor_if(share > SEAM_LIMIT),
-        worst: None,
+        ..TestRow::new(
+            "seams",
+            "light across seams",
+            format!("{} of the mean apart", percent(share)),
+            share,
+            percent(SEAM_LIMIT),
+            Grade::poor_if(share > SEAM_LIMIT),
+        )
     })
 }
 
@@ -283,23 +289,9 @@ fn compared(
     weights: &[Vec<(usize, f64)>],
 ) -> Result<Vec<TestRow>, Failure> {
     let (mut squares, mut sum, mut off, mut whole) = (0.0, 0.0, 0.0, 0.0);
-    for (place, (page, of_page)) in pages.iter().zip(weights).enumerate() {
-        let numbered = super::written::numbered(path, place, pages.len());
-        // Bright surfaces with pictures of their own lie on the page of the others.
-        let path = if numbered.exists() { &numbered } else { path };
-        let file = exr::read(&read_bytes(path)?);
-        let file = file.map_err(|e| Failure::failed(format_args!("{}: {e}", path.display())))?;
-        if [file.width, file.height] != page.size {
-            return Err(Failure::failed(format_args!(
-                "{}: {} × {} texels: expected {} × {}, as the picture in the file has",
-                path.display(),
-                file.width,
-                file.height,
-                page.size[0],
-                page.size[1]
-            )));
-        }
-        for &(texel, area) in of_page {
+    for (place, (page, page_weights)) in pages.iter().zip(weights).enumerate() {
+        let file = page_of_irradiance(path, place, pages)?;
+        for &(texel, area) in page_weights {
             let (own, truth) = (page.irradiance[texel], file.pixels[texel]);
             let square = |k: usize| f64::from(own[k] - truth[k]).powi(2);
             squares += area * (square(0) + square(1) + square(2)) / 3.0;
@@ -311,36 +303,41 @@ fn compared(
     }
     let whole = f64::max(whole, f64::MIN_POSITIVE);
     let error = (squares / whole).sqrt() / f64::max(sum / whole, f64::MIN_POSITIVE);
-    let row = |key, name, found, value, limit: &str, grade| TestRow {
-        key,
-        name,
-        found,
-        value: number(value),
-        count: 0,
-        limit: limit.to_owned(),
-        grade,
-        worst: None,
-    };
-    let words = format!("{} of the mean (root mean square)", percent(error));
-    let limit = percent(PICTURE_LIMIT);
-    let grade = Grade::poor_if(error.is_nan() || error > PICTURE_LIMIT);
-    let share = format!("{} of the area", percent(off / whole));
     Ok(vec![
-        row(
+        TestRow::new(
             "picture_error",
             "picture beside EXR",
-            words,
+            format!("{} of the mean (root mean square)", percent(error)),
             error,
-            &limit,
-            grade,
+            percent(PICTURE_LIMIT),
+            Grade::poor_if(error.is_nan() || error > PICTURE_LIMIT),
         ),
-        row(
+        TestRow::new(
             "picture_off",
             "off by more than 1%",
-            share,
+            format!("{} of the area", percent(off / whole)),
             off / whole,
             "",
             Grade::Good,
         ),
     ])
+}
+
+/// The irradiance of one of the pages, in a file of its own.
+fn page_of_irradiance(path: &Path, place: usize, pages: &[LightmapPage]) -> Result<Image, Failure> {
+    let numbered = super::written::numbered(path, place, pages.len());
+    // Bright surfaces with pictures of their own lie on the page of the others.
+    let path = if numbered.exists() { &numbered } else { path };
+    let file = exr::read(&read_bytes(path)?);
+    let file = file.map_err(|e| Failure::failed(format_args!("{}: {e}", path.display())))?;
+    let [width, height] = pages[place].size;
+    if [file.width, file.height] != [width, height] {
+        return Err(Failure::failed(format_args!(
+            "{}: {} × {} texels: expected {width} × {height}, as the picture in the file has",
+            path.display(),
+            file.width,
+            file.height,
+        )));
+    }
+    Ok(file)
 }

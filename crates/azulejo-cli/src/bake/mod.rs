@@ -127,6 +127,7 @@ fn refuse_misplaced(args: &BakeArgs) -> Result<(), Failure> {
         (args.first_pass.keep_mesh, "--keep-mesh"),
         (args.first_pass.sides.is_some(), "--sides"),
         (args.first_pass.no_interpolation, "--no-interpolation"),
+        (args.first_pass.error_each.is_some(), "--error-each"),
     ];
     if let Some((_, option)) = given.into_iter().find(|(is_given, _)| *is_given) {
         return Err(Failure::misuse(format_args!(

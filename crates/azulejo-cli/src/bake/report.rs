@@ -2,8 +2,9 @@
 
 use crate::failure::Failure;
 use crate::first_pass::FirstPassArgs;
+use crate::pass;
 use crate::report::{Report, count, number, percent, short};
-use azulejo::bake::QuarterLight;
+use azulejo::bake::{Lightmap, QuarterLight};
 use azulejo::lightmap::Baked;
 use azulejo_scene::Scene;
 
@@ -26,18 +27,28 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let balance = baked.report.as_ref().map(|report| &report.balance);
-    if let Some(balance) = balance
-        && balance.is_broken()
-        && !args.allow_imbalance
-        && args.bounces.is_none()
-    {
-        return Err(Failure::failed(format_args!(
-            "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
-             error, more rays or more time, or accept it with --allow-imbalance",
-            percent(balance.error())
-        )));
+    if let Some(pass) = &baked.report {
+        pass::refuse_imbalance(&pass.balance, args)?;
     }
+    pages(baked, scene, report);
+    light(baked, args, scene, report);
+    report.line("by quarters", quarter_errors(&baked.lightmap));
+    doubts(baked, report);
+    seams(baked, report);
+    if baked.lightmap.buried > 0 {
+        let words = format!("{} inside of solids", count(baked.lightmap.buried));
+        report.fact(
+            "buried_texels",
+            baked.lightmap.buried,
+            "buried texels",
+            words,
+        );
+    }
+    Ok(())
+}
+
+/// Adds the charts and the texels.
+fn pages(baked: &Baked, scene: &Scene, report: &mut Report) {
     let layout = &baked.atlas.layout;
     let sizes: Vec<String> = layout
         .pages
@@ -66,6 +77,10 @@ pub fn describe(
     report.fact("texels", baked.texels.samples, "texels", words);
     report.value("covered", number(covered));
     report.value("texels_per_metre", number(density));
+}
+
+/// Adds how light was gathered, its mean and its errors.
+fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report) {
     let is_light = baked.report.is_some();
     let nodes = if baked.texels.nodes == baked.texels.samples {
         "gathered at every texel".to_owned()
@@ -110,21 +125,27 @@ pub fn describe(
             ),
         );
     }
-    let quarters = baked.lightmap.quarters();
-    let of_quarter = |q: &QuarterLight| {
-        if q.mean > DARK * mean.mean() {
+}
+
+/// The errors from dark texels to bright ones.
+fn quarter_errors(lightmap: &Lightmap) -> String {
+    let dark = DARK * lightmap.mean().mean();
+    let error = |q: &QuarterLight| {
+        if q.mean > dark {
             percent(q.error / q.mean)
         } else {
             "dark".to_owned()
         }
     };
-    let by_quarter: Vec<String> = quarters.iter().map(of_quarter).collect();
-    report.line(
-        "by quarters",
-        format!("{} (dark to bright)", by_quarter.join(", ")),
-    );
+    let quarters = lightmap.quarters();
+    let errors: Vec<String> = quarters.iter().map(error).collect();
+    format!("{} (dark to bright)", errors.join(", "))
+}
+
+/// Adds a caution where the patches of the first pass had other light.
+fn doubts(baked: &Baked, report: &mut Report) {
     report.value("beside_patches", number(baked.beside_patches));
-    if baked.beside_patches.abs() > f64::max(error, LEAST_DIFFERENCE) {
+    if baked.beside_patches.abs() > f64::max(baked.lightmap.relative_error(), LEAST_DIFFERENCE) {
         let more = if baked.beside_patches > 0.0 {
             "more"
         } else {
@@ -137,9 +158,13 @@ pub fn describe(
         );
         report.line("caution", words);
     }
+}
+
+/// Adds how much the light of both sides of a seam, and of a sheet, differs.
+fn seams(baked: &Baked, report: &mut Report) {
     let seams = &baked.seams;
     if seams.points + seams.abrupt > 0 {
-        let apart = seams.after / mean.mean();
+        let apart = seams.after / baked.lightmap.mean().mean();
         let abrupt = seams.abrupt as f64 / (seams.points + seams.abrupt) as f64;
         let mut words = format!("{} of the mean apart", percent(apart));
         if seams.abrupt > 0 {
@@ -157,14 +182,4 @@ pub fn describe(
         );
         report.line("both sides", words);
     }
-    if baked.lightmap.buried > 0 {
-        let words = format!("{} inside of solids", count(baked.lightmap.buried));
-        report.fact(
-            "buried_texels",
-            baked.lightmap.buried,
-            "buried texels",
-            words,
-        );
-    }
-    Ok(())
 }

@@ -2,13 +2,12 @@
 
 use super::args::{BakeArgs, DoubleSidedArg};
 use crate::failure::Failure;
-use crate::input;
-use crate::input::ReadingArgs;
+use crate::input::{self, ReadingArgs};
 use crate::session::Session;
 use azulejo::lightmap::SourceFile;
 use azulejo::models::read_bytes;
 use azulejo_formats::gltf;
-use azulejo_formats::{Folder, Format, ReadOptions};
+use azulejo_formats::{Folder, Format};
 use azulejo_trace::Progress;
 use std::path::Path;
 
@@ -50,12 +49,7 @@ pub fn read_file(reading: &ReadingArgs, path: &Path) -> Result<SourceFile, Failu
         bytes: read_bytes(path)?,
         name: path.to_string_lossy().into_owned(),
         files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
-        options: ReadOptions {
-            lod: reading.lod,
-            most_elements: reading.most_elements,
-            darkens_unpainted: true,
-            ..ReadOptions::default()
-        },
+        options: reading.options(true),
     })
 }
 

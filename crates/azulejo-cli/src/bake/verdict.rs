@@ -68,6 +68,29 @@ pub struct TestRow {
     pub worst: Option<TriangleId>,
 }
 
+impl TestRow {
+    /// A result that is not counted, and worst nowhere.
+    pub fn new(
+        key: &'static str,
+        name: &'static str,
+        found: String,
+        value: f64,
+        limit: impl Into<String>,
+        grade: Grade,
+    ) -> TestRow {
+        TestRow {
+            key,
+            name,
+            found,
+            value: number(value),
+            count: 0,
+            limit: limit.into(),
+            grade,
+            worst: None,
+        }
+    }
+}
+
 /// Whether coordinates can be kept for a lightmap; the test that they fail.
 pub fn unfit(atlas: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
     const NEEDED: [&str; 6] = [
@@ -88,30 +111,23 @@ pub fn unfit(atlas: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
 
 /// All tests of an atlas.
 pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
-    let defect_if = |finding: &Finding| match finding.count {
-        0 => Grade::Good,
-        _ => Grade::Defect,
-    };
-    let row = |key, name, of: &Finding, detail: String, limit: &str, grade| TestRow {
-        key,
-        name,
-        found: match of.count {
+    let row = |key, name, finding: &Finding, detail: String, limit: &str, grade| {
+        let found = match finding.count {
             0 => "0".to_owned(),
             n => format!("{}{detail}", count(n)),
-        },
-        value: number(of.amount),
-        count: of.count,
-        limit: limit.to_owned(),
-        grade,
-        worst: of.worst.filter(|_| of.count > 0),
+        };
+        TestRow {
+            count: finding.count,
+            worst: finding.worst.filter(|_| finding.count > 0),
+            ..TestRow::new(key, name, found, finding.amount, limit, grade)
+        }
     };
     let near = match atlas.near.count {
         0 => Grade::Good,
         _ if atlas.near.amount < SHARED => Grade::Defect,
         _ => Grade::Poor,
     };
-    let up_to = |share: f64| format!(", up to {}", percent(share));
-    let of_area = |share: f64| format!(", {} of the area", percent(share));
+    let area_share = |share: f64| format!(", {} of the area", percent(share));
     let mut rows = vec![
         row(
             "outside",
@@ -125,7 +141,7 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
             "overlaps",
             "overlapping triangles",
             &atlas.overlaps,
-            up_to(atlas.overlaps.amount),
+            format!(", up to {}", percent(atlas.overlaps.amount)),
             "0",
             defect_if(&atlas.overlaps),
         ),
@@ -141,7 +157,7 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
             "mirrored",
             "mirrored triangles",
             &atlas.mirrored,
-            of_area(atlas.mirrored_share),
+            area_share(atlas.mirrored_share),
             "0.0001%",
             Grade::poor_if(atlas.mirrored_share > LEAST_AREA),
         ),
@@ -149,7 +165,7 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
             "collapsed",
             "triangles without texel",
             &atlas.collapsed,
-            of_area(atlas.collapsed_share),
+            area_share(atlas.collapsed_share),
             "0.0001%",
             Grade::poor_if(atlas.collapsed_share > LEAST_AREA),
         ),
@@ -174,64 +190,61 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
     rows
 }
 
+fn defect_if(finding: &Finding) -> Grade {
+    match finding.count {
+        0 => Grade::Good,
+        _ => Grade::Defect,
+    }
+}
+
 fn quality_rows(atlas: &AtlasCheck) -> Vec<TestRow> {
-    let row = |key, name, words: String, value, limit: String, is_poor| TestRow {
-        key,
-        name,
-        found: words,
-        value: number(value),
-        count: 0,
-        limit,
-        grade: Grade::poor_if(is_poor),
-        worst: None,
-    };
     let spread = atlas.density_spread();
     let least = COVERED[usize::from(atlas.charts >= FEW_CHARTS)];
     let most = &atlas.most_stretch;
     vec![
-        row(
+        TestRow::new(
             "density_spread",
             "spread of density",
             short(spread),
             spread,
             short(SPREAD),
-            spread > SPREAD,
+            Grade::poor_if(spread > SPREAD),
         ),
-        row(
+        TestRow::new(
             "stretch",
             "stretch, mean",
             short(atlas.stretch),
             atlas.stretch,
             short(STRETCH[0]),
-            atlas.stretch > STRETCH[0],
+            Grade::poor_if(atlas.stretch > STRETCH[0]),
         ),
         TestRow {
             worst: most.worst,
             count: most.count,
-            ..row(
+            ..TestRow::new(
                 "most_stretch",
                 "stretch, largest",
                 short(most.amount),
                 most.amount,
                 short(STRETCH[1]),
-                most.amount > STRETCH[1],
+                Grade::poor_if(most.amount > STRETCH[1]),
             )
         },
-        row(
+        TestRow::new(
             "covered",
             "covered share of pages",
             percent(atlas.covered),
             atlas.covered,
             percent(least),
-            atlas.covered < least,
+            Grade::poor_if(atlas.covered < least),
         ),
-        row(
+        TestRow::new(
             "below_texel",
             "triangles under a texel",
             format!("{} of the area", percent(atlas.below_texel)),
             atlas.below_texel,
-            String::new(),
-            false,
+            "",
+            Grade::Good,
         ),
     ]
 }

@@ -100,17 +100,17 @@ fn measure(
 
 /// The properties in the table of models; those of a combination are common to all of its parts.
 fn promises(description: &Description) -> ModelProperties {
-    let of = |model: &Model| {
+    let properties = |model: &Model| {
         find(&model.name).map_or(ModelProperties::NONE, |info| ModelProperties {
             is_reciprocal: info.is_reciprocal,
             is_energy_safe: info.is_energy_safe,
         })
     };
     match description {
-        Description::Model(model) => of(model),
+        Description::Model(model) => properties(model),
         Description::Combination(parts) => ModelProperties {
-            is_reciprocal: parts.iter().all(|(_, m)| of(m).is_reciprocal),
-            is_energy_safe: parts.iter().all(|(_, m)| of(m).is_energy_safe),
+            is_reciprocal: parts.iter().all(|(_, m)| properties(m).is_reciprocal),
+            is_energy_safe: parts.iter().all(|(_, m)| properties(m).is_energy_safe),
         },
         Description::File { content, .. } => match content.as_deref() {
             Some(Content::Text(description)) => promises(description),
@@ -135,8 +135,8 @@ fn verdicts(
     let brightest = angles.iter().map(|a| (a.albedo.max_channel(), a.theta));
     let brightest = brightest.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
     let least = |of: &dyn Fn(&Angle) -> f64| {
-        let all = angles.iter().map(|a| (of(a), a.theta));
-        all.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
+        let values = angles.iter().map(|a| (of(a), a.theta));
+        values.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
     };
     let chance = least(&|a| a.sampling.probability);
     let off = least(&|a| -a.weights.deviation());
@@ -184,12 +184,12 @@ fn verdicts(
 }
 
 fn say(verdict: &CheckResult, report: &mut Report) {
-    let said = match (verdict.holds, verdict.is_promised) {
+    let words = match (verdict.holds, verdict.is_promised) {
         (true, _) => "holds",
         (false, true) => "FAILS",
         (false, false) => "does not hold, and is not claimed",
     };
-    report.line(verdict.label, format!("{said}: {}", verdict.words));
+    report.line(verdict.label, format!("{words}: {}", verdict.words));
     report.value(
         verdict.key,
         json!({

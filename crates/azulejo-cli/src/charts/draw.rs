@@ -77,15 +77,15 @@ struct ChartArea {
 impl ChartArea {
     fn new(figure: &ChartSpec) -> ChartArea {
         let points = || figure.series.iter().flat_map(|s| &s.points);
-        let of = |axis: usize| {
+        let values = |axis: usize| {
             points()
                 .flat_map(move |p| bar(p, axis))
                 .chain(points().map(move |p| p.at[axis]))
         };
         let shown = |axis: ChartAxis| move |v: &f64| *v > 0.0 || !axis.is_logarithmic;
         ChartArea {
-            x: AxisScale::around(of(0).filter(shown(figure.x)), figure.x),
-            y: AxisScale::around(of(1).filter(shown(figure.y)), figure.y),
+            x: AxisScale::around(values(0).filter(shown(figure.x)), figure.x),
+            y: AxisScale::around(values(1).filter(shown(figure.y)), figure.y),
         }
     }
 
@@ -278,10 +278,10 @@ impl AxisScale {
         }
         let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
         let at = |steps: &[f64]| -> Vec<f64> {
-            let all = decades
+            let values = decades
                 .clone()
                 .flat_map(|d| steps.iter().map(move |s| s * 10f64.powi(d)));
-            all.filter(|v| (low..=high).contains(v)).collect()
+            values.filter(|v| (low..=high).contains(v)).collect()
         };
         let enough = steps.iter().map(|s| at(s)).find(|ticks| ticks.len() >= 3);
         enough.unwrap_or_else(|| at(steps[steps.len() - 1]))

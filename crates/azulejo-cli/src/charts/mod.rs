@@ -17,8 +17,9 @@ const STYLE: &str = include_str!("style.css");
 fn page_style() -> String {
     let rule = |color: Color, value: &str| {
         let color = hex(color);
-        let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
-        of("fill") + &of("stroke")
+        let attribute_rule =
+            |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
+        attribute_rule("fill") + &attribute_rule("stroke")
     };
     let lines = COLORS.iter().enumerate();
     let lines: String = lines

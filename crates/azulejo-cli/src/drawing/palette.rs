@@ -65,18 +65,18 @@ const DITHER: f64 = 3.0;
 /// Bayer's matrix of four by four, from -1 to 1.
 const THRESHOLDS: [f64; 16] = {
     let order = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-    let mut found = [0.0; 16];
+    let mut matrix = [0.0; 16];
     let mut k = 0;
     while k < 16 {
-        found[k] = (order[k] as f64 - 7.5) / 7.5;
+        matrix[k] = (order[k] as f64 - 7.5) / 7.5;
         k += 1;
     }
-    found
+    matrix
 };
 
 /// The sum of squared deviations from the mean in the channel where it is largest, and that channel.
 fn spread(group: &[WeightedColor]) -> (f64, usize) {
-    let of = |channel: usize| {
+    let channel_spread = |channel: usize| {
         let sum = |f: &dyn Fn(f64) -> f64| -> f64 {
             group
                 .iter()
@@ -86,7 +86,9 @@ fn spread(group: &[WeightedColor]) -> (f64, usize) {
         let (weight, first) = (sum(&|_| 1.0), sum(&|x| x));
         (sum(&|x| x * x) - first * first / weight, channel)
     };
-    let widest = (0..3).map(of).max_by(|a, b| a.0.total_cmp(&b.0));
+    let widest = (0..3)
+        .map(channel_spread)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
     // A single colour would leave only rounding errors.
     widest.filter(|_| group.len() > 1).unwrap_or((0.0, 0))
 }
@@ -115,8 +117,8 @@ fn nearest(palette: &[Color], color: [f64; 3]) -> u8 {
         let channels = std::iter::zip(color, *other);
         channels.map(|(a, b)| (a - f64::from(b)).powi(2)).sum()
     };
-    let all = palette.iter().map(distance).zip(0..=255);
-    let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
+    let distances = palette.iter().map(distance).zip(0..=255);
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or(0, |(_, k)| k)
 }
 

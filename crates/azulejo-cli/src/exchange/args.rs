@@ -1,7 +1,7 @@
 //! Arguments of `exchange`.
 
 use crate::form_factors::args::ComputationArgs;
-use crate::input::InputArgs;
+use crate::input::{ClockArgs, InputArgs};
 use crate::values;
 use azulejo_exchange::GroupBy;
 use clap::{Args, ValueEnum, ValueHint};
@@ -43,6 +43,8 @@ pub struct ExchangeArgs {
     pub truncate: Option<f64>,
     #[command(flatten)]
     pub computation: ComputationArgs,
+    #[command(flatten)]
+    pub clock: ClockArgs,
     #[command(flatten)]
     pub input: InputArgs,
 }

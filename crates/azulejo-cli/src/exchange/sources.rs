@@ -27,7 +27,7 @@ pub fn enclosures(
     if archives == 0 {
         enclosures = computed(args, materials, session, report)?;
     } else if archives == scenes.len() {
-        refuse_computation(&args.input, &args.computation)?;
+        refuse_computation((&args.input, args.clock), &args.computation)?;
         if args.computation.closure.is_some() {
             return Err(Failure::misuse(
                 "--closure: the factors of an .npz are computed; form-factors F.npz --closure closes them",
@@ -55,7 +55,7 @@ fn computed(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Vec<(String, Enclosure)>, Failure> {
-    let scene = form_factors::read_models(&args.input, session)?;
+    let scene = form_factors::read_models(&args.input, args.clock, session)?;
     let mut enclosures = Vec::new();
     for band in materials.mirror_sets() {
         let mut scene = scene.clone();
@@ -94,7 +94,8 @@ fn give_back_lost(
     if args.lost_to_sky {
         for row in rest {
             row.sky += lost(row);
-            (row.hidden, row.cut) = (0.0, 0.0);
+            row.sky_error = row.sky_error.hypot(row.hidden_error);
+            (row.hidden, row.hidden_error, row.cut) = (0.0, 0.0, 0.0);
         }
     } else if most > LOST {
         session.note(&format!(

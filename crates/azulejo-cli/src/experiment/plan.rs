@@ -168,10 +168,10 @@ impl ExperimentPlan {
     /// Number of tasks.
     pub fn len(&self) -> u64 {
         let repetitions = self.seeds.end - self.seeds.start;
-        let of = |p: &PlannedScene| {
+        let scene_tasks = |p: &PlannedScene| {
             u64::from(p.reference.is_some()) + p.settings.len() as u64 * repetitions
         };
-        self.scenes.iter().map(of).sum::<u64>() + self.truths.len() as u64
+        self.scenes.iter().map(scene_tasks).sum::<u64>() + self.truths.len() as u64
     }
 
     /// Whether there is nothing to do.

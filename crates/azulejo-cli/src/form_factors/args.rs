@@ -2,7 +2,7 @@
 
 use crate::engine::EngineArgs;
 use crate::first_pass::DivisionArgs;
-use crate::input::InputArgs;
+use crate::input::{ClockArgs, InputArgs};
 use crate::parts::PartArgs;
 use crate::values;
 use azulejo::periods::Periods;
@@ -44,6 +44,8 @@ pub struct FormFactorArgs {
     pub matrix: MatrixArgs,
     #[command(flatten)]
     pub programs: ProgramArgs,
+    #[command(flatten)]
+    pub clock: ClockArgs,
     #[command(flatten)]
     pub input: InputArgs,
 }
@@ -205,10 +207,24 @@ impl From<GroupBy> for azulejo_exchange::GroupBy {
 impl FormFactorArgs {
     /// The groups whose factors alone are written: not the shapes of their patches, as VTK's files have them.
     pub fn only_groups(&self) -> Option<azulejo_exchange::GroupBy> {
-        let format = self.format.map(|name| name.0);
-        let format = format.or_else(|| FactorFormat::from_path(&self.output));
-        let by = self.matrix.by.filter(|_| format != Some(FactorFormat::Vtu));
+        let by = self
+            .matrix
+            .by
+            .filter(|_| self.file_format() != Some(FactorFormat::Vtu));
         by.map(Into::into)
+    }
+
+    /// Scenes in which closure is enforced, if that was said: all for uDALES, which checks it.
+    pub fn closure(&self) -> Option<ClosureName> {
+        let is_checked = self.file_format() == Some(FactorFormat::Udales);
+        let default = is_checked.then_some(ClosureName::Always);
+        self.computation.closure.or(default)
+    }
+
+    /// The format of the output, as chosen or by its name.
+    pub fn file_format(&self) -> Option<FactorFormat> {
+        let format = self.format.map(|name| name.0);
+        format.or_else(|| FactorFormat::from_path(&self.output))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Where a matrix is written, and in which format.
 
 use super::args::FormFactorArgs;
-use super::stored::{NO_ZARR, is_zarr};
 use super::view3d::View3dInput;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -28,10 +27,10 @@ impl Destination {
     /// Finds the format, and checks that it can be written there.
     pub fn new(args: &FormFactorArgs) -> Result<Destination, Failure> {
         let is_stdout = args.output == Path::new("-");
-        let format = match args.format {
-            Some(name) => name.0,
+        let format = match args.file_format() {
+            Some(format) => format,
             None if is_stdout => FactorFormat::Csv,
-            None => FactorFormat::from_path(&args.output).ok_or_else(|| unknown(&args.output))?,
+            None => return Err(unknown(&args.output)),
         };
         refuse_without_effect(args, format)?;
         let mut options = FileOptions {
@@ -103,11 +102,8 @@ impl Destination {
 
 /// Whether rows of the format are made of whole faces of the model.
 pub fn wants_whole_faces(args: &FormFactorArgs) -> bool {
-    let format = args.format.map(|name| name.0);
-    matches!(
-        format,
-        Some(FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary)
-    )
+    use FactorFormat::{OpenFoam, OpenFoamBinary};
+    matches!(args.file_format(), Some(OpenFoam | OpenFoamBinary))
 }
 
 /// Refuses what only another program's files have.
@@ -142,9 +138,7 @@ fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<
 }
 
 fn unknown(path: &Path) -> Failure {
-    let message = if is_zarr(path) {
-        NO_ZARR
-    } else if path.is_dir() {
+    let message = if path.is_dir() {
         "a folder: --format openfoam writes to the folder of a case"
     } else {
         "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
@@ -155,11 +149,11 @@ fn unknown(path: &Path) -> Failure {
 
 /// Reads the case that files are for, in the version of the options, the environment or its mesh.
 fn open_case(args: &FormFactorArgs) -> Result<OpenFoamCase, Failure> {
-    let of_environment = || {
+    let environment_version = || {
         let word = std::env::var("WM_PROJECT_VERSION").ok()?;
         OpenFoamVersion::from_word(&word)
     };
-    let version = args.programs.openfoam.or_else(of_environment);
+    let version = args.programs.openfoam.or_else(environment_version);
     OpenFoamCase::open(&args.output, version).map_err(Failure::failed)
 }
 

@@ -9,20 +9,21 @@ mod outside;
 pub mod stored;
 pub mod summary;
 mod view3d;
+mod zones;
 
 use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{self, EngineName, PreparedEngine};
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{ClockArgs, InputArgs};
 use super::report::{Report, bytes, count};
 use super::runner::{Completed, DividedWork, Runner, Sharing, WorkKey};
 use super::session::Session;
 use super::{input, pass};
-use args::{ComputationArgs, FormFactorArgs, FormulasName};
+use args::{ClosureName, ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
 use azulejo_exchange::thermal::tables::{MaterialTable, TableError};
 use azulejo_exchange::{Enclosure, GroupBy};
-use azulejo_factors::form_factors::{Forecast, Plan, PreparedPlan};
+use azulejo_factors::form_factors::{Forecast, NOT_RECONCILED, Plan, PreparedPlan};
 use azulejo_factors::{Engine, FormFactorOptions, Hemicube, PatchSize};
 use azulejo_formats::Format;
 use azulejo_scene::Scene;
@@ -65,15 +66,23 @@ pub fn run(
     let (room, scene) = read_scene(args, session)?;
     runner.share_files(session)?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
+    let computation = ComputationArgs {
+        closure: args.closure(),
+        ..args.computation.clone()
+    };
     let request = FactorRequest {
-        computation: &args.computation,
+        computation: &computation,
         separate: args.matrix.separate,
         groups: args.only_groups(),
         room: room.as_ref(),
     };
     let beside = destination.as_ref().and_then(|to| to.output.file());
     let beside = beside.filter(|_| !args.no_journal);
-    let computed = enclosure(scene, request, (runner, beside), session, &mut report)?;
+    let computed = match zones::scenes(scene, args)?.as_slice() {
+        [] => enclosure(scene, request, (runner, beside), session, &mut report)?,
+        [zone] => enclosure(zone, request, (runner, beside), session, &mut report)?,
+        zones => zones::enclosures(zones, request, runner, session, &mut report)?,
+    };
     let (Some(Completed { value, rest }), Some(to)) = (computed, destination) else {
         return Ok(report);
     };
@@ -97,11 +106,31 @@ fn write(
     if let Some(share) = args.matrix.truncate {
         session.with_progress(|p| enclosure.factors.truncate(share, p))?;
     }
+    refuse_impossible(args, &enclosure)?;
     let written = to.write(&enclosure, room, session)?;
     summary::describe(&enclosure, report);
     outside::describe(&enclosure, report);
     let path = args.output.display().to_string();
     report.fact("output", path, "wrote", written);
+    Ok(())
+}
+
+/// Refuses a matrix that no scene has, and one that could not be closed as asked.
+fn refuse_impossible(args: &FormFactorArgs, enclosure: &Enclosure) -> Result<(), Failure> {
+    let factors = &enclosure.factors;
+    if let Some((row, sum)) = factors.impossible_row() {
+        return Err(Failure::failed(format_args!(
+            "row \"{}\" adds up to {sum:.4}, more than all of its light, and nothing is written: faces that coincide \
+             or overlap count several times; remove duplicates",
+            enclosure.rows.names[row]
+        )));
+    }
+    let notes = &factors.engine_used.notes;
+    if args.computation.closure == Some(ClosureName::Always)
+        && notes.iter().any(|note| note == NOT_RECONCILED)
+    {
+        return Err(Failure::failed(format_args!("--closure: {NOT_RECONCILED}")));
+    }
     Ok(())
 }
 
@@ -123,7 +152,10 @@ fn read_scene(
 ) -> Result<(Option<View3dInput>, Scene), Failure> {
     match view3d::read(args, session)? {
         Some(room) => Ok((Some(room), Scene::default())),
-        None => Ok((None, painted(args, read_models(&args.input, session)?)?)),
+        None => Ok((
+            None,
+            painted(args, read_models(&args.input, args.clock, session)?)?,
+        )),
     }
 }
 
@@ -265,8 +297,12 @@ fn refuse_contradiction(args: &ComputationArgs) -> Result<(), Failure> {
 }
 
 /// Reads models whose rows are patches or groups of them.
-pub fn read_models(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
-    let scene = input::read_all(input, session)?;
+pub fn read_models(
+    input: &InputArgs,
+    clock: ClockArgs,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
+    let scene = input::read_all(input, clock, session)?;
     if session.formats().contains(&Format::View3d) {
         session.note(
             "rows are patches: View3D's own rows, with its masks, combinations and enclosures, \

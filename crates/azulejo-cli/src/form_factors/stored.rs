@@ -4,7 +4,7 @@ use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
 use super::grouping;
 use crate::engine::EngineName;
 use crate::failure::Failure;
-use crate::input::InputArgs;
+use crate::input::{ClockArgs, InputArgs};
 use crate::pass;
 use crate::report::percent;
 use crate::session::Session;
@@ -16,10 +16,6 @@ use std::path::Path;
 
 /// Difference of both directions of a pair from which it is no rounding, as a share of the smaller area.
 const NOT_RECIPROCAL: f64 = 1e-5;
-
-/// What those are told who ask for a Zarr store, which early versions had for matrices larger than memory.
-pub const NO_ZARR: &str = "stores in chunks (.zarr) are neither read nor written any more, expected .npz; \
-                           where a matrix is larger than memory, form-factors --compress 1e-3 writes an .npz in blocks";
 
 /// Reads the input if it is a single `.npz`; otherwise `None`.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclosure>, Failure> {
@@ -36,7 +32,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     if !is_archive(path) {
         return Ok(None);
     }
-    refuse_computation(&args.input, &args.computation)?;
+    refuse_computation((&args.input, args.clock), &args.computation)?;
     let others = [
         ("--separate", args.matrix.separate),
         ("--materials", args.materials.is_some()),
@@ -72,12 +68,6 @@ pub fn read_whole(
 ) -> Result<StoredFactors, Failure> {
     let failed =
         |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
-    if is_zarr(path) {
-        return Err(Failure::misuse(format_args!(
-            "{}: {NO_ZARR}",
-            path.display()
-        )));
-    }
     session.progress().begin("reading", 0);
     let file = File::open(path).map_err(|e| failed(&e))?;
     let budget = memory.or_else(azulejo::machine::memory);
@@ -95,27 +85,22 @@ pub fn read_whole(
     Ok(read)
 }
 
-/// Whether a file is an archive of arrays, by its name, or was one in early versions.
+/// Whether a file is an archive of arrays, by its name.
 pub fn is_archive(path: &Path) -> bool {
-    has_extension(path, "npz") || is_zarr(path)
-}
-
-/// Whether this was a store of chunks in early versions, by its name.
-pub fn is_zarr(path: &Path) -> bool {
-    has_extension(path, "zarr")
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
+        .is_some_and(|e| e.eq_ignore_ascii_case("npz"))
 }
 
 /// Options that say how factors are computed have nothing to do where they are there already.
-pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(), Failure> {
+pub fn refuse_computation(
+    (input, clock): (&InputArgs, ClockArgs),
+    args: &ComputationArgs,
+) -> Result<(), Failure> {
     let (reading, outside) = (&input.reading, &input.outside);
     let gives_light = [
         ("--lights", input.lights.is_some()),
         ("--sun", outside.sun.is_some()),
+        ("--time", clock.time.is_some()),
         ("--sky", outside.sky.is_some()),
         ("--ground", outside.ground.is_some()),
         ("--environment", outside.environment.is_some()),
@@ -189,7 +174,7 @@ fn close(
     session: &mut Session,
 ) -> Result<(), Failure> {
     let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
-    let is_to_close = match args.computation.closure {
+    let is_to_close = match args.closure() {
         None | Some(ClosureName::Never) => false,
         Some(ClosureName::Closed) => enclosure.factors.is_closed && !has_mirrors,
         Some(ClosureName::Always) => true,

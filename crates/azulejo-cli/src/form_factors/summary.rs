@@ -42,11 +42,15 @@ pub fn describe_sums(enclosure: &Enclosure, report: &mut Report) -> f64 {
 
 /// Sky and ground.
 fn surroundings(factors: &FormFactors, report: &mut Report) {
-    let of = |share: fn(&RowRemainder) -> f64| {
+    let mean_share = |share: fn(&RowRemainder) -> f64| {
         let shares: Vec<f64> = factors.rest.iter().map(share).collect();
         mean(factors, &shares)
     };
-    let (sky, ground, hidden) = (of(|r| r.sky), of(|r| r.ground), of(|r| r.hidden));
+    let (sky, ground, hidden) = (
+        mean_share(|r| r.sky),
+        mean_share(|r| r.ground),
+        mean_share(|r| r.hidden),
+    );
     let mut words = if factors.is_closed {
         "closed".to_owned()
     } else {
@@ -63,11 +67,8 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
     report.value("sky_mean", number(sky));
     report.value("ground_mean", number(ground));
     report.value("hidden_mean", number(hidden));
-    report.value("cut_mean", number(of(|r| r.cut)));
+    report.value("cut_mean", number(mean_share(|r| r.cut)));
 }
-
-/// Mean of what rows lack or have too much from which it is no matter of rays.
-const FAR_OFF: f64 = 0.5;
 
 /// Adds the sums of rows; returns the mean of what they lack or have too much.
 fn sums(enclosure: &Enclosure, report: &mut Report) -> f64 {
@@ -91,11 +92,6 @@ fn sums(enclosure: &Enclosure, report: &mut Report) -> f64 {
     report.line("unaccounted", words);
     report.value("unaccounted_mean", number(typical));
     report.value("unaccounted_max", number(most));
-    if typical > FAR_OFF && middle > 1.0 {
-        let words = "rows add up to more than all of the light: faces that coincide, as in a room that \
-                     was inserted twice, count several times; remove duplicates";
-        report.line("caution", words);
-    }
     typical
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::failure::Failure;
 use super::super::input;
-use super::super::input::{InputArgs, ReadingArgs};
+use super::super::input::{ClockArgs, InputArgs, ReadingArgs};
 use super::super::report::{Report, count, number, percent, short};
 use super::super::session::Session;
 use super::super::surroundings::args::SurroundingsArgs;
@@ -30,7 +30,7 @@ pub fn run(
                 ..args.reading.clone()
             },
         };
-        input::read_all(&input, session)
+        input::read_all(&input, ClockArgs::default(), session)
     };
     let (one, other) = (read(&args.one)?, read(&args.other)?);
     let mut differences = Differences::default();

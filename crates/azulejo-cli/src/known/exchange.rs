@@ -24,8 +24,8 @@ const CLOSED: f64 = 1e-12;
 pub struct ExchangeCase {
     /// The enclosure with its properties.
     pub enclosure: Arc<KnownEnclosure>,
-    /// What is asked of it.
-    pub asked: EnclosureQuestion,
+    /// What is asked of it, and the answer.
+    pub problem: EnclosureQuestion,
 }
 
 /// What is asked of an enclosure, with the known answer.
@@ -203,9 +203,9 @@ fn read(text: &str) -> Vec<ExchangeCase> {
     let cases = |mut enclosure: KnownEnclosure| {
         let questions = std::mem::take(&mut enclosure.case);
         let enclosure = Arc::new(enclosure);
-        let case = move |asked| ExchangeCase {
+        let case = move |problem| ExchangeCase {
             enclosure: enclosure.clone(),
-            asked,
+            problem,
         };
         questions.into_iter().map(case)
     };
@@ -215,14 +215,14 @@ fn read(text: &str) -> Vec<ExchangeCase> {
 impl ExchangeCase {
     /// The enclosure with its properties, and what is asked, for reports. Rows count from 1.
     pub fn description(&self) -> String {
-        format!("{}: {}", self.enclosure.about, self.asked.asks)
+        format!("{}: {}", self.enclosure.about, self.problem.asks)
     }
 
     /// How far an answer may be off, in its unit: ten digits of the truth, for temperatures 1e-8 K.
     pub fn tolerance(&self) -> f64 {
-        match self.asked.question.unit() {
+        match self.problem.question.unit() {
             "K" => 1e-8,
-            _ => 1e-10 * self.asked.truth.abs(),
+            _ => 1e-10 * self.problem.truth.abs(),
         }
     }
 
@@ -232,7 +232,7 @@ impl ExchangeCase {
     /// [`ExchangeError`] if the solver finds no solution, which no case is made for.
     pub fn ask(&self) -> Result<f64, ExchangeError> {
         let enclosure = &*self.enclosure;
-        match &self.asked.question {
+        match &self.problem.question {
             ExchangeQuestion::Factor([i, j]) => {
                 Ok(enclosure.solvable().factors.get(*i, *j as u32).0)
             }
@@ -283,9 +283,9 @@ impl ExchangeCase {
 
     /// Temperatures and fluxes, from what is given.
     fn heat(&self) -> Result<HeatBalance, ExchangeError> {
-        let asked = &self.asked;
-        let conditions: Vec<RowCondition> = asked.given.iter().map(|&row| row.into()).collect();
-        self.enclosure.heat(&conditions, &asked.sun, asked.sky)
+        let problem = &self.problem;
+        let conditions: Vec<RowCondition> = problem.given.iter().map(|&row| row.into()).collect();
+        self.enclosure.heat(&conditions, &problem.sun, problem.sky)
     }
 }
 

@@ -100,8 +100,8 @@ fn intersect(segment: &Segment, y: f64, hits: &mut Vec<(f64, i32)>) {
             }
         }
         Segment::Cubic(points) => {
-            let found = crossings(points.map(|p| p.y - y)).into_iter().flatten();
-            hits.extend(found.map(|(t, sense)| (segment.at(t).x, sense)));
+            let crossings = crossings(points.map(|p| p.y - y)).into_iter().flatten();
+            hits.extend(crossings.map(|(t, sense)| (segment.at(t).x, sense)));
         }
     }
 }

@@ -44,7 +44,9 @@ pub struct ImageArgs {
     /// Width and height in pixels [default: the camera's, or 512x512; RTRACE's is 256x256]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub size: Option<(u32, u32)>,
-    /// Samples per pixel [default: 16, or 256 with --reference]
+    /// Samples per pixel [default: at most 16, or 256 with --reference]
+    ///
+    /// By default, even pixels get four, and pictures that would cost much fewer.
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub spp: Option<u32>,

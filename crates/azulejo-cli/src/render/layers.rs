@@ -18,6 +18,12 @@ pub fn chosen(names: &[LayerName]) -> Vec<LayerName> {
     LayerName::EACH.into_iter().filter(is_chosen).collect()
 }
 
+/// Whether any of the requested layers needs direct light apart from the rest.
+pub fn tell_direct_light(names: Option<&[LayerName]>) -> bool {
+    let is_apart = |name: &LayerName| matches!(name, LayerName::Direct | LayerName::Indirect);
+    names.is_some_and(|names| chosen(names).iter().any(is_apart))
+}
+
 /// The words of the file's comments.
 pub fn comments(measured: &MeasuredImage, is_clamped: bool) -> String {
     if is_clamped {

@@ -1,6 +1,7 @@
 //! `render`: the second pass, or the path tracer that serves as its reference.
 
 pub mod args;
+mod cost;
 mod layers;
 mod rtrace;
 mod views;
@@ -69,9 +70,8 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
     for view in &views {
-        let measured = session.with_progress(|progress| {
-            azulejo_render::render_measured(&scene, &tracer, &view.camera, &options, progress)
-        })?;
+        let shown = (&scene, &tracer, &view.camera);
+        let measured = cost::render(&args.picture, &options, shown, session, &mut report)?;
         let lit = (&scene, &tracer);
         deliver(&measured, lit, (view, format), args, session, &mut report)?;
     }
@@ -236,8 +236,11 @@ fn lit(
         return prepared.tracer(scene);
     }
     let tracer = prepared.tracer(scene)?;
-    let light = pass::solve(scene, &tracer, &args.first_pass, &prepared, session)?;
+    let first = pass::options(&args.first_pass, &prepared, session);
+    let first = cost::first_pass(&args.first_pass, first);
+    let light = pass::solve_with(scene, &tracer, &args.first_pass, &first, session)?;
     pass::describe(&light.report, &args.first_pass, &prepared, scene, report)?;
+    cost::describe_first_pass(&args.first_pass, &light.report, report);
     scene.set_irradiance(light.irradiance);
     // The subdivided mesh has other faces than the one of the first tracer.
     prepared.tracer(scene)

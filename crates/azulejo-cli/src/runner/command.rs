@@ -56,7 +56,7 @@ impl OutputArg<'_> {
 /// The arguments of this process.
 ///
 /// # Errors
-/// Some are no text.
+/// Some are not text.
 pub fn typed() -> Result<Vec<String>, Failure> {
     let word = |word: std::ffi::OsString| {
         word.into_string().map_err(|word| {
@@ -69,7 +69,7 @@ pub fn typed() -> Result<Vec<String>, Failure> {
     std::env::args_os().skip(1).map(word).collect()
 }
 
-/// The folder in which this process runs; empty if that is no text, and then of no use elsewhere.
+/// The folder in which this process runs; empty if that is not text, and then useless elsewhere.
 pub fn folder() -> String {
     let folder = std::env::current_dir().ok();
     let text = folder.and_then(|folder| folder.into_os_string().into_string().ok());

@@ -1,4 +1,4 @@
-//! What a part says of the work that it is a part of.
+//! How a part describes the work that it belongs to.
 
 use super::record_file::read_up_to;
 use crate::content_key::{ContentHasher, ContentKey, shown};
@@ -78,7 +78,7 @@ pub struct PartHeader {
 
 /// What stands at the beginning of a file.
 pub enum FileStart {
-    /// A header of so many bytes.
+    /// A header of this number of bytes.
     Header(Box<PartHeader>, u64),
     /// The beginning of one, or nothing.
     Beginning,
@@ -99,7 +99,7 @@ impl PartHeader {
     /// Reads the beginning of a file.
     ///
     /// # Errors
-    /// It is no part, or one of another version, or damaged.
+    /// It is not a part, or one of another version, or damaged.
     pub fn read(file: &mut File, path: &Path) -> Result<FileStart, Failure> {
         let failed = |e: io::Error| Failure::file("read", path, &e);
         let refused =
@@ -109,7 +109,7 @@ impl PartHeader {
         let read = read_up_to(file, &mut head).map_err(failed)?;
         if !head.starts_with(&MARK[..MARK.len().min(read)]) {
             return refused(
-                "is no part: it does not begin as what a command with --shard writes; give the parts alone, \
+                "is not a part: it does not begin as what a command with --shard writes; give the parts alone, \
                  and each shard a file of its own",
             );
         }

@@ -15,7 +15,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-const MAGIC: [u8; 24] = *b"azulejo journal 3     \r\n";
+const MAGIC: [u8; 24] = *b"azulejo journal 4     \r\n";
 
 /// What the magics of all versions begin with.
 const MARKS: [&[u8]; 2] = [b"azulejo journal ", b"azulejo form factors "];

@@ -183,25 +183,7 @@ impl MergedParts {
                 env!("CARGO_PKG_VERSION")
             )));
         }
-        let missing: Vec<u32> = (1..=header.shard.of)
-            .filter(|number| !by_number.contains_key(number))
-            .collect();
-        if !missing.is_empty() {
-            let word = if missing.len() == 1 {
-                "shard"
-            } else {
-                "shards"
-            };
-            return Err(Failure::failed(format_args!(
-                "{word} {} of {} missing: compute them by the same command with their --shard, or give their \
-                 parts too",
-                runs(&missing),
-                match missing.len() {
-                    1 => format!("{} is", header.shard.of),
-                    _ => format!("{} are", header.shard.of),
-                }
-            )));
-        }
+        refuse_gaps(&header, &by_number)?;
         let paths = by_number.values().map(|part| part.path.clone()).collect();
         let parts = by_number.into_values().map(|part| Mutex::new(part.records));
         Ok(MergedParts {
@@ -268,6 +250,26 @@ impl MergedParts {
     pub fn added(&self) -> usize {
         self.added.load(Ordering::Relaxed)
     }
+}
+
+/// Refuses parts of which some shards are missing.
+fn refuse_gaps(
+    header: &PartHeader,
+    by_number: &BTreeMap<u32, CompletePart>,
+) -> Result<(), Failure> {
+    let of = header.shard.of;
+    let missing = (1..=of).filter(|number| !by_number.contains_key(number));
+    let missing: Vec<u32> = missing.collect();
+    let (word, verb) = match missing.len() {
+        0 => return Ok(()),
+        1 => ("shard", "is"),
+        _ => ("shards", "are"),
+    };
+    Err(Failure::failed(format_args!(
+        "{word} {} of {of} {verb} missing: compute them by the same command with their --shard, or give their \
+         parts too",
+        runs(&missing),
+    )))
 }
 
 impl CompletePart {

@@ -278,10 +278,12 @@ pub fn refuse_indivisible(args: &FirstPassArgs, runner: &Runner) -> Result<(), F
             "--shard: how far work comes in a --time depends on the machine, so that parts would not fit together; \
              give --rays N alone",
         )),
-        Workers::Part(_) if args.error.is_some() || args.rays.is_none() => Err(Failure::misuse(
-            "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
+        Workers::Part(_) if args.requested_error().is_some() || args.rays.is_none() => {
+            Err(Failure::misuse(
+                "--shard: work to an error, by --error or to 3% by default, looks at the results of all points before it \
              traces more rays, which a shard does not have; give --rays N alone",
-        )),
+            ))
+        }
         Workers::Ranks(..) if is_timed => Err(Failure::misuse(
             "--time: how far work comes in a time depends on the machines, and several processes share it: give --error \
              or --rays, and the time to the queue; what is done by then is kept",

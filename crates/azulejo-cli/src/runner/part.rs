@@ -35,7 +35,7 @@ impl PartPlan {
     /// Checks that a part can be written, before the work begins.
     ///
     /// # Errors
-    /// What is there is no part; the model is a stream; the output is.
+    /// What is there is not a part; the model is a stream; the output is.
     pub fn check(
         shard: Shard,
         output: Option<&Path>,

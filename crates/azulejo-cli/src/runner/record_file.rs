@@ -82,7 +82,7 @@ impl RecordFile {
         })
     }
 
-    /// The complete records behind the first `header` bytes.
+    /// The complete records after the first `header` bytes.
     ///
     /// # Errors
     /// It cannot be read.
@@ -124,7 +124,7 @@ impl RecordFile {
         Ok(true)
     }
 
-    /// Bytes behind the last complete record.
+    /// Bytes after the last complete record.
     ///
     /// # Errors
     /// It cannot be read.
@@ -132,7 +132,7 @@ impl RecordFile {
         Ok(self.file.metadata()?.len().saturating_sub(self.end))
     }
 
-    /// Cuts off what is behind the last complete record.
+    /// Cuts off what follows the last complete record.
     ///
     /// # Errors
     /// It cannot be written.

@@ -3,6 +3,7 @@
 use crate::first_pass::FirstPassArgs;
 use crate::input::InputArgs;
 use crate::parts::PartArgs;
+use crate::values;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 
@@ -27,6 +28,10 @@ pub struct SolveArgs {
     /// irradiance alone [default: as many as the exact values need; with --in-place: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
+    /// Triangulate all polygons of OUT, or keep them [default: yes for .ply, otherwise no]
+    #[arg(long, value_name = "yes|no", num_args = 0..=1, require_equals = true,
+          default_missing_value = "yes", value_parser = values::yes_or_no)]
+    pub triangles: Option<bool>,
     #[command(flatten)]
     pub part: PartArgs,
     #[command(flatten)]

@@ -36,6 +36,7 @@ impl SolvedOutput {
             Some(path) => {
                 let output = ModelOutput::check_lit(path)?;
                 convert::checked_digits(args.digits, &output)?;
+                let output = output.with_triangles(args.triangles);
                 Ok(SolvedOutput::Model(output))
             }
             None => Err(Failure::misuse(

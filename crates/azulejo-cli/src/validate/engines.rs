@@ -95,7 +95,7 @@ impl CheckedEngines {
     /// # Errors
     /// A named engine that is not here, or has no form factors to check.
     pub fn new(names: &[EngineName], resolution: u32) -> Result<CheckedEngines, Failure> {
-        let mut found = CheckedEngines {
+        let mut checked = CheckedEngines {
             engines: Vec::new(),
             missing: Vec::new(),
         };
@@ -113,14 +113,14 @@ impl CheckedEngines {
                 continue;
             }
             match choice.prepare(resolution) {
-                Ok(engine) => found.engines.push(engine),
+                Ok(engine) => checked.engines.push(engine),
                 Err(failure) if choice.engine == EngineName::Embree && !names.is_empty() => {
                     return Err(failure);
                 }
-                Err(failure) => found.missing.push((choice.name, failure.to_string())),
+                Err(failure) => checked.missing.push((choice.name, failure.to_string())),
             }
         }
-        Ok(found)
+        Ok(checked)
     }
 }
 

@@ -186,13 +186,13 @@ fn share_within(scores: &[f64], width: f64) -> f64 {
 
 /// The check that enough answers lie within two standard errors; more is not a fault.
 fn covered(subject: &str, scores: &[f64], clock: &Clock) -> CheckRecord {
-    let found = share_within(scores, 2.0);
+    let share = share_within(scores, 2.0);
     let (middle, half) = (0.5 * (1.0 + WITHIN_TWO), 0.5 * (1.0 - WITHIN_TWO));
     let one = 100.0 * share_within(scores, 1.0);
     CheckRecord {
         note: format!("{} answers; {one:.1}% within one", scores.len()),
         seconds: clock.wall(),
-        ..CheckRecord::new(PART, subject, [found, middle, half]).of(
+        ..CheckRecord::new(PART, subject, [share, middle, half]).of(
             "rays",
             "share of answers within two standard errors of the truth",
         )

@@ -12,18 +12,18 @@ const PART: ValidationPart = ValidationPart::Exchange;
 pub fn check(validator: &Validator) -> Result<Vec<CheckRecord>, Failure> {
     let mut records = Vec::new();
     for case in exchange_cases() {
-        let asked = &case.asked;
-        if !validator.wants(PART, &asked.id) {
+        let problem = &case.problem;
+        if !validator.wants(PART, &problem.id) {
             continue;
         }
         let clock = Clock::start();
         let answer = case.ask().map_err(Failure::failed)?;
-        let values = [answer, asked.truth, case.tolerance()];
+        let values = [answer, problem.truth, case.tolerance()];
         records.push(CheckRecord {
-            source: asked.source.clone(),
-            unit: asked.question.unit(),
+            source: problem.source.clone(),
+            unit: problem.question.unit(),
             seconds: clock.wall(),
-            ..CheckRecord::new(PART, &*asked.id, values).of("", case.description())
+            ..CheckRecord::new(PART, &*problem.id, values).of("", case.description())
         });
     }
     Ok(records)

@@ -46,9 +46,9 @@ fn compared(
         let pool =
             pool.map_err(|e| Failure::failed(format_args!("cannot start the threads: {e}")))?;
         let tracer = engine.prepared.tracer(&scene.scene)?;
-        let found =
+        let factors =
             pool.install(|| form_factors(&scene.scene, &tracer, &options, validator.progress));
-        digests.push(digest(&found.map_err(pass::failure)?));
+        digests.push(digest(&factors.map_err(pass::failure)?));
     }
     let first = digests[0].clone();
     digests.sort_unstable();

@@ -124,14 +124,14 @@ fn misuse_is_explained() {
 #[test]
 fn plots_are_pictures() {
     let folder = Folder::new();
-    folder.ok("brdf plot lewis kd=0.3 ks=0.6 n=20 -o a.svg --width 240");
+    folder.ok("brdf plot lewis kd=0.3 ks=0.6 n=20 -o a.svg --width 240 --angles 0,45,75 --phi 90");
     let svg = String::from_utf8(folder.read("a.svg")).unwrap();
     for part in [
         "<svg",
         "Lewis (modified Phong)",
         "lewis kd = 0.3",
         "CGF 13(2)",
-        "60°",
+        "75°",
         "1/sr",
         "Albedo against angle",
         "glossy",
@@ -148,7 +148,8 @@ fn plots_are_pictures() {
 #[test]
 fn fits_are_written() {
     let folder = Folder::new();
-    let line = "brdf fit lewis kd=0.2 ks=0.5 n=40 --model lewis --starts 4 -o a.brdf";
+    let line =
+        "brdf fit lewis kd=0.2 ks=0.5 n=40 --model lewis --starts 4 --most-angle 70 -o a.brdf";
     let found = folder.json(line);
     let value = |k: usize| number(&found["parameters"][k]["value"]);
     for (k, expected) in [0.2, 0.5, 40.0].into_iter().enumerate() {

@@ -1,11 +1,13 @@
 //! The command line from outside.
 
+mod arrival;
 mod bad_input;
 mod bake;
 mod brdf;
 mod commands;
 mod compressed;
 mod docs_commands;
+mod elsewhere;
 mod engines;
 mod exact;
 mod exchange;

@@ -69,15 +69,6 @@ fn cases_and_programs_are_known_before_the_work() {
         "no constant/polyMesh/boundary",
     );
     folder.fails(&format!("{COMMAND} -o f.xyz"), 2, "unknown matrix format");
-    folder.write("eps.csv", "name,eps\n*,0.7\n");
-    for command in [
-        &format!("{COMMAND} -o f.zarr"),
-        "form-factors f.zarr -o f.npz",
-        "exchange f.zarr --materials eps.csv -o gr.csv",
-        "info f.zarr",
-    ] {
-        folder.fails(command, 2, "form-factors --compress 1e-3 writes");
-    }
     folder.fails(
         &format!("{COMMAND} -o f.vtu --vtu-rows x"),
         1,

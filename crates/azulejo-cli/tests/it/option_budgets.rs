@@ -6,15 +6,15 @@ use clap::{Arg, Command};
 
 /// Each command with its most options, without those of every command.
 const BUDGETS: [(&str, usize); 25] = [
-    ("info", 23),
-    ("convert", 25),
-    ("solve", 42),
-    ("bake", 67),
-    ("render", 70),
-    ("probe", 44),
-    ("form-factors", 52),
+    ("info", 25),
+    ("convert", 27),
+    ("solve", 45),
+    ("bake", 69),
+    ("render", 72),
+    ("probe", 46),
+    ("form-factors", 54),
     ("merge", 4),
-    ("exchange", 45),
+    ("exchange", 47),
     ("experiment", 4),
     ("validate", 7),
     ("text", 18),
@@ -28,7 +28,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("brdf fit", 4),
     ("grf fmt", 1),
     ("grf lint", 2),
-    ("grf diff", 10),
+    ("grf diff", 11),
     ("view", 3),
     ("completions", 0),
 ];

@@ -332,7 +332,7 @@ fn light_on_the_vertices_of_the_file_itself() {
         ("room.gltf", "lit.gltf", Some("lit.light.bin")),
     ] {
         folder.ok(&format!("convert room.obj -o {file}"));
-        let report = folder.json(&format!("solve {file} -o {lit} --keep-mesh --error 10%"));
+        let report = folder.json(&format!("solve {file} -o {lit} --keep-mesh --error 3%"));
         assert_eq!(report["output"], lit);
         let names = folder.names();
         assert!(beside.is_none_or(|name| names.contains(&name.to_owned())));
@@ -350,7 +350,7 @@ fn light_on_the_vertices_of_the_file_itself() {
         assert!(without_blanks("again") == without_blanks(file), "{file}");
     }
     // The same light as in a file that is written anew.
-    folder.ok("solve room.obj -o anew.glb --keep-mesh --sides front --error 10%");
+    folder.ok("solve room.obj -o anew.glb --keep-mesh --sides front --error 3%");
     let light = |name: &str| {
         let scene = scene_of(&folder, name);
         let mut light = Vec::new();
@@ -372,7 +372,7 @@ fn light_on_the_vertices_of_the_file_itself() {
     assert!((kept / anew - 1.0).abs() < 0.02, "{kept}, {anew}");
     // Light that is computed again takes the place of the other.
     let before = folder.read("lit.glb");
-    let run = folder.ok("solve lit.glb -o lit.glb --keep-mesh --error 10%");
+    let run = folder.ok("solve lit.glb -o lit.glb --keep-mesh --error 3%");
     assert!(
         run.err.contains("has put on its vertices is removed first"),
         "{}",

@@ -1,4 +1,4 @@
-//! Work in shards: parts that together are the bytes of one process, and everything that is no part.
+//! Work in shards: parts that together are the bytes of one process, and everything that is not a part.
 
 use crate::support::Folder;
 use nix::sys::signal::{Signal, kill};
@@ -217,7 +217,7 @@ fn numbers_of_shards_are_checked() {
 fn outputs_that_are_something_else_are_left_alone() {
     let folder = Folder::with_room();
     let model = folder.read("room.obj");
-    let no_part = "is no part";
+    let no_part = "is not a part";
     folder.fails(&format!("{QUICK} --shard 1/2 -o room.obj"), 1, no_part);
     compute(&folder, QUICK, "p", 2);
     let part = folder.read("p-1");
@@ -361,8 +361,8 @@ fn parts_that_are_missing_twice_cut_or_damaged() {
     folder.write("p-5", [&whole[..], b"x"].concat());
     folder.fails(&line, 1, "follow its end");
     folder.write("p-5", "my diary");
-    folder.fails(&line, 1, "p-5 is no part");
-    folder.fails("merge room.obj -o x.npz", 1, "room.obj is no part");
+    folder.fails(&line, 1, "p-5 is not a part");
+    folder.fails("merge room.obj -o x.npz", 1, "room.obj is not a part");
     folder.fails("merge . -o x.npz", 1, "is a folder");
     folder.fails("merge nothing -o x.npz", 1, "nothing");
     assert!(!folder.path("x.npz").exists());
@@ -510,7 +510,11 @@ fn light_goes_into_the_text_of_a_copy_by_shards() {
     compute(&folder, line, "p", 2);
     let model = folder.read("room.grf");
     folder.fails("merge p-1 p-2 -o room.grf", 2, "computed from");
-    folder.fails(&format!("{line} --shard 1/2 -o room.grf"), 1, "is no part");
+    folder.fails(
+        &format!("{line} --shard 1/2 -o room.grf"),
+        1,
+        "is not a part",
+    );
     assert!(folder.read("room.grf") == model);
 }
 

@@ -5,7 +5,7 @@
 //! | `format`, `shape`, `indptr`, `indices`, `data` | | X in compressed sparse rows, for `scipy.sparse.load_npz` |
 //! | `std_error` | entry | standard errors |
 //! | `direct`, `one_mirror`, `more_mirrors`, each with `…_error` | entry | orders of reflection, if they were kept |
-//! | `areas`, `row_error`, `sky`, `sky_error`, `ground`, `ground_error`, `escaped`, `hidden`, `cut`, `lost`, `unseen` | row | see [`FormFactors`](azulejo_factors::FormFactors) |
+//! | `areas`, `row_error`, `sky`, `sky_error`, `ground`, `ground_error`, `escaped`, `hidden`, `hidden_error`, `cut`, `lost`, `unseen` | row | see [`FormFactors`](azulejo_factors::FormFactors) |
 //! | `irradiance`, `irradiance_error` (n × 3) | row | light from outside, if there is any |
 //! | `names`, `patch_face` (n × 2: object, face), `patch_back`, `material`, `rho_s`, `diffuse` (n × 3) | row | what the row is |
 //! | `centroids`, `normals` (n × 3) | row | its place |

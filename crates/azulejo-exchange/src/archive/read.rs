@@ -6,10 +6,12 @@ use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
 use azulejo_formats::numpy::npy::StoredArray;
 use azulejo_formats::numpy::npz::NpzReader;
-use azulejo_scene::{Rgb, Up};
+use azulejo_scene::{Rgb, Up, Zone};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{Read, Seek};
+use std::sync::Arc;
 
 /// What is wrong with an archive.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -282,6 +284,7 @@ impl<'a> Arrays<'a> {
             "ground",
             "ground_error",
             "hidden",
+            "hidden_error",
             "cut",
             "lost",
         ];
@@ -295,8 +298,9 @@ impl<'a> Arrays<'a> {
             ground: columns[2][i],
             ground_error: columns[3][i],
             hidden: columns[4][i],
-            cut: columns[5][i],
-            lost: columns[6][i],
+            hidden_error: columns[5][i],
+            cut: columns[6][i],
+            lost: columns[7][i],
         };
         let mirrors = self.numbers("rho_s")?;
         if let Some(i) = mirrors.iter().position(|m| !(0.0..=1.0).contains(m)) {
@@ -387,12 +391,41 @@ impl<'a> Arrays<'a> {
             are_groups: self.whole("groups")?.is_some_and(|g| g != 0.0),
             objects: self.counted("object_names", "object", objects.max())?,
             materials: self.counted("material_names", "material", materials.max())?,
+            zones: self.zones()?,
             diffuse: diffuse.chunks_exact(3).map(colour).collect(),
             cells: self.cells()?,
             metres_per_unit: length.filter(|l| l.is_finite() && *l > 0.0),
             up: if up == "z" { Up::Z } else { Up::Y },
             grouped_faces,
         })
+    }
+
+    /// The zone of each object; none if there are no zones.
+    fn zones(&mut self) -> Result<Vec<Option<Arc<Zone>>>, ArchiveError> {
+        let of_objects = self.texts("object_zones")?.unwrap_or_default();
+        let [of, names] = ["mass_zones", "mass_names"].map(|name| self.texts(name));
+        let areas = self
+            .npz
+            .array("mass_areas")?
+            .and_then(|array| array.numbers());
+        let masses = of?.unwrap_or_default().into_iter();
+        let masses = masses.zip(
+            names?
+                .unwrap_or_default()
+                .into_iter()
+                .zip(areas.unwrap_or_default()),
+        );
+        let masses: Vec<_> = masses.collect();
+        let zone = |name: &String| {
+            let of_zone = masses.iter().filter(|(zone, _)| zone == name);
+            Arc::new(Zone {
+                name: name.clone(),
+                masses: of_zone.map(|(_, mass)| mass.clone()).collect(),
+            })
+        };
+        let zones: BTreeMap<&String, Arc<Zone>> = of_objects.iter().map(|n| (n, zone(n))).collect();
+        let of_object = |name: &String| (!name.is_empty()).then(|| zones[name].clone());
+        Ok(of_objects.iter().map(of_object).collect())
     }
 
     /// The faces of groups; none if there is no such array.

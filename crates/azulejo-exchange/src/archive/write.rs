@@ -1,14 +1,15 @@
 //! Writing archives.
 
 use super::{ORDERS, VERSION};
-use crate::enclosure::{CellMesh, Enclosure, entry_of};
+use crate::enclosure::{CellMesh, Enclosure, RowTable, entry_of};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
-use azulejo_scene::Up;
+use azulejo_scene::{Up, Zone};
 use std::io::{self, Write};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How exactly factors are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -124,6 +125,7 @@ fn write_shares(factors: &FormFactors, archive: &mut NpzWriter) -> io::Result<()
     add("ground_error", |r| r.ground_error)?;
     add("escaped", RowRemainder::escaped)?;
     add("hidden", |r| r.hidden)?;
+    add("hidden_error", |r| r.hidden_error)?;
     add("cut", |r| r.cut)?;
     add("lost", |r| r.lost)
 }
@@ -155,7 +157,32 @@ fn write_rows(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> 
         })?;
     }
     archive.add("object_names", |w| npy::write_texts(&rows.objects, w))?;
+    write_zones(rows, archive)?;
     archive.add("material_names", |w| npy::write_texts(&rows.materials, w))
+}
+
+/// The zones of objects, and what has no place in them; nothing if the model has no zones.
+fn write_zones(rows: &RowTable, archive: &mut NpzWriter) -> io::Result<()> {
+    if rows.zones.is_empty() {
+        return Ok(());
+    }
+    let name = |zone: &Option<Arc<Zone>>| zone.as_ref().map_or(String::new(), |z| z.name.clone());
+    let names: Vec<String> = rows.zones.iter().map(name).collect();
+    archive.add("object_zones", |w| npy::write_texts(&names, w))?;
+    let mut zones: Vec<&Arc<Zone>> = rows.zones.iter().flatten().collect();
+    zones.sort_by_key(|zone| &zone.name);
+    zones.dedup_by_key(|zone| &zone.name);
+    let masses = || {
+        zones
+            .iter()
+            .flat_map(|z| z.masses.iter().map(|m| (&z.name, &m.0, m.1)))
+    };
+    let of: Vec<String> = masses().map(|m| m.0.clone()).collect();
+    let named: Vec<String> = masses().map(|m| m.1.clone()).collect();
+    let areas: Vec<f64> = masses().map(|m| m.2).collect();
+    archive.add("mass_zones", |w| npy::write_texts(&of, w))?;
+    archive.add("mass_names", |w| npy::write_texts(&named, w))?;
+    archive.add("mass_areas", |w| list(&areas, |&a| a, w))
 }
 
 /// Where rows are.

@@ -108,6 +108,7 @@ impl RowTable {
             are_groups: true,
             objects: self.objects.clone(),
             materials: self.materials.clone(),
+            zones: self.zones.clone(),
             diffuse: diffuse.into_iter().map(mean).collect(),
             cells: self.cells.grouped(&groups.of_rows),
             metres_per_unit: self.metres_per_unit,

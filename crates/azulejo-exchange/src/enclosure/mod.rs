@@ -3,6 +3,7 @@
 mod cells;
 mod clusters;
 mod groups;
+mod joined;
 mod outside;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -15,7 +16,7 @@ pub use groups::{Groups, unique};
 use azulejo_factors::form_factors::{PreparedPlan, RowRemainder};
 use azulejo_factors::hierarchy::FactorOperator;
 use azulejo_factors::{FaceId, FormFactors};
-use azulejo_scene::{MaterialId, Rgb, Scene, Up};
+use azulejo_scene::{MaterialId, Rgb, Scene, Up, Zone};
 use std::sync::Arc;
 
 /// Form factors and what is known of their rows, without the scene that they come from.
@@ -55,6 +56,8 @@ pub struct RowTable {
     pub objects: Vec<String>,
     /// Names of the materials that [`FormFactors::materials`] counts; not empty, need not differ.
     pub materials: Vec<String>,
+    /// The zone of each object, where the model has zones; else empty.
+    pub zones: Vec<Option<Arc<Zone>>>,
     /// Diffuse reflectance of each row, 0..1 per channel; means by area for groups.
     pub diffuse: Vec<Rgb>,
     /// The polygons that rows consist of.
@@ -90,6 +93,11 @@ impl Enclosure {
             materials: materials
                 .map(|(i, m)| named("material", i, &m.name))
                 .collect(),
+            zones: if scene.objects.iter().any(|o| o.zone.is_some()) {
+                scene.objects.iter().map(|o| o.zone.clone()).collect()
+            } else {
+                Vec::new()
+            },
             diffuse: factors.materials.iter().map(diffuse).collect(),
             cells: CellMesh::new((0..plan.rows()).map(|i| plan.outline(i))),
             metres_per_unit: scene.units.metres_per_unit,
@@ -181,6 +189,11 @@ impl RowTable {
     /// The name of the object of a face.
     pub fn object(&self, face: FaceId) -> &str {
         &self.objects[face.object as usize]
+    }
+
+    /// The zone of a face; `None` if it is in none, or it is not known.
+    pub fn zone(&self, face: FaceId) -> Option<&Arc<Zone>> {
+        self.zones.get(face.object as usize)?.as_ref()
     }
 
     /// Names of patches: `object/face`, with the number of the patch where a face has several.

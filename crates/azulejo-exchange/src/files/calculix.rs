@@ -1,7 +1,8 @@
 //! CalculiX' `.vwf`, which `*VIEWFACTOR, READ, INPUT=name.vwf` reads: Fortran's unformatted sequential
 //! records.
 //!
-//! Rows are the faces with a radiation load (`RkCR`), in the order of these loads, of one cavity.
+//! Rows are the faces with a radiation load (`RkCR`) of one cavity, by ascending element; of an element, the face
+//! whose load comes last in the deck is first. Decks are read in this order.
 
 use super::direct::DirectFactors;
 use super::{FactorFileError, FactorFiles, FileOptions, notes};
@@ -22,6 +23,7 @@ pub(super) fn prepare<'a>(
     enclosure: &'a Enclosure,
     options: &FileOptions,
 ) -> Result<FactorFiles<'a>, FactorFileError> {
+    notes::check_faces(enclosure, "CalculiX", "model")?;
     let factors = DirectFactors::new(enclosure, "CalculiX")?;
     let version = options.calculix.clone().unwrap_or_else(|| VERSION.into());
     let title = format!("Version {version}");

@@ -12,8 +12,8 @@ const ORDERS: &str =
 
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
-/// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j; light from
-/// outside, which is no share but W/m², on lines with `irradiance`.
+/// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j, light that ends on
+/// sides without a row on lines with `hidden`; light from outside, which is no share but W/m², on lines with `irradiance`.
 ///
 /// # Errors
 /// Those of writing.
@@ -46,6 +46,7 @@ pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
             let away = [
                 ("sky", rest.sky, rest.sky_error),
                 ("ground", rest.ground, rest.ground_error),
+                ("hidden", rest.hidden, rest.hidden_error),
             ];
             for (name, share, error) in away.into_iter().filter(|(_, share, _)| *share > 0.0) {
                 start(enclosure, i, name, share, error, out)?;

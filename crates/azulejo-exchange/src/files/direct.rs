@@ -45,7 +45,7 @@ impl<'a> DirectFactors<'a> {
         DirectFactors::of(Cow::Owned(ordered), program)
     }
 
-    fn of(
+    pub(super) fn of(
         factors: Cow<'a, FormFactors>,
         program: &'static str,
     ) -> Result<DirectFactors<'a>, FactorFileError> {

@@ -1,5 +1,6 @@
 //! What programs need to be told, and users of them.
 
+use super::FactorFileError;
 use crate::enclosure::Enclosure;
 use azulejo_factors::form_factors::RowRemainder;
 use std::borrow::Cow;
@@ -64,4 +65,41 @@ pub(super) fn losing(
 
 fn percent(share: f64) -> String {
     format!("{}%", super::text::general(100.0 * share, 3))
+}
+
+/// Refuses rows that are not the faces of a model, each once and in order.
+pub(super) fn check_faces(
+    enclosure: &Enclosure,
+    program: &'static str,
+    model: &str,
+) -> Result<(), FactorFileError> {
+    let (factors, rows) = (&enclosure.factors, &enclosure.rows);
+    let places: Vec<_> = (factors.faces.iter()).map(|f| (f.object, f.face)).collect();
+    // Groups may have several faces.
+    let is_each_once = places.windows(2).all(|pair| pair[0] < pair[1])
+        && rows.grouped_faces.len().max(places.len()) == places.len();
+    // The face that should come after another, or first.
+    let expected = |row: usize| match row.checked_sub(1).map(|k| places[k]) {
+        Some((object, face)) if object == places[row].0 => face + 1,
+        _ => 0,
+    };
+    let missing = (0..places.len()).find(|&row| places[row].1 > expected(row));
+    let message = if factors.is_back.contains(&true) {
+        "found back sides among the rows, expected one row for each face".to_owned()
+    } else if !is_each_once {
+        format!(
+            "found {} rows, several of a face, of several faces or in another order, expected one for each face: \
+             --patch-size 0 or --by face makes them",
+            enclosure.len()
+        )
+    } else if let Some(row) = missing {
+        format!(
+            "face {} of \"{}\" has no row, as it has no area, and {program} counts it: remove it from the {model}",
+            expected(row),
+            rows.object(factors.faces[row])
+        )
+    } else {
+        return Ok(());
+    };
+    Err(FactorFileError::Rows { program, message })
 }

@@ -14,7 +14,7 @@ const LEAST: f64 = 5e-7;
 /// Rows up to which the full matrix is written, too: 256 MiB.
 const FULL: usize = 8_192;
 
-/// Share from which light that goes down, or ends on backs, violates its check of row sums.
+/// Share from which light that goes down matters, as uDALES counts it as sky.
 const LEAK: f64 = 1e-3;
 
 pub(super) fn prepare<'a>(
@@ -27,7 +27,7 @@ pub(super) fn prepare<'a>(
             message: "no number of the experiment, expected vfsparse.inp.NNN as output",
         });
     };
-    check_rows(enclosure)?;
+    notes::check_faces(enclosure, "uDALES", "STL file")?;
     let factors = DirectFactors::new(enclosure, "uDALES")?;
     let types = wall_types(enclosure);
     let mut notes = about_leaks(enclosure);
@@ -62,8 +62,9 @@ pub(super) fn prepare<'a>(
     }
     files.add(format!("svf.inp.{suffix}"), |out| {
         writeln!(out, "# sky view factors")?;
-        let mut rows = enclosure.factors.rest.iter();
-        rows.try_for_each(|r| writeln!(out, "{:.8}", r.sky))
+        // As uDALES defines it: what no facet gets.
+        let mut sums = enclosure.factors.row_sums().into_iter();
+        sums.try_for_each(|sum| writeln!(out, "{:.8}", (1.0 - sum).max(0.0)))
     });
     files.add(format!("facetarea.inp.{suffix}"), |out| {
         write_areas(enclosure, out)
@@ -73,40 +74,6 @@ pub(super) fn prepare<'a>(
     });
     files.notes = notes;
     Ok(files)
-}
-
-/// Refuses rows that are not the facets of one STL file.
-fn check_rows(enclosure: &Enclosure) -> Result<(), FactorFileError> {
-    let factors = &enclosure.factors;
-    let places: Vec<_> = (factors.faces.iter()).map(|f| (f.object, f.face)).collect();
-    let is_each_once = places.windows(2).all(|pair| pair[0] < pair[1]);
-    // The face that should come after another, or first.
-    let expected = |row: usize| match row.checked_sub(1).map(|k| places[k]) {
-        Some((object, face)) if object == places[row].0 => face + 1,
-        _ => 0,
-    };
-    let missing = (0..places.len()).find(|&row| places[row].1 > expected(row));
-    let message = if factors.is_back.contains(&true) {
-        "found back sides among the rows, expected one row for each facet".to_owned()
-    } else if !is_each_once {
-        format!(
-            "found {} rows, several of a facet or in another order, expected one for each facet: \
-             --patch-size 0 or --by face makes them",
-            enclosure.len()
-        )
-    } else if let Some(row) = missing {
-        format!(
-            "facet {} of \"{}\" has no row, as it has no area, and uDALES counts it: remove it from the STL file",
-            expected(row),
-            enclosure.rows.object(factors.faces[row])
-        )
-    } else {
-        return Ok(());
-    };
-    Err(FactorFileError::Rows {
-        program: "uDALES",
-        message,
-    })
 }
 
 /// The wall type of each facet: the number that its material's name is.
@@ -122,7 +89,7 @@ fn about_leaks(enclosure: &Enclosure) -> Vec<String> {
     let down = |r: &RowRemainder| r.ground;
     if let Some((rows, worst)) = notes::losing(enclosure, LEAK, down) {
         notes.push(format!(
-            "{rows} lose light downwards, {worst}: uDALES expects the ground among the facets"
+            "{rows} lose light downwards, {worst}: uDALES takes it for sky, and expects the ground among the facets"
         ));
     }
     notes

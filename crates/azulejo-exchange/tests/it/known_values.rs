@@ -23,7 +23,7 @@ fn paint(enclosure: &KnownEnclosure) -> GreyPaint {
 
 /// The same enclosure with factors of catalogues; `None` for those of gaps, without rows, and of 24 squares.
 fn book(case: &ExchangeCase) -> Option<NetRadiation> {
-    let (id, enclosure) = (&*case.asked.id, &*case.enclosure);
+    let (id, enclosure) = (&*case.problem.id, &*case.enclosure);
     let (paint, areas) = (paint(enclosure), &enclosure.areas[..]);
     if areas.is_empty() || id.starts_with("cube24") {
         return None;
@@ -86,7 +86,7 @@ fn angle(id: &str) -> f64 {
 fn factors_are_those_of_catalogues() {
     for case in exchange_cases() {
         let Some(book) = book(&case) else { continue };
-        let (id, enclosure) = (&case.asked.id, &case.enclosure);
+        let (id, enclosure) = (&case.problem.id, &case.enclosure);
         let rows = enclosure.areas.len();
         for (i, j) in (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j))) {
             let (factor, expected) = (enclosure.factor(i, j), book.factor(i, j));
@@ -98,7 +98,7 @@ fn factors_are_those_of_catalogues() {
 
 /// Temperatures and fluxes of a grey enclosure.
 fn balance(case: &ExchangeCase, book: &NetRadiation) -> KnownBalance {
-    let given: Vec<RowCondition> = case.asked.given.iter().map(|&row| row.into()).collect();
+    let given: Vec<RowCondition> = case.problem.given.iter().map(|&row| row.into()).collect();
     book.balance(&given)
 }
 
@@ -109,7 +109,7 @@ fn by_equations(case: &ExchangeCase, book: &NetRadiation) -> Option<f64> {
     }
     let enclosure = &case.enclosure;
     let rows = enclosure.areas.len();
-    Some(match &case.asked.question {
+    Some(match &case.problem.question {
         ExchangeQuestion::Factor([i, j]) => book.factor(*i, *j),
         ExchangeQuestion::ToSpace(i) => book.to_space(*i),
         ExchangeQuestion::Gebhart([i, j]) => book.gebhart(*i, *j),
@@ -138,12 +138,12 @@ fn by_equations(case: &ExchangeCase, book: &NetRadiation) -> Option<f64> {
 
 /// What closed formulas say.
 fn by_formula(case: &ExchangeCase) -> Option<f64> {
-    let (id, enclosure) = (&*case.asked.id, &*case.enclosure);
+    let (id, enclosure) = (&*case.problem.id, &*case.enclosure);
     let (areas, e) = (&enclosure.areas[..], &enclosure.emissivity[..]);
     let is_nested = ["sph_", "cyl_", "dome_GR"]
         .iter()
         .any(|p| id.starts_with(p));
-    Some(match &case.asked.question {
+    Some(match &case.problem.question {
         ExchangeQuestion::Conductance(_) | ExchangeQuestion::ScriptF(_)
             if id.starts_with("plates") =>
         {
@@ -205,7 +205,7 @@ fn fourth_powers(t1: f64, t2: f64) -> f64 {
 
 /// Temperatures and fluxes in two bands: heat and the sun, or below and above the edge.
 fn two_band_value(case: &ExchangeCase) -> Option<f64> {
-    let (asked, enclosure) = (&case.asked, &*case.enclosure);
+    let (asked, enclosure) = (&case.problem, &*case.enclosure);
     let [first, second] = &enclosure.bands[..] else {
         return None;
     };
@@ -259,7 +259,7 @@ fn adiabatic_side(bands: [&[f64]; 2], given: [f64; 2]) -> f64 {
 #[test]
 fn truths_are_what_textbooks_say() {
     for case in exchange_cases() {
-        let asked = &case.asked;
+        let asked = &case.problem;
         if asked.id.starts_with("cube24") {
             continue;
         }
@@ -280,8 +280,8 @@ fn truths_are_what_textbooks_say() {
 fn squares_that_are_alike_are_one() {
     let cases = exchange_cases();
     let ids = ["floor", "ceiling", "wall_low", "wall_high"].map(|id| format!("cube24_q_{id}"));
-    let cases = ids.map(|id| cases.iter().find(|case| case.asked.id == id).unwrap());
-    let groups = cases.map(|case| match &case.asked.question {
+    let cases = ids.map(|id| cases.iter().find(|case| case.problem.id == id).unwrap());
+    let groups = cases.map(|case| match &case.problem.question {
         ExchangeQuestion::Flux(rows) => &rows[..],
         question => panic!("{question:?}"),
     });
@@ -293,13 +293,13 @@ fn squares_that_are_alike_are_one() {
             assert!((sum - book.factor(g, h)).abs() < 1e-11, "{i} to {h}: {sum}");
         }
     }
-    let given = groups.map(|rows| RowCondition::from(cases[0].asked.given[rows[0]]));
+    let given = groups.map(|rows| RowCondition::from(cases[0].problem.given[rows[0]]));
     let fluxes = book.balance(&given).fluxes;
     for (case, flux) in cases.into_iter().zip(fluxes) {
-        let off = (case.asked.truth - flux).abs();
-        assert!(off < 1e-11 * flux.abs(), "{}: {flux}", case.asked.id);
+        let off = (case.problem.truth - flux).abs();
+        assert!(off < 1e-11 * flux.abs(), "{}: {flux}", case.problem.id);
         assert!(
-            case.asked
+            case.problem
                 .given
                 .iter()
                 .all(|row| matches!(row, GivenRow::Temperature(_)))

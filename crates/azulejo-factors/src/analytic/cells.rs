@@ -71,7 +71,7 @@ const FINE_FROM: f64 = 1e-7;
 /// signs.
 ///
 /// Ends when the estimated error is below `tolerance` or after `most` evaluations of `f`.
-pub(super) fn integrate(
+pub(crate) fn integrate(
     polygons: &[ArrayPolygon],
     normal: DVec3,
     tolerance: f64,

@@ -7,7 +7,7 @@
 
 use super::Facet;
 use super::partial::PairGoal;
-use crate::analytic::exchange_area_fast;
+use crate::analytic::{Approximate, exchange_area_fast};
 use azulejo_trace::lambert::clip;
 use glam::DVec3;
 
@@ -16,7 +16,11 @@ const SLABS: [usize; 2] = [4, 128];
 
 /// The exchange area of what points of `a` see of `b` above their own height, nothing being between them,
 /// and the number of slabs that it took.
-pub(super) fn exchange_above([a, b]: [&Facet; 2], up: DVec3, goal: PairGoal) -> (f64, usize) {
+pub(super) fn exchange_above(
+    [a, b]: [&Facet; 2],
+    up: DVec3,
+    goal: PairGoal,
+) -> (Approximate, usize) {
     let corners = shared_heights([a, b], up, goal.graze);
     let [mut slabs, most] = SLABS;
     let of = |slabs| {
@@ -36,7 +40,11 @@ pub(super) fn exchange_above([a, b]: [&Facet; 2], up: DVec3, goal: PairGoal) -> 
         // Halves of thin slabs err with the square of their height.
         let change = (fine - coarse) / 3.0;
         if change.abs() < goal.error || slabs >= most {
-            return ((fine + change).max(0.0), cut);
+            let seen = Approximate {
+                value: (fine + change).max(0.0),
+                error: change.abs(),
+            };
+            return (seen, cut);
         }
         coarse = fine;
     }

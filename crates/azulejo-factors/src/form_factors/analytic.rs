@@ -263,12 +263,14 @@ fn settled_remainder(
     };
     let (sky, sky_error) = scaled(seen.sky, seen.sky_error);
     let (ground, ground_error) = scaled(seen.ground, seen.ground_error);
+    let (hidden, hidden_error) = scaled(seen.hidden, seen.hidden_error);
     RowRemainder {
         sky,
         sky_error,
         ground,
         ground_error,
-        hidden: seen.hidden * share,
+        hidden,
+        hidden_error,
         cut: 0.0,
         lost: seen.lost * share,
     }

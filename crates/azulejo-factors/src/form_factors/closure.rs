@@ -27,6 +27,10 @@ const MOST_MOVED: (f64, f64) = (4.0, 30.0);
 /// Share of a row's light that a closed scene may lose: rays through cracks.
 const LOSS: f64 = 1e-6;
 
+/// The note on rows that no closure reconciles.
+pub const NOT_RECONCILED: &str = "rows were not closed, because some would move by many times their errors: they see \
+                                  only each other, or count light twice";
+
 impl FormFactors {
     /// Whether no row that sees anything loses light. Rows that see nothing are the outside of a
     /// closed room.
@@ -42,8 +46,9 @@ impl FormFactors {
     }
 
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
-    /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
-    /// standard errors, or by their values where no entry has an error. Light that leaked through cracks of a closed scene is put back first. Where exact
+    /// the smallest change of exchange areas and of the shares of sky, ground and hidden sides, weighted by
+    /// their standard errors, or by their values where no entry has an error. Light that leaked through
+    /// cracks of a closed scene is put back first. Where exact
     /// entries leave no room for that, all entries of rows that lack 0.1% or less give way as if their
     /// errors were at least 0.1%.
     /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
@@ -59,9 +64,7 @@ impl FormFactors {
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
         self.put_back_leaks();
         let Some(mut moved) = self.close_within(self.closure_weight(), progress)? else {
-            let note = "rows were not closed, because some would move by many times their errors: they see only \
-                        each other";
-            self.engine_used.notes.push(note.to_owned());
+            self.engine_used.notes.push(NOT_RECONCILED.to_owned());
             return Ok(());
         };
         for _ in 0..SPREADS {
@@ -101,8 +104,8 @@ impl FormFactors {
         }
     }
 
-    /// One smoothing; returns Σ_j |ΔX_ij| of each row, with sky and ground. `None`, and nothing is changed,
-    /// if a row would move too far.
+    /// One smoothing; returns Σ_j |ΔX_ij| of each row, with sky, ground and hidden sides. `None`, and nothing is
+    /// changed, if a row would move too far.
     fn close_within(
         &mut self,
         weight: ClosureWeight,
@@ -118,6 +121,7 @@ impl FormFactors {
         for (i, moved) in moved.iter_mut().enumerate() {
             *moved += (rest[i].sky - self.rest[i].sky).abs();
             *moved += (rest[i].ground - self.rest[i].ground).abs();
+            *moved += (rest[i].hidden - self.rest[i].hidden).abs();
         }
         let limits = self.movable();
         let is_too_far = |(moved, limit): (&f64, f64)| moved.is_nan() || *moved > limit;
@@ -136,9 +140,13 @@ impl FormFactors {
     ) -> Smoothing<'_, impl Fn(usize, &Exchange) -> f64 + Sync> {
         let (mut free, mut deficits) = (Vec::new(), Vec::new());
         for ((&a, rest), ended) in self.areas.iter().zip(&self.rest).zip(self.ended()) {
-            let shares = [(rest.sky, rest.sky_error), (rest.ground, rest.ground_error)];
-            let [sky, ground] = shares.map(|(value, error)| a * a * weight.variance(error, value));
-            free.push(sky + ground);
+            let shares = [
+                (rest.sky, rest.sky_error),
+                (rest.ground, rest.ground_error),
+                (rest.hidden, rest.hidden_error),
+            ];
+            let variances = shares.map(|(value, error)| a * a * weight.variance(error, value));
+            free.push(variances.iter().sum());
             let lacks = 1.0 - rest.sum() - ended;
             let is_missing = weight.is_spread() && lacks.abs() > MISSING;
             deficits.push(if is_missing { 0.0 } else { a * lacks });
@@ -162,7 +170,7 @@ impl FormFactors {
         let errors = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
         let rows = self.per_area(errors).into_iter().zip(&self.rest);
         rows.map(|(errors, rest)| {
-            let own = errors + rest.sky_error + rest.ground_error;
+            let own = errors + rest.sky_error + rest.ground_error + rest.hidden_error;
             // Without known errors there is no limit.
             if own.is_nan() {
                 return f64::INFINITY;
@@ -222,7 +230,7 @@ impl ClosureWeight {
     }
 }
 
-/// Sky and ground after the change.
+/// Sky, ground and hidden sides after the change.
 fn changed_rest(
     rest: &RowRemainder,
     weight: ClosureWeight,
@@ -237,6 +245,7 @@ fn changed_rest(
     RowRemainder {
         sky: share(rest.sky, rest.sky_error),
         ground: share(rest.ground, rest.ground_error),
+        hidden: share(rest.hidden, rest.hidden_error),
         ..*rest
     }
 }

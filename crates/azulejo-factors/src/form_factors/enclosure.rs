@@ -223,6 +223,7 @@ impl FormFactors {
             ground: sum(|r| r.ground),
             ground_error: error(|r| r.ground_error),
             hidden: sum(|r| r.hidden),
+            hidden_error: error(|r| r.hidden_error),
             cut: sum(|r| r.cut),
             lost: sum(|r| r.lost) + 1.0 - emissivities[i],
         }

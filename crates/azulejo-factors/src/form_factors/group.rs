@@ -150,6 +150,7 @@ impl<'a> Grouping<'a> {
             ground: self.mean(m, |i| rest[i].ground),
             ground_error: self.error(m, |i| rest[i].ground_error),
             hidden: self.mean(m, |i| rest[i].hidden + to_nobody[i] / self.factors.areas[i]),
+            hidden_error: self.error(m, |i| rest[i].hidden_error),
             cut: self.mean(m, |i| rest[i].cut),
             lost: self.mean(m, |i| rest[i].lost),
         })

@@ -82,6 +82,8 @@ pub struct RowRemainder {
     pub ground_error: f64,
     /// Ends on sides without a column: backs, without `two_sided`.
     pub hidden: f64,
+    /// Standard error of `hidden`.
+    pub hidden_error: f64,
     /// Cut off between mirrors as too weak.
     pub cut: f64,
     /// Absorbed where there is no column: by coloured glass.
@@ -95,28 +97,48 @@ impl RowRemainder {
     }
 
     /// All shares and errors, in the order of the fields.
-    pub(crate) fn to_array(self) -> [f64; 7] {
+    pub(crate) fn to_array(self) -> [f64; 8] {
         let RowRemainder {
             sky,
             sky_error,
             ground,
             ground_error,
             hidden,
+            hidden_error,
             cut,
             lost,
         } = self;
-        [sky, sky_error, ground, ground_error, hidden, cut, lost]
+        [
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            hidden_error,
+            cut,
+            lost,
+        ]
     }
 
     /// The inverse of [`to_array`](RowRemainder::to_array).
-    pub(crate) fn from_array(shares: [f64; 7]) -> RowRemainder {
-        let [sky, sky_error, ground, ground_error, hidden, cut, lost] = shares;
+    pub(crate) fn from_array(shares: [f64; 8]) -> RowRemainder {
+        let [
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            hidden_error,
+            cut,
+            lost,
+        ] = shares;
         RowRemainder {
             sky,
             sky_error,
             ground,
             ground_error,
             hidden,
+            hidden_error,
             cut,
             lost,
         }
@@ -133,7 +155,7 @@ impl RowRemainder {
 pub struct Adjustment {
     /// Σ|ΔS_ij| / ΣS_ij over the whole matrix.
     pub total: f64,
-    /// Mean over the rows of Σ_j |ΔX_ij|, including changes of sky and ground.
+    /// Mean over the rows of Σ_j |ΔX_ij|, including changes of sky, ground and hidden sides.
     pub mean: f64,
     /// The largest Σ_j |ΔX_ij| of a row.
     pub most: f64,
@@ -163,6 +185,10 @@ pub(super) fn block_bytes(entries: f64, rows: f64) -> f64 {
     // Lists grow by doubling.
     2.0 * 2.0 * 16.0 * entries.min(most)
 }
+
+/// What the sum of a row may have too much: so many times the sum of its standard errors, and what slivers and small
+/// overlaps add.
+const FREEDOM: (f64, f64) = (2.0, 0.1);
 
 impl FormFactors {
     /// Number of rows.
@@ -331,6 +357,29 @@ impl FormFactors {
             }
         };
         rows.map(residual).collect()
+    }
+
+    /// The row that violates most what holds for all factors, and its sum: that none is negative (compressed ones may be
+    /// by a little), and that no row has more than all of its light, apart from errors. `None` if all is well. Sums with
+    /// mirrors are not judged, because they may be coloured.
+    pub fn impossible_row(&self) -> Option<(usize, f64)> {
+        let errors = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
+        let rows = self.residuals().into_iter().zip(self.per_area(errors));
+        // A handful of rays do not know how far off they are.
+        let rays_per_row = self.rays as f64 / self.len().max(1) as f64;
+        let slack = FREEDOM.1 + FREEDOM.0 / rays_per_row.max(1.0).sqrt();
+        let slack = if self.rays > 0 { slack } else { FREEDOM.1 };
+        let excess = rows.map(|(residual, errors)| -residual - FREEDOM.0 * errors - slack);
+        let worst = excess.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let worst = worst.filter(|_| self.ends.iter().all(|&ends| ends == 1.0));
+        let is_negative = |&i: &usize| {
+            let least = -FREEDOM.1 * self.areas[i];
+            let mut entries = self.exchange.upper(i).iter();
+            entries.any(|e| e.value.is_nan() || e.value < least)
+        };
+        let negative = (0..self.len()).find(is_negative);
+        let row = negative.or(worst.filter(|(_, excess)| *excess > 0.0).map(|(i, _)| i))?;
+        Some((row, 1.0 - self.residuals()[row]))
     }
 
     fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {

@@ -77,7 +77,8 @@ fn unseen(exchange: &ExchangeAreas, areas: &[f64], weights: &[PairWeight]) -> Ve
         let is_single = e.value < 1.5 * hit && f64::from(e.error) > 0.5 * e.value;
         [if is_single { e.value } else { 0.0 }; 2]
     });
-    singles.iter().zip(areas).map(|(s, a)| s / a).collect()
+    let share = |(&sum, &area): (&f64, &f64)| if area > 0.0 { sum / area } else { 0.0 };
+    singles.iter().zip(areas).map(share).collect()
 }
 
 impl From<&PairEstimate> for Exchange {
@@ -241,4 +242,17 @@ pub(super) fn sum(a: &[PairEstimate], b: &[PairEstimate]) -> Vec<PairEstimate> {
         }
     });
     row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_without_area_miss_nothing() {
+        let exchange = ExchangeAreas::from_rows(vec![Box::default(); 2]);
+        let areas = [1.0, 0.0];
+        let weights = areas.map(|area| PairWeight::new((&area, &64)));
+        assert_eq!(unseen(&exchange, &areas, &weights), [0.0, 0.0]);
+    }
 }

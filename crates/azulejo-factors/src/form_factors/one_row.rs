@@ -106,6 +106,7 @@ impl PreparedPlan<'_> {
         };
         let tracing = RowTracing {
             exact: &exact,
+            estimates: 1.0,
             ..RowTracing::new(self, &estimator)
         };
         progress.begin("form factors", 1);

@@ -2,10 +2,11 @@
 
 use super::matrix::RowRemainder;
 use super::rows::ending;
-use super::spread::{NoiseModel, mean_and_variance};
+use super::spread::{NoiseModel, SPREAD_FREEDOM, excess_spread, mean_and_variance};
 use super::{Factor, MOST_RAYS, PreparedPlan};
 use crate::proxy::PointNormal;
-use crate::rays::{BATCH, HitPatches};
+use crate::rays::{BATCH, HitPatches, Visits};
+use crate::row::order;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
@@ -112,7 +113,7 @@ struct Sums {
     /// Groups that are not zero.
     seen: Vec<u32>,
     escaped: [[f64; 2]; REPLICATES],
-    hidden: f64,
+    hidden: [f64; REPLICATES],
     ended: f64,
     cut: f64,
 }
@@ -120,14 +121,18 @@ struct Sums {
 /// What a thread keeps from point to point.
 struct PointWork {
     sums: Sums,
+    /// What single rays bring to groups by mirrors and glass.
+    visits: Visits,
     paths: Vec<Path>,
     scratch: Scratch,
 }
 
 impl PointWork {
     fn new(groups: usize) -> PointWork {
+        let visits = Visits::new(groups);
         let groups = vec![[0.0; REPLICATES]; groups];
         PointWork {
+            visits,
             sums: Sums {
                 groups,
                 ..Sums::default()
@@ -159,7 +164,7 @@ impl PointSampling<'_> {
                 self.follow(work, chances, replicate);
             }
         }
-        self.finish(&mut work.sums)
+        self.finish(work)
     }
 
     /// Rays from a point, for a stretch of a replicate's sequence.
@@ -173,7 +178,7 @@ impl PointSampling<'_> {
         let tracer = &self.plan.plan.proxy.tracer;
         let frame = point.normal.map(Frame::from_normal);
         let share = 1.0 / self.per_replicate as f64;
-        paths.extend(stretch.map(|k| {
+        paths.extend(stretch.zip(0..).map(|(k, id)| {
             let [u, v, ..] = self.table.point(k, scrambling).map(f64::from);
             let direction = match &frame {
                 Some(frame) => cosine_about(frame, u, v),
@@ -181,7 +186,7 @@ impl PointSampling<'_> {
             };
             Path {
                 ray: tracer.kernel_ray(&Ray::new(point.position, direction)),
-                id: 0,
+                id,
                 weight: Rgb::grey(share),
                 via: Via::Direct,
                 depth: 0,
@@ -194,6 +199,7 @@ impl PointSampling<'_> {
     fn follow(&self, work: &mut PointWork, chances: u32, replicate: usize) {
         let PointWork {
             sums,
+            visits,
             paths,
             scratch,
         } = work;
@@ -210,38 +216,51 @@ impl PointSampling<'_> {
                 Event::Cut => sums.cut += weight * share,
                 Event::Absorbed => {}
                 Event::Surface { hit, front } => {
-                    let ends = (path.weight * ending(surfaces.material(hit.item))).mean() * share;
+                    let ends = (path.weight * ending(surfaces.material(hit.item))).mean();
                     let patch = self.hit_patches.at(&hit);
                     let column = self.plan.sides.column(patch, front);
                     match column.and_then(|column| self.groups[column as usize]) {
                         Some(group) => {
                             sums.add(group, replicate, weight);
-                            sums.ended += ends;
+                            sums.ended += ends * share;
+                            let order = order(path);
+                            if order > 0 || surfaces.is_specular(hit.item) {
+                                visits.add(path.id, group, order, weight);
+                            }
                         }
-                        None => sums.hidden += ends,
+                        None => sums.hidden[replicate] += ends,
                     }
                 }
             }
         });
+        visits.end(1.0 / self.per_replicate as f64);
     }
 
     /// Means and standard errors; empties the sums.
-    fn finish(&self, sums: &mut Sums) -> PointFactors {
+    fn finish(&self, PointWork { sums, visits, .. }: &mut PointWork) -> PointFactors {
+        let visits = visits.take();
+        let excess = |group: u32| -> f64 {
+            let first = visits.partition_point(|e| e.side < group);
+            let own = visits[first..].iter().take_while(|e| e.side == group);
+            own.map(|e| e.weight.mean()).sum::<f64>() / (REPLICATES * REPLICATES) as f64
+        };
         let mut seen = std::mem::take(&mut sums.seen);
         seen.sort_unstable();
         let factors = seen.iter().map(|&group| {
             let replicates = std::mem::take(&mut sums.groups[group as usize]);
-            (group, self.factor(replicates))
+            (group, self.factor(replicates, excess(group)))
         });
         let factors = factors.collect();
-        let [sky, ground] = [0, 1].map(|way| self.factor(sums.escaped.map(|e| e[way])));
-        let lost = 1.0 - sums.ended - sums.hidden - sums.cut - sky.value - ground.value;
+        let [sky, ground] = [0, 1].map(|way| self.factor(sums.escaped.map(|e| e[way]), 0.0));
+        let hidden = self.factor(sums.hidden, 0.0);
+        let lost = 1.0 - sums.ended - hidden.value - sums.cut - sky.value - ground.value;
         let rest = RowRemainder {
             sky: sky.value,
             sky_error: sky.error,
             ground: ground.value,
             ground_error: ground.error,
-            hidden: sums.hidden,
+            hidden: hidden.value,
+            hidden_error: hidden.error,
             cut: sums.cut,
             lost: if lost > ROUNDING { lost } else { 0.0 },
         };
@@ -252,9 +271,11 @@ impl PointSampling<'_> {
         PointFactors { factors, rest }
     }
 
-    fn factor(&self, replicates: [f64; REPLICATES]) -> Factor {
+    /// A share, where the squares of what single rays bring are larger by `excess` than those of hits.
+    fn factor(&self, replicates: [f64; REPLICATES], excess: f64) -> Factor {
         let (value, spread) = mean_and_variance(replicates);
         let hit = 1.0 / (REPLICATES * self.per_replicate) as f64;
+        let spread = spread + excess_spread(value, hit, excess, SPREAD_FREEDOM);
         let error = NoiseModel::Hits.error(value, spread, hit);
         Factor { value, error }
     }

@@ -61,6 +61,11 @@ impl PreparedPlan<'_> {
             }
             remainders[i] = RowRemainder {
                 hidden,
+                hidden_error: if hidden > 0.0 {
+                    split.variance.sqrt() / area
+                } else {
+                    0.0
+                },
                 ..remainder
             };
         }

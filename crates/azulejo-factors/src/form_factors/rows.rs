@@ -5,7 +5,7 @@ use super::design_effect::{self, DesignEffect, ErrorGroup};
 use super::matrix::RowRemainder;
 use super::near::{PairEstimates, formulas};
 use super::sides::Sides;
-use super::spread::{NoiseModel, mean_and_variance};
+use super::spread::{NoiseModel, SPREAD_FREEDOM, excess_spread, mean_and_variance};
 use crate::estimator::Estimator;
 use crate::row::{ORDERS, Order, Row, Side};
 use azulejo_scene::brdf::Lobes;
@@ -85,6 +85,8 @@ pub(super) struct RowTracing<'a> {
     pub estimator: &'a Estimator<'a>,
     /// Whether orders are kept separately.
     pub separate: bool,
+    /// How many rows estimate each entry: both of a pair, or one by itself.
+    pub estimates: f64,
     /// Row, column and order of what is known by formula, and not kept.
     pub is_known: &'a (dyn Fn(usize, u32, Order) -> bool + Sync),
 }
@@ -98,6 +100,7 @@ impl<'a> RowTracing<'a> {
             exact: &[],
             estimator,
             separate: false,
+            estimates: 2.0,
             is_known: &|_, _, _| false,
         }
     }
@@ -168,17 +171,17 @@ impl<'a> RowTracing<'a> {
         // Entries with a formula, and the others; light on sides without a column is hidden.
         let mut near = Vec::new();
         let mut far = vec![Vec::new(); self.orders()];
-        let (mut hidden, mut ended) = (0.0, 0.0);
+        let (mut hidden, mut ended) = ([0.0; REPLICATES], 0.0);
         for (replicate, entries) in row.entries.iter().enumerate() {
             for entry in entries {
                 let patch = entry.side / 2;
                 let material = &materials[self.sides.patches.material(patch as usize) as usize];
-                let ends = (entry.weight * ending(material)).mean() / REPLICATES as f64;
+                let ends = (entry.weight * ending(material)).mean();
                 let Some(column) = self.sides.column(patch, entry.side.is_multiple_of(2)) else {
-                    hidden += ends;
+                    hidden[replicate] += ends;
                     continue;
                 };
-                ended += ends;
+                ended += ends / REPLICATES as f64;
                 if (self.is_known)(i, column, entry.order) {
                     continue;
                 }
@@ -194,27 +197,82 @@ impl<'a> RowTracing<'a> {
         }
         let near = columns(near);
         let far: Vec<Vec<Column>> = far.into_iter().map(columns).collect();
+        let excess = self.excess(i, row);
         let lists = far.iter().chain([&near]);
         let error_groups = lists.flat_map(|columns| design_effect::groups(columns, self.sides));
         // Rays start at independent points: their errors are not correlated.
         let is_correlated = self.estimator.shares_viewpoints() && self.estimator.knows_its_spread();
         let error_groups = error_groups.filter(|_| is_correlated);
+        let far = far.iter().zip(&excess);
+        let far = far.map(|(columns, excess)| self.far_entries(i, columns, excess));
         RayRow {
             error_groups: error_groups.collect(),
             near: near.iter().map(entry).collect(),
-            far: far.iter().map(|f| f.iter().map(entry).collect()).collect(),
+            far: far.collect(),
             rest: rest(row, (self.noise(), self.hit(i)), hidden, ended),
         }
+    }
+
+    /// By how much the squares of what single rays bring exceed those of hits, by column, for each list of
+    /// entries without a formula.
+    fn excess(&self, i: usize, row: &Row) -> Vec<Vec<(u32, f64)>> {
+        let exact = formulas(self.exact, i);
+        let mut lists = vec![Vec::new(); self.orders()];
+        for entry in row.excess.iter().flatten() {
+            let Some(column) = self.sides.column(entry.side / 2, entry.side % 2 == 0) else {
+                continue;
+            };
+            let has_formula =
+                entry.order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
+            if !has_formula && !(self.is_known)(i, column, entry.order) {
+                let order = usize::from(entry.order).min(lists.len() - 1);
+                let share = (REPLICATES as f64).powi(-2);
+                lists[order].push((column, entry.weight.mean() * share));
+            }
+        }
+        for list in &mut lists {
+            list.sort_by_key(|&(column, _)| column);
+        }
+        lists
+    }
+
+    /// Entries with their variances, where single rays may bring more than a hit.
+    fn far_entries(&self, i: usize, columns: &[Column], excess: &[(u32, f64)]) -> RayEntries {
+        let freedom = self.estimates * SPREAD_FREEDOM;
+        let mut excess = excess.chunk_by(|a, b| a.0 == b.0).peekable();
+        let far = |column: &Column| {
+            let plain = entry(column);
+            // Columns are ascending in both lists.
+            while excess.next_if(|e| e[0].0 < column.0).is_some() {}
+            let Some(own) = excess.next_if(|e| e[0].0 == column.0) else {
+                return plain;
+            };
+            let own = own.iter().map(|(_, excess)| excess).sum();
+            let more = excess_spread(plain.mean.into(), self.hit(i), own, freedom);
+            RayEntry {
+                variance: (f64::from(plain.variance) + more) as f32,
+                ..plain
+            }
+        };
+        columns.iter().map(far).collect()
     }
 }
 
 /// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
 /// lack.
-fn rest(row: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> RowRemainder {
-    let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
-        let (share, spread) = mean_and_variance(row.escaped.map(|e| e[way].mean()));
+fn rest(
+    row: &Row,
+    (noise, hit): (NoiseModel, f64),
+    hidden: [f64; REPLICATES],
+    ended: f64,
+) -> RowRemainder {
+    let share = |replicates| {
+        let (share, spread) = mean_and_variance(replicates);
         (share, noise.error(share, spread, hit))
-    });
+    };
+    let [(sky, sky_error), (ground, ground_error)] =
+        [0, 1].map(|way| share(row.escaped.map(|e| e[way].mean())));
+    let (hidden, hidden_error) = share(hidden);
     let cut = row.cut.mean();
     let lost = 1.0 - ended - hidden - cut - sky - ground;
     RowRemainder {
@@ -223,6 +281,7 @@ fn rest(row: &Row, (noise, hit): (NoiseModel, f64), hidden: f64, ended: f64) -> 
         ground,
         ground_error,
         hidden,
+        hidden_error,
         cut,
         lost: if lost > ROUNDING { lost } else { 0.0 },
     }

@@ -6,10 +6,10 @@ use azulejo_trace::REPLICATES;
 const MODEL_FREEDOM: f64 = 4.0;
 
 /// Degrees of freedom of the variance of four replicates.
-const SPREAD_FREEDOM: f64 = 3.0;
+pub(super) const SPREAD_FREEDOM: f64 = (REPLICATES - 1) as f64;
 
 /// Degrees of freedom of the variance of a pair by rays: four replicates from either side.
-pub(super) const PAIR_FREEDOM: f64 = 2.0 * (REPLICATES as f64 - 1.0) + MODEL_FREEDOM;
+pub(super) const PAIR_FREEDOM: f64 = 2.0 * SPREAD_FREEDOM + MODEL_FREEDOM;
 
 /// Mean of the replicates, and the variance of that mean from their spread.
 pub(super) fn mean_and_variance(values: [f64; REPLICATES]) -> (f64, f64) {
@@ -61,10 +61,11 @@ impl NoiseModel {
     /// Degrees of freedom of the sum of two variances of four replicates each. If one of them
     /// dominates, there are only its three (Welch 1947).
     pub fn freedom(self, [a, b]: [f64; 2]) -> f64 {
-        let replicates = (REPLICATES - 1) as f64;
         match self {
-            NoiseModel::Unknown if a + b > 0.0 => replicates * (a + b).powi(2) / (a * a + b * b),
-            _ => 2.0 * replicates,
+            NoiseModel::Unknown if a + b > 0.0 => {
+                SPREAD_FREEDOM * (a + b).powi(2) / (a * a + b * b)
+            }
+            _ => 2.0 * SPREAD_FREEDOM,
         }
     }
 }
@@ -74,10 +75,27 @@ impl NoiseModel {
 /// less once strata are smaller than the patch. By the measured decline of the error, rays^−0.63,
 /// the variance of a count M falls from M to about M^¾. `hit` is the value of a single hit.
 fn joined(value: f64, spread: f64, freedom: f64, hit: f64, missing: f64) -> f64 {
-    let hits = value / hit;
-    let model = value * hit * missing * (hits / 8.0).max(1.0).powf(-0.25);
+    let model = missing * model(value, value * hit);
     let joined = (freedom * spread + MODEL_FREEDOM * model) / (freedom + MODEL_FREEDOM);
     student(freedom + MODEL_FREEDOM).powi(2) * joined
+}
+
+/// The variance of a share from the sum of the squares of what single rays bring.
+fn model(value: f64, squares: f64) -> f64 {
+    let hits = value * value / squares.max(f64::MIN_POSITIVE);
+    squares * (hits / 8.0).max(1.0).powf(-0.25)
+}
+
+/// What to add to the spread of a share where the squares of what single rays bring are larger by `excess` than if
+/// each hit were a ray, so that the [posterior variance](NoiseModel::posterior_variance) with `freedom` degrees of
+/// freedom is that of a model which knows them.
+pub(super) fn excess_spread(value: f64, hit: f64, excess: f64, freedom: f64) -> f64 {
+    if excess <= 0.0 {
+        return 0.0;
+    }
+    let squares = value * hit;
+    let more = model(value, squares + excess) - model(value, squares);
+    more.max(0.0) * MODEL_FREEDOM / freedom
 }
 
 /// Student's t over the normal quantile at 95.4%: 1.142 with ten degrees of freedom, 1.216 with

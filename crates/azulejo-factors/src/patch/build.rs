@@ -1,6 +1,6 @@
 //! Builds vertices, patches and their adjacency from a division.
 
-use super::bent::bent_regions;
+use super::bent::{bent_regions, onto};
 use super::cells::{Cells, CornerOrigin, NO_CORNER};
 use super::contacts::Contacts;
 use super::divide::Division;
@@ -10,12 +10,18 @@ use super::reflectance::{mean_emitted_pictures, mean_opacities};
 use super::vertex_split::{SplitVertex, split_along_contacts};
 use super::{DisplayVertex, FaceId, FlatRegion, GivenVertex, Lists, Patches};
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Primitive, PrimitiveKind, Shape, SurfaceGrid};
+use azulejo_scene::{
+    CoordinateDigits, Object, Primitive, PrimitiveKind, Scene, Shape, SurfaceGrid,
+};
 use glam::DVec3;
 use std::collections::HashSet;
 
 /// How far gather positions move towards the centre of the adjoining patches.
 const PULL: f64 = 1e-3;
+/// The same in errors of a coordinate in single precision: of both surfaces that meet there, in any direction.
+const ROUNDINGS: f64 = 4.0;
+/// The most of it, however small the patches are.
+const MOST_PULL: f64 = 0.25;
 /// Patches that turn less than this (cosine) around a vertex are coplanar there.
 const COPLANAR_COSINE: f64 = 1.0 - 1e-9;
 /// A piece of a side lies on a contact if its middle is within this share of the edge.
@@ -67,7 +73,7 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
     };
     // What depends on the finished patches.
     patches.areas = (0..patches.len()).map(|i| area(&patches, i)).collect();
-    pull_inward(&mut patches);
+    pull_inward(&mut patches, &roundings(outline.scene));
     if let Some(shares) = mean_opacities(outline.scene, &patches) {
         let areas = patches.areas.iter_mut().zip(shares);
         areas.for_each(|(area, share)| *area *= share);
@@ -88,7 +94,7 @@ fn flat(region: &Region) -> FlatRegion {
     }
 }
 
-fn primitive(object: &azulejo_scene::Object) -> Option<Primitive> {
+fn primitive(object: &Object) -> Option<Primitive> {
     match &object.shape {
         Shape::Primitive(p) => Some(p.clone()),
         Shape::Mesh(_) | Shape::Instance(_) | Shape::Exact(_) => None,
@@ -420,7 +426,7 @@ fn given_vertices(
             shown.push((vertex, GivenVertex { display, weight }));
         }
     };
-    let object_vertices = |(object, o): (usize, &azulejo_scene::Object)| {
+    let object_vertices = |(object, o): (usize, &Object)| {
         let Some(mesh) = o.shape.mesh() else {
             return Lists::default();
         };
@@ -466,28 +472,44 @@ fn curved_area(patches: &Patches, i: usize) -> f64 {
     sum / (f64::from(nu) * f64::from(nv))
 }
 
-/// Moves the gather positions of meshes away from their borders.
-fn pull_inward(patches: &mut Patches) {
+/// Moves the gather positions of meshes away from their borders, and onto the triangles that the tracer sees of faces
+/// that rounding has bent: behind them it is dark. No closer to borders than rounding may have moved what stands there.
+fn pull_inward(patches: &mut Patches, roundings: &[f64]) {
     for v in 0..patches.vertices.len() {
         let object = patches.vertices[v].object as usize;
-        if patches.primitives[object].is_none() {
-            let target = inner_target(patches, v);
-            let vertex = &mut patches.vertices[v];
-            vertex.gather = vertex.position + PULL * (target - vertex.position);
+        if patches.primitives[object].is_none()
+            && let Some((target, patch)) = inner_target(patches, v)
+        {
+            let position = patches.vertices[v].position;
+            let inward = target - position;
+            let share = PULL.max((ROUNDINGS * roundings[object] / inward.length()).min(MOST_PULL));
+            let pulled = position + share * inward;
+            let bent = patches.bent.get(&patches.owner[patch as usize]);
+            let normal = patches.normal(patch as usize);
+            let gather = bent.map_or(pulled, |triangles| onto(triangles, normal, pulled));
+            patches.vertices[v].gather = gather;
         }
     }
 }
 
+/// The largest error of a coordinate of each object that has been rounded to single precision; 0 otherwise.
+fn roundings(scene: &Scene) -> Vec<f64> {
+    let single = |object: &Object| {
+        let rounding = object.shape.coordinate_rounding();
+        let is_single = rounding.digits == CoordinateDigits::Single;
+        if is_single { rounding.error } else { 0.0 }
+    };
+    scene.objects.iter().map(single).collect()
+}
+
 /// The centre of the adjoining patches, weighted by corner angle, if they are coplanar; otherwise
-/// the centre of the patch with the widest corner there.
-fn inner_target(patches: &Patches, v: usize) -> DVec3 {
+/// the centre of the patch with the widest corner there. With a patch on whose plane it lies.
+fn inner_target(patches: &Patches, v: usize) -> Option<(DVec3, u32)> {
     let position = patches.vertices[v].position;
     let around = patches.patches_at(v);
     let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-    let mut widest = (position, 0.0);
-    let Some(&first) = around.first() else {
-        return position;
-    };
+    let &first = around.first()?;
+    let mut widest = (position, 0.0, first);
     let normal = patches.normal(first as usize);
     let mut flat = true;
     for &i in around {
@@ -496,14 +518,14 @@ fn inner_target(patches: &Patches, v: usize) -> DVec3 {
         sum += angle * centre;
         weight += angle;
         if angle > widest.1 {
-            widest = (centre, angle);
+            widest = (centre, angle, i);
         }
     }
-    if flat && weight > 0.0 {
-        sum / weight
+    Some(if flat && weight > 0.0 {
+        (sum / weight, first)
     } else {
-        widest.0
-    }
+        (widest.0, widest.2)
+    })
 }
 
 fn angle_at(patches: &Patches, patch: u32, v: usize) -> f64 {

@@ -21,6 +21,38 @@ impl Patches {
     /// Pairs of faces that lie in one plane, face the same way and share more than a thousandth of the smaller
     /// patch, in order. Light that arrives there counts for both. Curved faces are not compared.
     pub fn overlapping_faces(&self) -> Vec<[FaceId; 2]> {
+        self.faces_of(&self.coinciding(1.0))
+    }
+
+    /// The same of faces that are back to back.
+    pub fn faces_back_to_back(&self) -> Vec<[FaceId; 2]> {
+        self.faces_of(&self.coinciding(-1.0))
+    }
+
+    /// Patches whose backs are covered by fronts of others, as those of a wall that is two faces, one for each of
+    /// its rooms.
+    pub fn covered_backs(&self) -> Vec<usize> {
+        let mut covered = vec![0.0; self.len()];
+        for ([i, j], common) in self.coinciding(-1.0) {
+            covered[i] += common;
+            covered[j] += common;
+        }
+        let is_covered = |&i: &usize| covered[i] > (1.0 - OVERLAP) * self.area(i);
+        (0..self.len()).filter(is_covered).collect()
+    }
+
+    fn faces_of(&self, pairs: &[([usize; 2], f64)]) -> Vec<[FaceId; 2]> {
+        let faces = pairs.iter().map(|(pair, _)| pair.map(|i| self.face(i)));
+        let mut pairs: Vec<_> = faces.filter(|[a, b]| a != b).collect();
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Pairs of patches of different faces that lie in one plane and face the same way (`turn` 1) or opposite ways
+    /// (−1), with the area that they share.
+    fn coinciding(&self, turn: f64) -> Vec<([usize; 2], f64)> {
         let polygons: Vec<_> = (0..self.len()).map(|i| self.polygon(i)).collect();
         let bounds = |corners: &[DVec3]| {
             let bounds = Aabb::around(corners.iter().copied());
@@ -30,21 +62,16 @@ impl Patches {
         let boxes = polygons
             .iter()
             .map(|p| p.as_deref().map_or(Aabb::EMPTY, bounds));
-        let mut pairs = for_each_pair(&boxes.collect::<Vec<_>>(), |pair, pairs| {
+        for_each_pair(&boxes.collect::<Vec<_>>(), |pair, pairs| {
             let [i, j] = pair.map(|k| k as usize);
-            let faces = [self.face(i), self.face(j)];
             if let (Some(a), Some(b)) = (&polygons[i], &polygons[j])
-                && faces[0] != faces[1]
-                && 1.0 - self.normal(i).dot(self.normal(j)) < TURN
-                && overlap(a, b, self.normal(i))
+                && self.face(i) != self.face(j)
+                && 1.0 - turn * self.normal(i).dot(self.normal(j)) < TURN
+                && let Some(common) = overlap(a, b, self.normal(i))
             {
-                pairs.push(faces);
+                pairs.push(([i, j], common));
             }
-        });
-        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
-        pairs.sort_unstable();
-        pairs.dedup();
-        pairs
+        })
     }
 
     /// Faces whose patches have no area, so that they are no rows.
@@ -59,8 +86,9 @@ impl Patches {
             .collect()
     }
 
-    /// Overlapping faces and faces without area, in sentences that name them; none if there are none.
-    pub fn flaws(&self, scene: &Scene) -> Vec<String> {
+    /// Overlapping faces and faces without area, in sentences that name them; none if there are none. Faces that are
+    /// back to back overlap where backs are `two_sided` rows.
+    pub fn flaws(&self, scene: &Scene, two_sided: bool) -> Vec<String> {
         let name = |face: &FaceId| match scene.objects.get(face.object as usize) {
             Some(object) => format!("face {} of \"{}\"", face.face, object.name),
             None => format!("face {}", face.face),
@@ -83,6 +111,20 @@ impl Patches {
                 listed(pairs.collect())
             ));
         }
+        let pairs = if two_sided {
+            self.faces_back_to_back()
+        } else {
+            Vec::new()
+        };
+        if !pairs.is_empty() {
+            let pairs = pairs.iter();
+            let pairs = pairs.map(|[a, b]| format!("{} and {}", name(a), name(b)));
+            flaws.push(format!(
+                "faces lie back to back in one plane, so that the back of each faces as the front of the other: {}; \
+                 a back that fronts cover has no light",
+                listed(pairs.collect())
+            ));
+        }
         let empty = self.faces_without_area();
         if !empty.is_empty() {
             flaws.push(format!(
@@ -94,20 +136,21 @@ impl Patches {
     }
 }
 
-/// Whether two convex polygons that are parallel to each other overlap in one plane.
-fn overlap(a: &[DVec3], b: &[DVec3], normal: DVec3) -> bool {
+/// The area that two convex polygons which are parallel to each other share in one plane; `None` for next to nothing.
+fn overlap(a: &[DVec3], b: &[DVec3], normal: DVec3) -> Option<f64> {
     let size = |p: &[DVec3]| area_vector(p).length();
     let least = size(a).min(size(b));
     let depth = normal.dot(b[0] - a[0]).abs();
     if depth > DEPTH * size(a).max(size(b)).sqrt() {
-        return false;
+        return None;
     }
     let mut common: ArrayPolygon = b.iter().copied().collect();
     for (k, &start) in a.iter().enumerate() {
         let end = a[(k + 1) % a.len()];
         common = clip(&common, start, normal.cross(end - start));
     }
-    size(&common) > OVERLAP * least
+    let shared = size(&common);
+    (shared > OVERLAP * least).then_some(shared)
 }
 
 #[cfg(test)]
@@ -175,7 +218,7 @@ mod tests {
     fn flaws_are_named() {
         let scene = squares(&[[0.0; 3], [0.5, 0.0, 0.0]], false);
         let patches = Patches::new(&scene, PatchSize::Edge(0.0));
-        let flaws = patches.flaws(&scene);
+        let flaws = patches.flaws(&scene, false);
         assert!(
             flaws[0].contains("face 0 of \"square 1\" on face 0 of \"square 0\""),
             "{flaws:?}"

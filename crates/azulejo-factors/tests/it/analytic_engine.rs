@@ -1,11 +1,14 @@
 //! Matrices by the analytic engine.
 
 use crate::cases::{CaseKind, cases};
+use crate::poses::{Digits, pose, posed};
 use crate::scenes;
+use azulejo_factors::analytic::form_factor;
 use azulejo_factors::form_factors::Closure;
 use azulejo_factors::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
 use azulejo_scene::{Mesh, Object, Scene, Shape};
+use azulejo_testing::closed_forms::{on_common_edge, opposed};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
@@ -410,6 +413,112 @@ fn check_against_rays(scene: &Scene) {
         }
     }
     assert!(chi < 1.5 * count, "χ² {chi} of {count}");
+}
+
+/// A block without bottom in the middle of a larger square, which its walls touch: from inside, the block's faces and
+/// the floor below see each other as in a closed box, and from outside each wall sees half of the floor, however
+/// the scene stands.
+#[test]
+fn faces_that_touch_within_a_face_are_within_their_errors() {
+    let (wide, size) = (4.0, dvec3(1.2, 0.9, 1.5));
+    let mut scene = Scene::default();
+    let grey = || scenes::surface(0.5, 0.0, 0.0);
+    let across = [wide * DVec3::X, wide * DVec3::Y];
+    scenes::add_sheet(&mut scene, DVec3::ZERO, across[0], across[1], grey());
+    let low = dvec3(1.3, 1.7, 0.0);
+    let [x, y, z] = [size.x * DVec3::X, size.y * DVec3::Y, size.z * DVec3::Z];
+    for (corner, first, second) in [
+        (low + z, x, y),
+        (low, x, z),
+        (low + x, y, z),
+        (low + x + y, -x, z),
+        (low + y, -y, z),
+    ] {
+        scenes::add_sheet(&mut scene, corner, first, second, grey());
+    }
+    let floor = [[0., 0.], [wide, 0.], [wide, wide], [0., wide]].map(|[x, y]| dvec3(x, y, 0.0));
+    let wall = |corner: DVec3, along: DVec3| {
+        let corners = [corner, corner + along, corner + along + z, corner + z];
+        form_factor(&corners, &floor)
+    };
+    let narrow = on_common_edge(size.x, size.z, size.y);
+    let broad = on_common_edge(size.y, size.z, size.x);
+    let expected = [
+        [0.0, opposed(size.x, size.y, size.z)],
+        [wall(low, x), narrow],
+        [wall(low + x, y), broad],
+        [wall(low + x + y, -x), narrow],
+        [wall(low + y, -y), broad],
+    ];
+    let options = FormFactorOptions {
+        two_sided: true,
+        accuracy: Some(5e-5),
+        ..options()
+    };
+    let turned = posed(&scene, &pose(3, 10.0), Digits::Decimals(6));
+    for (scene, slack) in [(&scene, 1e-9), (&turned, 1e-5)] {
+        let matrix = compute(scene, &options);
+        let (floor_front, mut below) = (0, 0.0);
+        for (k, sides) in expected.iter().enumerate() {
+            for (side, truth) in sides.iter().enumerate() {
+                let row = 2 * (k + 1) + side;
+                let (value, error) = matrix.get(row, floor_front);
+                let most = 5.0 * f64::from(error) + slack;
+                assert!((value - truth).abs() < most, "{row}: {value}, not {truth}");
+                assert!(error < 1e-4, "{row}: {error:e}");
+                below += side as f64 * matrix.get(floor_front as usize, row as u32).0;
+            }
+        }
+        let share = size.x * size.y / (wide * wide);
+        assert!((below / share - 1.0).abs() < 1e-4, "{below}, not {share}");
+    }
+}
+
+/// Sums over patches, which have no faces that touch them within, are the factors of whole faces, however the box
+/// stands: entries were off by up to 4%.
+#[test]
+fn whole_faces_see_what_their_patches_see() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let two_sided = FormFactorOptions {
+        two_sided: true,
+        ..options()
+    };
+    let divided = FormFactorOptions {
+        size: PatchSize::Count(200),
+        ..two_sided.clone()
+    };
+    let truth = by_side(&compute(&scene, &divided));
+    let turned = posed(&scene, &pose(3, 1_000.0), Digits::Decimals(3));
+    let straight = azulejo_testing::is_thorough().then_some(&scene);
+    for scene in straight.into_iter().chain([&turned]) {
+        let whole = by_side(&compute(scene, &two_sided));
+        assert_eq!(whole.len(), truth.len());
+        for i in 0..whole.len() {
+            for j in 0..whole.len() as u32 {
+                let ((a, e), (b, f)) = (whole.get(i, j), truth.get(i, j));
+                let most = 5.0 * f64::from(e).hypot(f64::from(f)) + 1e-4;
+                assert!((a - b).abs() < most, "{i} {j}: {a} ± {e:e}, not {b}");
+            }
+        }
+    }
+}
+
+/// The matrix between the sides of faces, from a two-sided one between those of their patches.
+fn by_side(matrix: &FormFactors) -> FormFactors {
+    let place = |i: usize| {
+        (
+            matrix.faces[i].object,
+            matrix.faces[i].face,
+            matrix.is_back[i],
+        )
+    };
+    let mut sides: Vec<(u32, u32, bool)> = (0..matrix.len()).map(place).collect();
+    let own = sides.clone();
+    sides.sort_unstable();
+    sides.dedup();
+    let group = |side: &(u32, u32, bool)| sides.binary_search(side).ok().map(|k| k as u32);
+    let groups: Vec<Option<u32>> = own.iter().map(group).collect();
+    matrix.grouped(&groups, sides.len())
 }
 
 /// Outside of the notch of an L-shaped room, the backs of two walls see each other, and nothing in the room sees them.

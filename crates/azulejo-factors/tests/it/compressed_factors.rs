@@ -177,7 +177,7 @@ fn two_plates_are_a_few_products() {
 
 #[test]
 fn a_ball_in_a_cube_keeps_its_error() {
-    check_compression("ball in cube", &whole(&ball_in_cube(), &rays(700, 2_048)));
+    check_compression("ball in cube", &whole(&ball_in_cube(), &rays(400, 1_024)));
 }
 
 #[test]

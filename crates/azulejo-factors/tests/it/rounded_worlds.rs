@@ -60,7 +60,7 @@ fn compute(scene: &Scene, engine: &Engine) -> FormFactors {
 }
 
 fn flaws(scene: &Scene) -> Vec<String> {
-    Patches::new(scene, PatchSize::Edge(0.0)).flaws(scene)
+    Patches::new(scene, PatchSize::Edge(0.0)).flaws(scene, false)
 }
 
 /// An object of one face for each polygon.

@@ -2,7 +2,7 @@
 
 use super::elements::{ElementFace, ElementType};
 use super::keyword::{InputField, InputLine, unquoted};
-use super::part::{ElementItem, NO_SET, PartElement};
+use super::part::{CavityLoad, ElementItem, NO_SET, PartElement};
 use super::reader::{AbaqusReader, InputSource};
 use crate::ReadError;
 use crate::reading::fortran::{identifier, real};
@@ -46,6 +46,11 @@ pub(super) enum DataBlock {
         /// Lines that have been read.
         lines: usize,
     },
+    /// Radiation loads, those of CalculiX in a cavity among them.
+    Radiation {
+        /// Its name.
+        cavity: String,
+    },
     /// The surfaces of a cavity.
     Cavity,
     /// A coordinate system for all nodes that follow.
@@ -54,7 +59,11 @@ pub(super) enum DataBlock {
 
 impl AbaqusReader<'_> {
     /// Takes in a data line.
-    pub(super) fn data(&mut self, line: &InputLine, source: &InputSource) -> Result<(), ReadError> {
+    pub(super) fn data(
+        &mut self,
+        line: &InputLine,
+        source: &mut InputSource,
+    ) -> Result<(), ReadError> {
         match self.block {
             DataBlock::Skipped => Ok(()),
             DataBlock::Nodes { is_cylindrical } => self.node(line, is_cylindrical, source),
@@ -62,6 +71,10 @@ impl AbaqusReader<'_> {
             DataBlock::Set { .. } => self.set_line(line, source),
             DataBlock::Surface => self.surface_line(line, source),
             DataBlock::Instance { lines } => self.instance_line(line, lines, source),
+            DataBlock::Radiation { .. } => {
+                self.load(line, source);
+                Ok(())
+            }
             DataBlock::Cavity => {
                 let names = line.fields().map(|f| text(f.text).into_owned());
                 let names = names.map(|name| unquoted(&name).to_ascii_uppercase());
@@ -219,6 +232,26 @@ impl AbaqusReader<'_> {
             surface.items.push((item(target, &None), face));
         }
         Ok(())
+    }
+
+    /// Other loads than those of cavities (`R1`, `RP`) are between a face and its surroundings.
+    fn load(&mut self, line: &InputLine, source: &mut InputSource) {
+        let DataBlock::Radiation { cavity } = &self.block else {
+            return;
+        };
+        let mut fields = line.fields();
+        let (target, label) = (fields.next(), fields.next());
+        let label = label.map_or(Vec::new(), |field| field.text.to_ascii_uppercase());
+        let face = label.strip_prefix(b"R").and_then(|l| l.strip_suffix(b"CR"));
+        let face = face.and_then(|face| ElementFace::named(&[b"S", face].concat()));
+        if let (Some(target), Some(face)) = (target, face) {
+            self.model.loads.push(CavityLoad {
+                cavity: cavity.clone(),
+                item: item(target, &None),
+                face,
+                place: source.place(line.at),
+            });
+        }
     }
 
     /// A translation, and then a rotation about a line through two points by an angle in degrees.

@@ -38,6 +38,16 @@ impl AbaqusReader<'_> {
                 let sections = &mut self.model.parts[self.scope].sections;
                 sections.extend(keyword.value("ELSET").map(str::to_owned));
             }
+            "RADIATE" => {
+                if keyword
+                    .value("OP")
+                    .is_some_and(|op| op.eq_ignore_ascii_case("NEW"))
+                {
+                    self.model.loads.clear();
+                }
+                let cavity = keyword.value("CAVITY").unwrap_or("cavity").to_owned();
+                self.block = DataBlock::Radiation { cavity };
+            }
             "CAVITYDEFINITION" => self.block = DataBlock::Cavity,
             "SYSTEM" => self.block = DataBlock::System,
             "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => {
@@ -84,6 +94,13 @@ impl AbaqusReader<'_> {
             self.warn(source, keyword.at, message);
             return;
         };
+        if name.contains("CAX") {
+            let message = format!(
+                "elements of type {}, which are axisymmetric: read as a sheet in their plane, and not revolved",
+                shortened(&name)
+            );
+            self.warn(source, keyword.at, message);
+        }
         let part = &mut self.model.parts[self.scope];
         let set = keyword.value("ELSET").map_or(NO_SET, |set| part.set(set));
         self.block = DataBlock::Elements {

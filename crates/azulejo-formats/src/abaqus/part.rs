@@ -47,6 +47,16 @@ pub(super) struct ElementSurface {
     pub place: (u32, u32),
 }
 
+/// A radiation load of CalculiX in a cavity (`RkCR`).
+#[derive(Clone, Debug)]
+pub(super) struct CavityLoad {
+    pub cavity: String,
+    pub item: ElementItem,
+    pub face: ElementFace,
+    /// File and line.
+    pub place: (u32, u32),
+}
+
 /// What a file lists between `*PART` and `*END PART`, or outside of all of them.
 #[derive(Debug, Default)]
 pub(super) struct AbaqusPart {
@@ -119,6 +129,8 @@ pub(super) struct AbaqusModel {
     pub instances: Vec<AbaqusInstance>,
     /// The surfaces that cavities consist of, in capitals; none if there are no cavities.
     pub cavities: Vec<String>,
+    /// Loads on the faces of cavities of CalculiX, in the order of the file.
+    pub loads: Vec<CavityLoad>,
 }
 
 impl Default for AbaqusModel {
@@ -129,6 +141,7 @@ impl Default for AbaqusModel {
             part_numbers: HashMap::new(),
             instances: Vec::new(),
             cavities: Vec::new(),
+            loads: Vec::new(),
         }
     }
 }

@@ -5,16 +5,11 @@ use super::data::DataBlock;
 use super::keyword::{InputLines, KeywordLine};
 use super::part::AbaqusModel;
 use crate::reading::cursor::{LineCounter, TextCursor};
-use crate::reading::files::open_beside;
-use crate::reading::gzip;
+use crate::reading::include::{IncludeSite, IncludeStack};
 use crate::reading::options::{Budget, check_length};
-use crate::reading::text::{decoded, quoted};
+use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
-use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use std::collections::HashSet;
-
-/// Files that include each other more deeply are refused; Abaqus allows 5.
-const DEEPEST: usize = 20;
+use crate::{Files, Loaded, ReadError, ReadOptions};
 
 /// Bytes of a file that count as one element if it is included again.
 const BYTES_PER_ELEMENT: u64 = 8;
@@ -45,8 +40,7 @@ impl InputSource<'_> {
 
 /// Reads input of Abaqus.
 pub(super) struct AbaqusReader<'a> {
-    files: &'a dyn Files,
-    options: &'a ReadOptions,
+    includes: IncludeStack<'a>,
     budget: Budget,
     warnings: Warnings,
     pub model: AbaqusModel,
@@ -56,33 +50,24 @@ pub(super) struct AbaqusReader<'a> {
     pub block: DataBlock,
     /// The first keyword that says nothing of geometry.
     pub first_other: Option<String>,
-    /// The files that are being read, by their names relative to the model's folder.
-    open: Vec<String>,
-    read: HashSet<String>,
 }
 
 impl<'a> AbaqusReader<'a> {
     pub fn new(files: &'a dyn Files, options: &'a ReadOptions) -> AbaqusReader<'a> {
         AbaqusReader {
-            files,
-            options,
+            includes: IncludeStack::new(files, options),
             budget: Budget::new(options),
             warnings: Warnings::default(),
             model: AbaqusModel::default(),
             scope: 0,
             block: DataBlock::Skipped,
             first_other: None,
-            open: Vec::new(),
-            read: HashSet::new(),
         }
     }
 
     /// Reads the model's own file.
     pub fn read(mut self, bytes: &[u8], file: &str) -> Result<Loaded, ReadError> {
-        let own = file.replace('\\', "/");
-        let own = own.rsplit('/').next().unwrap_or_default().to_owned();
-        self.open.push(own.clone());
-        self.read.insert(own);
+        self.includes.begin(file);
         self.run(bytes, file, "")?;
         let assembly = AbaqusAssembly::new(&self.model, self.budget, &mut self.warnings)?;
         let scene = assembly.scene()?;
@@ -109,7 +94,7 @@ impl<'a> AbaqusReader<'a> {
                 let keyword = KeywordLine::read(line, &mut lines);
                 self.keyword(&keyword, &mut source)?;
             } else {
-                self.data(&line, &source)?;
+                self.data(&line, &mut source)?;
             }
         }
         Ok(())
@@ -125,47 +110,29 @@ impl<'a> AbaqusReader<'a> {
     /// Reads a file whose lines stand in the place of the keyword.
     pub fn include(
         &mut self,
-        wanted: &str,
+        path: &str,
         at: usize,
         source: &InputSource,
     ) -> Result<(), ReadError> {
-        let shown = quoted(wanted.as_bytes());
-        let (name, bytes) = match open_beside(self.files, source.name, wanted) {
-            Ok(found) => found,
-            Err(reason) => {
-                self.warn(
-                    source,
-                    at,
-                    format!("included file {shown}: {reason}; skipped"),
-                );
+        let site = IncludeSite {
+            text: source.text,
+            file: source.file,
+            name: source.name,
+            at,
+        };
+        let included = match self.includes.open(path, site)? {
+            Ok(included) => included,
+            Err(message) => {
+                self.warn(source, at, message);
                 return Ok(());
             }
         };
-        if self.open.contains(&name) {
-            let found = format!("file {shown}, which includes itself");
-            return Err(source.error(at, found, "files that do not include each other"));
-        }
-        if self.open.len() == DEEPEST {
-            let found = format!("files included more than {DEEPEST} deep");
-            return Err(source.error(at, found, "fewer of them"));
-        }
-        let bytes = gzip::unpacked(&bytes, &name, self.options)?;
-        if !self.read.insert(name.clone()) {
-            let spent = self
-                .budget
-                .spend(bytes.len() as u64 / BYTES_PER_ELEMENT + 16);
+        if included.is_repeated {
+            let elements = included.bytes.len() as u64 / BYTES_PER_ELEMENT + 16;
+            let spent = self.budget.spend(elements);
             spent.map_err(|e| e.error(source.file))?;
         }
-        self.open.push(name.clone());
-        let result = self.run(&bytes, &name, &name);
-        self.open.pop();
-        result.map_err(|mut error| {
-            if let Position::Line(number, _) = source.text.position(at) {
-                error
-                    .included_from
-                    .insert(0, (source.file.to_owned(), number));
-            }
-            error
-        })
+        let result = self.run(&included.bytes, &included.name, &included.name);
+        self.includes.close(site, result)
     }
 }

@@ -27,6 +27,11 @@ impl<'a> AbaqusAssembly<'a> {
             return Ok(Scene::default());
         }
         let mut faces = SurfaceFaces::default();
+        if !self.model.loads.is_empty() {
+            self.collect_loads(&mut faces)?;
+            let file = &self.model.files[0];
+            return Ok((faces.surfaces).scene(&self.positions, file, self.warnings));
+        }
         for (instance, surface) in self.chosen_surfaces() {
             self.collect(instance, surface, &mut faces)?;
         }
@@ -94,19 +99,64 @@ impl<'a> AbaqusAssembly<'a> {
         for (item, face) in &surface.items {
             for placed in self.members(instance, item)? {
                 self.spend(1)?;
-                let problem = match face.of(self.element(placed).kind) {
-                    Some(face) => self.add_face(placed, face, number, faces),
-                    None => Err("face that its element does not have: skipped"),
-                };
-                if let Err(message) = problem {
-                    let (file, line) = surface.place;
-                    let file = &self.model.files[file as usize];
-                    let place = || Position::Line(line, 1);
-                    self.warnings.add(file, message.to_owned(), place);
-                }
+                self.add_known(placed, *face, number, surface.place, faces);
             }
         }
         Ok(())
+    }
+
+    /// Adds the faces with radiation loads, an object for each cavity, in the order in which CalculiX numbers them:
+    /// by element, and of an element that whose load comes last first.
+    fn collect_loads(&mut self, faces: &mut SurfaceFaces) -> Result<(), ReadError> {
+        let model = self.model;
+        let numbers = &model.parts[0].element_numbers;
+        let numbers: HashMap<u32, u32> = numbers.iter().map(|(&n, &index)| (index, n)).collect();
+        let (mut loaded, mut seen) = (Vec::new(), HashSet::new());
+        for (load, known) in model.loads.iter().zip(0u32..) {
+            for placed in self.members(0, &load.item)? {
+                self.spend(1)?;
+                // A load that a later step repeats is the same one.
+                if !seen.insert((placed, load.face)) {
+                    continue;
+                }
+                let number = numbers.get(&placed.1).copied().unwrap_or(placed.1);
+                loaded.push(((number, u32::MAX - known), placed, load));
+            }
+        }
+        loaded.sort_by_key(|(order, ..)| *order);
+        for (_, placed, load) in loaded {
+            let number = faces.surfaces.number(&load.cavity);
+            self.add_known(placed, load.face, number, load.place, faces);
+        }
+        if model
+            .loads
+            .iter()
+            .any(|load| load.cavity != model.loads[0].cavity)
+        {
+            let message = "several cavities, each an object: *VIEWFACTOR, READ numbers the faces of all of them together";
+            self.warnings.add_whole(&model.files[0], message);
+        }
+        Ok(())
+    }
+
+    /// Adds a face to a surface, if its element has it and no surface before; warns if not.
+    fn add_known(
+        &mut self,
+        placed: PlacedElement,
+        face: ElementFace,
+        number: usize,
+        (file, line): (u32, u32),
+        faces: &mut SurfaceFaces,
+    ) {
+        let problem = match face.of(self.element(placed).kind) {
+            Some(face) => self.add_face(placed, face, number, faces),
+            None => Err("face that its element does not have: skipped"),
+        };
+        if let Err(message) = problem {
+            let file = &self.model.files[file as usize];
+            let place = || Position::Line(line, 1);
+            self.warnings.add(file, message.to_owned(), place);
+        }
     }
 
     /// Adds a face of an element to a surface, or says why not.

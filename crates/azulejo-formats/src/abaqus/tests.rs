@@ -1,6 +1,7 @@
 use super::read;
+use crate::reader_tests::{check_warnings, mesh, names};
 use crate::{Loaded, Memory, ReadError, ReadOptions};
-use azulejo_scene::{Mesh, Shape};
+use azulejo_scene::Mesh;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -17,22 +18,6 @@ fn load(text: &str) -> Loaded {
 fn check_error(text: &str, expected: &str) {
     let error = try_with(text, &Memory::new(), &ReadOptions::default()).unwrap_err();
     assert_eq!(error.to_string().lines().next(), Some(expected), "{text}");
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(messages, expected);
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => unreachable!("input has meshes only"),
-    }
-}
-
-fn names(loaded: &Loaded) -> Vec<&str> {
-    loaded.scene.objects.iter().map(|o| &*o.name).collect()
 }
 
 /// Nodes 1 to 8 at the corners of a unit cube, the lower four first.
@@ -478,4 +463,52 @@ proptest! {
             prop_assert!(loaded.scene.validate().is_ok());
         }
     }
+}
+
+/// CalculiX numbers the faces of a cavity by element, and those of an element from the last load on.
+#[test]
+fn faces_with_radiation_loads_are_in_the_order_of_calculix() {
+    let text = "*ELEMENT, TYPE=C3D8, ELSET=E
+7, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=S4, ELSET=shells
+3, 1, 2, 3, 4
+*SURFACE, NAME=ignored
+7, S1
+*STEP
+*RADIATE, CAVITY=Oven
+7, R2CR, 300., 0.8
+7, R1, 300., 0.8
+E, R6CR, 300., 0.8
+shells, R1CR, 300., 0.8
+*END STEP
+*STEP
+*RADIATE
+7, R2CR, 350., 0.8
+*END STEP
+";
+    let loaded = load(&[CUBE, text].concat());
+    assert_eq!(names(&loaded), ["Oven"]);
+    let mesh = mesh(&loaded, 0);
+    let normals: Vec<DVec3> = (0..3).map(|f| mesh.face_area_vector(f)).collect();
+    // The back of the shell; of the brick its sixth face, whose load comes last, and the second.
+    assert_eq!(normals, [-DVec3::Z, -DVec3::X, DVec3::Z]);
+    // A step may take back what there was.
+    let text = text.replace("*STEP\n*RADIATE\n", "*STEP\n*RADIATE, OP=NEW\n");
+    assert_eq!(
+        super::tests::mesh(&load(&[CUBE, &text].concat()), 0)
+            .faces
+            .len(),
+        1
+    );
+}
+
+#[test]
+fn elements_that_should_be_revolved_are_named() {
+    let loaded = load(&[CUBE, "*ELEMENT, TYPE=CAX4\n1, 1, 2, 3, 4\n"].concat());
+    check_warnings(
+        &loaded,
+        &[
+            "a.inp:10:1: elements of type CAX4, which are axisymmetric: read as a sheet in their plane, and not revolved",
+        ],
+    );
 }

@@ -1,6 +1,7 @@
 //! Colours: by the AutoCAD colour index, or as red, green and blue.
 
 use super::record::Record;
+use crate::picture::srgb::linear_from_srgb_f64;
 use azulejo_scene::Rgb;
 use std::fmt;
 
@@ -80,7 +81,9 @@ impl Paint {
             Paint::Index(index) => index_to_rgb(index),
             Paint::True(value) => [(value >> 16) as u8, (value >> 8) as u8, value as u8],
         };
-        Rgb::new(decoded(r), decoded(g), decoded(b))
+        [r, g, b]
+            .map(|byte| linear_from_srgb_f64(f64::from(byte) / 255.0))
+            .into()
     }
 }
 
@@ -90,16 +93,6 @@ impl fmt::Display for Paint {
             Paint::Index(index) => write!(f, "{index}"),
             Paint::True(value) => write!(f, "#{value:06x}"),
         }
-    }
-}
-
-/// IEC 61966-2-1.
-fn decoded(byte: u8) -> f64 {
-    let x = f64::from(byte) / 255.0;
-    if x <= 0.04045 {
-        x / 12.92
-    } else {
-        ((x + 0.055) / 1.055).powf(2.4)
     }
 }
 

@@ -31,6 +31,8 @@ pub(super) enum InputClass {
     ZoneShading,
     /// A rectangle that shades: of the site, or of the building.
     RectangularShading,
+    /// A surface of a zone without a place.
+    Mass,
     /// Something with an effect on radiation that is not read, for this reason.
     Skipped(&'static str),
 }
@@ -147,7 +149,7 @@ const GLAZING: &str = "optical_data_type window_glass_spectral_data_set_name thi
 const ZONE_SHADING: &str = "base_surface_name transmittance_schedule_name number_of_vertices";
 const TRANSFORM: &str = "another aspect ratio of the building: not applied";
 
-const NO_PLACE: &str = "internal mass, which has no place: not in the scene";
+const MASS: &str = "construction_name zone_or_zonelist_name +space_or_spacelist_name surface_area";
 const PROJECTION: &str = "overhang or fin given by its window: not in the scene";
 
 /// The classes: their names, what they are, their fields, and the type of their surfaces.
@@ -214,7 +216,7 @@ const CLASSES: &[(&str, InputClass, &str, &str)] = {
             SHADING_RECTANGLE,
             "Building",
         ),
-        ("InternalMass", Skipped(NO_PLACE), "", ""),
+        ("InternalMass", Mass, MASS, ""),
         ("Shading:Overhang", Skipped(PROJECTION), "", ""),
         ("Shading:Overhang:Projection", Skipped(PROJECTION), "", ""),
         ("Shading:Fin", Skipped(PROJECTION), "", ""),

@@ -14,6 +14,7 @@ mod place;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod zones;
 
 use crate::reading::options::check_length;
 use crate::reading::text::decoded_text;

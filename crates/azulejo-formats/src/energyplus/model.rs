@@ -5,15 +5,17 @@ use super::input::{InputObject, InputText, key};
 use super::openings::{CutFailure, CutSurface, cut};
 use super::place::InputPlaces;
 use super::surfaces::{InputSurfaces, SurfaceOpening, ZoneSurface};
+use super::zones::InputZones;
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
 use crate::surface::cut::MOST_HOLES;
 use crate::surface::mean_plane::MeanPlane;
 use crate::surface::weld::Welder;
 use crate::{ReadError, ReadOptions};
-use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, Sidedness, Units, Up};
+use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, Sidedness, Units, Up, Zone};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Surfaces whose corners are nearer to each other than this, relative to their size, are the two sides
 /// of one wall.
@@ -35,12 +37,14 @@ pub(super) fn build(
     let places = InputPlaces::read(objects, file)?;
     let constructions = InputConstructions::read(objects, file)?;
     let surfaces = InputSurfaces::read(objects, &places, file, warnings)?;
+    let zones = InputZones::read(objects, &surfaces, &constructions, file, warnings)?;
     let mut builder = EnergyPlusBuilder {
         file,
         warnings,
         budget: Budget::new(options),
         places: &places,
         constructions,
+        zones,
         scene: Scene::default(),
         cut: HashMap::new(),
     };
@@ -48,7 +52,7 @@ pub(super) fn build(
         builder.surface(number, surface, &surfaces)?;
     }
     for orphan in &surfaces.orphans {
-        builder.opening(orphan, None, false);
+        builder.opening(orphan, None, &WallSides::default());
     }
     let mut scene = builder.scene;
     scene.units = Units {
@@ -65,9 +69,19 @@ struct EnergyPlusBuilder<'a, 'w> {
     budget: Budget,
     places: &'a InputPlaces,
     constructions: InputConstructions,
+    zones: InputZones,
     scene: Scene,
     /// Surfaces between zones that are done, by number: their other sides get the same polygons.
     cut: HashMap<usize, CutSurface>,
+}
+
+/// The enclosures before and behind a wall.
+#[derive(Default)]
+struct WallSides {
+    inner: Option<Arc<Zone>>,
+    /// The zone behind, where that has no surface of its own in the file.
+    has_back: bool,
+    behind: Option<Arc<Zone>>,
 }
 
 impl EnergyPlusBuilder<'_, '_> {
@@ -105,13 +119,19 @@ impl EnergyPlusBuilder<'_, '_> {
         if surface.is_shading() {
             let material = self.material(name, ConstructionSide::Inner, false);
             self.scene.materials[material as usize].sidedness = Sidedness::Two;
-            self.object(&object.name, faces, material);
+            self.object(&object.name, faces, material, None);
         } else {
             let has_back = self.has_implied_back(object, all);
-            self.wall(&object.name, name, faces, has_back, false);
+            let outside = object.text("outside_boundary_condition_object");
+            let sides = WallSides {
+                inner: self.zones.of(surface),
+                has_back,
+                behind: has_back.then(|| self.zones.named(outside)).flatten(),
+            };
+            self.wall(&object.name, name, faces, &sides, false);
             for opening in &surface.openings {
                 let behind = other.map(|other| &all.list[other]);
-                self.opening(opening, behind, has_back);
+                self.opening(opening, behind, &sides);
             }
         }
         Ok(())
@@ -151,15 +171,15 @@ impl EnergyPlusBuilder<'_, '_> {
         name: &str,
         construction: &str,
         faces: Vec<Vec<DVec3>>,
-        has_back: bool,
+        sides: &WallSides,
         is_glass: bool,
     ) {
         let inner = self.material(construction, ConstructionSide::Inner, is_glass);
-        self.object(name, reversed(&faces), inner);
-        if has_back {
+        self.object(name, reversed(&faces), inner, sides.inner.clone());
+        if sides.has_back {
             let outer = self.material(construction, ConstructionSide::Outer, is_glass);
             // The name that EnergyPlus gives it.
-            self.object(&format!("iz-{name}"), faces, outer);
+            self.object(&format!("iz-{name}"), faces, outer, sides.behind.clone());
         }
     }
 
@@ -203,7 +223,7 @@ impl EnergyPlusBuilder<'_, '_> {
         &mut self,
         opening: &SurfaceOpening<'_>,
         behind: Option<&ZoneSurface<'_>>,
-        has_back: bool,
+        sides: &WallSides,
     ) {
         let object = opening.object;
         let is_glass = match object.layout.surface_type {
@@ -230,16 +250,16 @@ impl EnergyPlusBuilder<'_, '_> {
             }
             _ => opening.corners.clone(),
         };
-        self.wall(
-            &object.name,
-            construction,
-            vec![corners],
-            has_back,
-            is_glass,
-        );
+        self.wall(&object.name, construction, vec![corners], sides, is_glass);
     }
 
-    fn object(&mut self, name: &str, faces: Vec<Vec<DVec3>>, material: MaterialId) {
+    fn object(
+        &mut self,
+        name: &str,
+        faces: Vec<Vec<DVec3>>,
+        material: MaterialId,
+        zone: Option<Arc<Zone>>,
+    ) {
         if faces.is_empty() || !self.budget.keeps() {
             return;
         }
@@ -250,9 +270,10 @@ impl EnergyPlusBuilder<'_, '_> {
             mesh.push_face(&corners, material);
         }
         mesh.positions = welder.positions;
-        self.scene
-            .objects
-            .push(Object::new(name, Shape::Mesh(mesh)));
+        self.scene.objects.push(Object {
+            zone,
+            ..Object::new(name, Shape::Mesh(mesh))
+        });
     }
 }
 

@@ -363,7 +363,7 @@ const ROOM_JSON: &str = r#"{
  "Material": {"Plaster": {"thermal_absorptance": 0.8}},
  "Construction": {"Wall type": {"outside_layer": "Brick", "layer_2": "plaster"}},
  "BuildingSurface:Detailed": {
-  "South": {"surface_type": "Wall", "construction_name": "Wall type", "zone_name": "Room",
+  "South": {"surface_type": "Wall", "construction_name": "Wall type", "zone_name": "ROOM",
    "view_factor_to_ground": "Autocalculate", "number_of_vertices": 4, "vertices": [
     {"vertex_x_coordinate": 0, "vertex_y_coordinate": 0, "vertex_z_coordinate": 2.5},
     {"vertex_x_coordinate": 0, "vertex_y_coordinate": 0, "vertex_z_coordinate": 0},
@@ -411,7 +411,6 @@ Wall:Detailed, Unfinished";
         "a.idf:13:1: the file ends inside an object: skipped",
         "a.idf:2:1: macro commands (##): skipped; EnergyPlus expands them beforehand",
         "a.idf:7:1: surface with another number of vertices than it says: all are read",
-        "a.idf:4:1: internal mass, which has no place: not in the scene",
         "a.idf:5:1: overhang or fin given by its window: not in the scene",
         "a.idf:6:1: another aspect ratio of the building: not applied",
         "a.idf:7:1: surface of a zone that is not in the file",
@@ -421,6 +420,7 @@ Wall:Detailed, Unfinished";
         "a.idf:10:1: frame of an opening: part of its surface",
         "a.idf:10:1: opening with a multiplier: one is read",
         "a.idf:10:1: opening of a surface that is not in the file: in no surface",
+        "a.idf:4:1: internal mass, which has no place: only files for EnergyPlus have it",
         "a.idf:7:1: surface whose other side is in a zone that is not in the file: one side is read",
     ];
     assert_eq!(messages(&loaded), expected);
@@ -550,6 +550,57 @@ fn a_sieve_is_refused() {
     let options = ReadOptions::in_proportion(text.len());
     let error = read(text.as_bytes(), "a.idf", &Memory::new(), &options).unwrap_err();
     assert!(error.found.contains("expand"), "{error}");
+}
+
+/// The zone of each object, and what has no place in it.
+fn zones(text: &str) -> Vec<(String, String, usize)> {
+    let objects = load(text).scene.objects;
+    let described = objects.into_iter().map(|object| {
+        let zone = object.zone.map_or((String::new(), 0), |zone| {
+            (zone.name.clone(), zone.masses.len())
+        });
+        (object.name, zone.0, zone.1)
+    });
+    described.collect()
+}
+
+#[test]
+fn surfaces_know_their_zones() {
+    let wall = |name: &str, zone: &str, construction: &str, outside: &str| {
+        format!(
+            "Wall:Detailed,{name},{construction},{zone},,{outside},,,,3, 0,0,0, 1,0,0, 0,0,1;\n"
+        )
+    };
+    let start = "Version,25.2;Zone,One;Zone,Two;Zone,Three;Construction:AirBoundary,Air;\n\
+                 InternalMass,Sofa,C,TWO,,12;InternalMass,Nothing,C,Four,,12;\n\
+                 Shading:Site:Detailed,Tree,,3, 0,0,0, 1,0,0, 0,0,1;\n";
+    let walls = [
+        wall("a", "One", "C", "Outdoors,"),
+        wall("b", "two", "C", "Zone,Three"),
+        wall("c", "Three", "C", "Outdoors,"),
+    ];
+    let text = [start, &walls.concat()].concat();
+    let expected = |rows: &[(&str, &str, usize)]| -> Vec<_> {
+        let rows = rows.iter();
+        rows.map(|(name, zone, masses)| ((*name).to_owned(), (*zone).to_owned(), *masses))
+            .collect()
+    };
+    let mut found = zones(&text);
+    let tree = found.remove(found.iter().position(|(name, ..)| name == "Tree").unwrap());
+    assert_eq!(tree.1, "");
+    assert_eq!(
+        found,
+        expected(&[
+            ("a", "One", 0),
+            ("b", "two", 1),
+            ("iz-b", "Three", 0),
+            ("c", "Three", 0)
+        ])
+    );
+    // What is open between them makes one of two, by the name of the first.
+    let open = [&*text, &wall("hole", "Three", "Air", "Surface,a")].concat();
+    let found = zones(&open);
+    assert!(found.contains(&("c".into(), "One".into(), 0)), "{found:?}");
 }
 
 proptest! {

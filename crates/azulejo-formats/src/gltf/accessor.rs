@@ -296,8 +296,8 @@ impl Data<'_> {
         most: usize,
     ) -> Result<impl Iterator<Item = (u32, &[u8])>, String> {
         let (indices, count) = self.sparse_indices(sparse, most)?;
-        let of = &sparse.values;
-        let values = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
+        let stored = &sparse.values;
+        let values = self.elements(stored.buffer_view, stored.byte_offset.0, size, count)?;
         Ok(indices.into_iter().zip(values.iter()))
     }
 
@@ -357,9 +357,9 @@ impl Data<'_> {
         make: &impl Fn([f64; N]) -> T,
     ) -> Result<impl Iterator<Item = (u32, T)>, String> {
         let (indices, count) = self.sparse_indices(sparse, most)?;
-        let of = &sparse.values;
+        let stored = &sparse.values;
         let size = N * size_of(kind);
-        let values = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
+        let values = self.elements(stored.buffer_view, stored.byte_offset.0, size, count)?;
         let values = values.decoded(kind, normalized, make);
         Ok(indices.into_iter().zip(values))
     }
@@ -370,9 +370,14 @@ impl Data<'_> {
         if count > most {
             return Err("more sparse values than elements".to_owned());
         }
-        let of = &sparse.indices;
-        let kind = valid(&of.component_type)?.0;
-        let indices = self.elements(of.buffer_view, of.byte_offset.0, size_of(kind), count)?;
+        let stored = &sparse.indices;
+        let kind = valid(&stored.component_type)?.0;
+        let indices = self.elements(
+            stored.buffer_view,
+            stored.byte_offset.0,
+            size_of(kind),
+            count,
+        )?;
         Ok((indices.indices(kind)?, count))
     }
 }

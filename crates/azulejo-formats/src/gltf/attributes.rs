@@ -40,12 +40,12 @@ pub(super) fn used_attributes(
     surface: &GltfSurface,
 ) -> [Option<Index<Accessor>>; USED_ATTRIBUTES] {
     use Semantic::{Colors, Joints, Normals, Positions, TexCoords, Weights};
-    let of_lightmap = surface.lightmap.map(|l| TexCoords(l.set));
+    let lightmap = surface.lightmap.map(|l| TexCoords(l.set));
     [
         Positions,
         Normals,
-        // Positions stand for what there is not.
-        of_lightmap.unwrap_or(Positions),
+        // Positions stand in for absent attributes.
+        lightmap.unwrap_or(Positions),
         TexCoords(surface.set),
         Colors(0),
         Colors(1),

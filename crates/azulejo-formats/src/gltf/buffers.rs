@@ -16,7 +16,7 @@ pub(super) struct Buffers<'a> {
     /// Index of the content of each buffer: buffers of the same URI share it.
     contents: Vec<usize>,
     list: Vec<Result<Cow<'a, [u8]>, String>>,
-    /// Views that were compressed (`EXT_meshopt_compression`), by their index.
+    /// Views that were compressed (`EXT_meshopt_compression`, `KHR_meshopt_compression`), by their index.
     unpacked: HashMap<usize, Result<Vec<u8>, String>>,
 }
 

@@ -3,6 +3,7 @@
 use super::messages::GltfMessages;
 use crate::reading::bytes::Bytes;
 use crate::{Position, ReadError};
+use std::io::{self, Write};
 
 /// The parts of a file.
 #[derive(Debug)]
@@ -102,6 +103,30 @@ pub(super) fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bo
     let whole = length <= at.left();
     let content = at.take(length.min(at.left()))?;
     Some((kind, content, whole))
+}
+
+/// The type and the content of a chunk.
+pub(super) type Chunk<'a> = ([u8; 4], &'a [u8]);
+
+/// The type of the chunk with the numbers.
+pub(super) const BIN: [u8; 4] = *b"BIN\0";
+
+/// Writes a GLB of chunks, the first of which is the JSON.
+///
+/// # Errors
+/// Those of `out`, and more than 4 GiB, of which nothing is written.
+pub(super) fn write_glb(chunks: &[Chunk], out: &mut dyn Write) -> io::Result<()> {
+    let length = chunks.iter().map(|(_, content)| 8 + content.len());
+    let length = u32::try_from(12 + length.sum::<usize>());
+    let length = length.map_err(|_| io::Error::other("a GLB holds at most 4 GiB"))?;
+    out.write_all(b"glTF\x02\0\0\0")?;
+    out.write_all(&length.to_le_bytes())?;
+    for (kind, content) in chunks {
+        out.write_all(&(content.len() as u32).to_le_bytes())?;
+        out.write_all(kind)?;
+        out.write_all(content)?;
+    }
+    Ok(())
 }
 
 /// JSON is padded with blanks; some writers use zeros.

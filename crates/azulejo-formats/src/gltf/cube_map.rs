@@ -1,5 +1,6 @@
-//! Cube maps: six square pictures around a point, +x, −x, +y, −y, +z, −z, with the orientation of OpenGL
-//! (OpenGL 4.6, table 8.19), and RGBD, in which their pixels may exceed 1.
+//! Cube maps: six square pictures around a point, +x, −x, +y, −y, −z, +z, as Babylon.js shows them: faces of
+//! OpenGL (OpenGL 4.6, table 8.19) whose z axis is reversed, upside down. And RGBD, in which their pixels may
+//! exceed 1.
 
 use super::image_based::{BANDS, harmonics};
 use crate::picture::srgb::{linear_table, srgb_bytes};
@@ -12,6 +13,12 @@ pub(super) const MOST_RGBD: f64 = 255.0;
 
 /// The face that a direction meets, and where: from the left and from the top, −1..=1.
 pub(super) fn face_of(d: DVec3) -> (usize, f64, f64) {
+    let (face, s, t) = opengl_face_of(DVec3::new(d.x, d.y, -d.z));
+    (face, s, -t)
+}
+
+/// The same with the orientation of OpenGL.
+pub(super) fn opengl_face_of(d: DVec3) -> (usize, f64, f64) {
     let size = d.abs();
     let (face, s, t, depth) = if size.x >= size.y && size.x >= size.z {
         let is_back = d.x < 0.0;
@@ -32,12 +39,12 @@ pub(super) fn face_of(d: DVec3) -> (usize, f64, f64) {
 /// The unit direction to a place on a face.
 fn direction(face: usize, s: f64, t: f64) -> DVec3 {
     let d = match face {
-        0 => DVec3::new(1.0, -t, -s),
-        1 => DVec3::new(-1.0, -t, s),
+        0 => DVec3::new(1.0, t, s),
+        1 => DVec3::new(-1.0, t, -s),
         2 => DVec3::new(s, 1.0, t),
         3 => DVec3::new(s, -1.0, -t),
-        4 => DVec3::new(s, -t, 1.0),
-        _ => DVec3::new(-s, -t, -1.0),
+        4 => DVec3::new(s, t, -1.0),
+        _ => DVec3::new(-s, t, 1.0),
     };
     d.normalize()
 }

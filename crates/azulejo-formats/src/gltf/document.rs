@@ -8,10 +8,11 @@ use gltf_json::validation::{Checked, Error, Validate};
 use gltf_json::{Path, Root, mesh::Semantic};
 
 /// Extensions that a file may require.
-const SUPPORTED: [&str; 22] = [
+const SUPPORTED: [&str; 23] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
+    super::meshopt::NAMES[0],
+    super::meshopt::NAMES[1],
     "EXT_texture_webp",
     super::draco::DRACO,
     "KHR_lights_punctual",

@@ -50,8 +50,8 @@ impl DracoAccessors {
     /// # Errors
     /// The reason why they could not be decoded.
     pub fn get(&self, index: Index<Accessor>) -> Result<Option<&DracoElements>, String> {
-        let found = self.0.get(&index.value()).map(Result::as_ref);
-        found.transpose().map_err(String::clone)
+        let elements = self.0.get(&index.value()).map(Result::as_ref);
+        elements.transpose().map_err(String::clone)
     }
 
     fn add(
@@ -62,12 +62,12 @@ impl DracoAccessors {
         buffers: &Buffers,
         left: &mut u64,
     ) {
-        let wanted = WantedAccessors::of(root, primitive, json);
-        if wanted.0.is_empty() {
+        let accessors = DracoParts::of(root, primitive, json);
+        if accessors.0.is_empty() {
             return;
         }
         let mesh = decode(primitive, json, buffers, left);
-        for (accessor, part) in wanted.0 {
+        for (accessor, part) in accessors.0 {
             let elements = mesh.as_ref().map_err(String::clone);
             let elements = elements.and_then(|mesh| {
                 let elements = match part {
@@ -91,10 +91,10 @@ enum DracoPart {
 }
 
 /// The accessors that a primitive needs from its compressed data.
-struct WantedAccessors(Vec<(usize, DracoPart)>);
+struct DracoParts(Vec<(usize, DracoPart)>);
 
-impl WantedAccessors {
-    fn of(root: &Root, primitive: &Primitive, json: &Value) -> WantedAccessors {
+impl DracoParts {
+    fn of(root: &Root, primitive: &Primitive, json: &Value) -> DracoParts {
         let compressed = |index: &Index<Accessor>| {
             let accessor = root.get(*index);
             accessor.is_some_and(|a| a.buffer_view.is_none())
@@ -112,7 +112,7 @@ impl WantedAccessors {
                 }
             }
         }
-        WantedAccessors(list)
+        DracoParts(list)
     }
 }
 

@@ -1,12 +1,15 @@
 //! `EXT_lights_image_based`: the light of the surroundings, as coefficients of spherical harmonics
 //! and as a cube map.
 //!
-//! Coefficients are those of irradiance, as Babylon.js reads them: each band of the radiance times
-//! π, 2π/3 and π/4 (Ramamoorthi and Hanrahan, *An Efficient Representation for Irradiance
-//! Environment Maps*, SIGGRAPH 2001). Where they say that all directions are alike, they are the
-//! light; elsewhere the sharpest level of the cube map is.
+//! Coefficients are those of irradiance: each band of the radiance times π, 2π/3 and π/4 (Ramamoorthi and
+//! Hanrahan, *An Efficient Representation for Irradiance Environment Maps*, SIGGRAPH 2001). Where they say
+//! that all directions are alike, they are the light; elsewhere the sharpest level of the cube map is.
+//!
+//! Babylon.js, the only viewer that reads the extension, takes the harmonics of the second band with the
+//! opposite sign, and turns the cube map around (see [`super::cube_map`]). Files are written and read as it
+//! shows them; azulejo's own files without [`MARK`] have the signs of the paper and the faces of OpenGL.
 
-use super::cube_map::{face_of, unpacked};
+use super::cube_map::{face_of, opengl_face_of, unpacked};
 use super::material::Surfaces;
 use azulejo_scene::{Environment, Image, LightKind, Projection, Rgb, Up};
 use glam::{DQuat, DVec3};
@@ -15,6 +18,9 @@ use std::f64::consts::PI;
 
 /// Its name.
 pub(super) const NAME: &str = "EXT_lights_image_based";
+
+/// Name of the extra of a light that is written as Babylon.js shows it.
+pub(super) const MARK: &str = "shownBy";
 
 /// The constant spherical harmonic Y₀₀.
 pub(super) const CONSTANT: f64 = 0.282_094_791_773_878_14;
@@ -28,11 +34,17 @@ const MOST_ROWS: u32 = 1024;
 /// Rows of the picture that coefficients become.
 const SMOOTH_ROWS: u32 = 32;
 
-/// Reads light number `index`.
+/// Reads a light of a file that azulejo has written, or not.
 ///
 /// # Errors
 /// What is wrong with it.
-pub(super) fn read(light: &Value, surfaces: &mut Surfaces) -> Result<LightKind, String> {
+pub(super) fn read(
+    light: &Value,
+    is_ours: bool,
+    surfaces: &mut Surfaces,
+) -> Result<LightKind, String> {
+    let is_marked = || light["extras"]["azulejo"].get(MARK).is_some();
+    let is_of_paper = is_ours && !is_marked();
     let intensity = light.get("intensity").map_or(Some(1.0), Value::as_f64);
     let intensity = intensity.filter(|i| *i >= 0.0 && i.is_finite());
     let intensity = intensity.ok_or("its intensity is not a number of at least 0")?;
@@ -41,9 +53,12 @@ pub(super) fn read(light: &Value, surfaces: &mut Surfaces) -> Result<LightKind, 
         let radiance = (radiance * intensity).map(|c| c.max(0.0));
         return Ok(LightKind::Ambient { radiance });
     }
-    let picture = match cube_map(light, surfaces)? {
+    let picture = match cube_map(light, is_of_paper, surfaces)? {
         Some(picture) => picture,
-        None => smooth(&harmonics.ok_or("neither pictures nor coefficients")?),
+        None => smooth(
+            &harmonics.ok_or("neither pictures nor coefficients")?,
+            is_of_paper,
+        ),
     };
     let texture = surfaces.add_picture("surroundings", picture)?;
     let mut environment = Environment::picture(texture, Projection::Equirectangular, Up::Y);
@@ -81,7 +96,11 @@ fn uniform(harmonics: &[Rgb; 9]) -> Option<Rgb> {
 }
 
 /// The sharpest level of the cube map; `None` if there is none.
-fn cube_map(light: &Value, surfaces: &mut Surfaces) -> Result<Option<Image>, String> {
+fn cube_map(
+    light: &Value,
+    is_of_paper: bool,
+    surfaces: &mut Surfaces,
+) -> Result<Option<Image>, String> {
     let Some(level) = light.get("specularImages").and_then(|levels| levels.get(0)) else {
         return Ok(None);
     };
@@ -94,13 +113,13 @@ fn cube_map(light: &Value, surfaces: &mut Surfaces) -> Result<Option<Image>, Str
         images.push(unpacked(surfaces.picture(face)?));
     }
     let rows = 2 * images.iter().map(|i| i.height).max().unwrap_or(1);
-    let seen = |d: DVec3| face_pixel(&images, d);
+    let place = if is_of_paper { opengl_face_of } else { face_of };
+    let seen = |d: DVec3| face_pixel(&images, place(d));
     Ok(Some(panorama(rows.clamp(2, MOST_ROWS), seen)))
 }
 
-/// What six faces show in a direction.
-fn face_pixel(images: &[Image], d: DVec3) -> [f32; 3] {
-    let (face, s, t) = face_of(d);
+/// What six faces show at a place.
+fn face_pixel(images: &[Image], (face, s, t): (usize, f64, f64)) -> [f32; 3] {
     let image = &images[face];
     if image.width == 0 || image.height == 0 {
         return [0.0; 3];
@@ -112,13 +131,14 @@ fn face_pixel(images: &[Image], d: DVec3) -> [f32; 3] {
     image.pixel(index(s, image.width), index(t, image.height))
 }
 
-/// The real spherical harmonics of a unit direction, up to the third band.
+/// The real spherical harmonics of a unit direction, up to the third band; the signs of the second are those
+/// of Babylon.js, so that those of the paper are the harmonics of the opposite direction.
 pub(super) fn harmonics(d: DVec3) -> [f64; 9] {
     [
         CONSTANT,
-        0.488_603 * d.y,
-        0.488_603 * d.z,
-        0.488_603 * d.x,
+        -0.488_603 * d.y,
+        -0.488_603 * d.z,
+        -0.488_603 * d.x,
         1.092_548 * d.x * d.y,
         1.092_548 * d.y * d.z,
         0.315_392 * (3.0 * d.z * d.z - 1.0),
@@ -128,8 +148,9 @@ pub(super) fn harmonics(d: DVec3) -> [f64; 9] {
 }
 
 /// The radiance that coefficients describe, nowhere below 0.
-fn smooth(coefficients: &[Rgb; 9]) -> Image {
+fn smooth(coefficients: &[Rgb; 9], is_of_paper: bool) -> Image {
     panorama(SMOOTH_ROWS, |d| {
+        let d = if is_of_paper { -d } else { d };
         let band = |k: usize| BANDS[usize::from(k > 0) + usize::from(k > 3)];
         let terms = coefficients.iter().zip(harmonics(d)).enumerate();
         let radiance: Rgb = terms.map(|(k, (c, y))| *c * (y / band(k))).sum();

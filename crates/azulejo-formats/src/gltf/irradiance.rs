@@ -1,7 +1,7 @@
 //! Irradiance in vertex colours, and the extras that mark it.
 
 use azulejo_scene::{Rgb, Scene, Shape};
-use gltf_json::Mesh;
+use gltf_json::{Extras, Mesh};
 use serde_json::{Value, json};
 
 /// How a mesh stores its irradiance.
@@ -13,9 +13,16 @@ pub(super) struct StoredIrradiance {
     pub scale: f64,
 }
 
-/// The description of irradiance in the extras of a mesh, if there is one.
+/// The description of irradiance in the extras of a mesh, or of a primitive: packers drop the former.
 pub(super) fn of(mesh: &Mesh) -> Option<StoredIrradiance> {
-    let extras: Value = serde_json::from_str(mesh.extras.as_ref()?.get()).ok()?;
+    let of_primitives = mesh.primitives.iter().map(|p| &p.extras);
+    std::iter::once(&mesh.extras)
+        .chain(of_primitives)
+        .find_map(described)
+}
+
+fn described(extras: &Extras) -> Option<StoredIrradiance> {
+    let extras: Value = serde_json::from_str(extras.as_ref()?.get()).ok()?;
     let irradiance = extras.get("azulejo")?.get("irradiance")?;
     let stored = StoredIrradiance {
         set: match irradiance.get("attribute")?.as_str()? {
@@ -51,7 +58,7 @@ pub(super) fn scale(scene: &Scene) -> f64 {
 }
 
 impl StoredIrradiance {
-    /// The extras of a mesh that stores its irradiance in this way.
+    /// The extras of a mesh that stores its irradiance in this way, and of its primitives.
     pub fn extras(&self, photometric: bool) -> Value {
         json!({
             "azulejo": {

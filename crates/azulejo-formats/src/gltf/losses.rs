@@ -16,22 +16,22 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         |lost: fn(&LightKind) -> bool| scene.lights.iter().filter(|l| lost(&l.kind)).count();
     let [primitives, solids] = exact_counts(scene);
     let shapes = LossList::empty(scene)
-        .placed_meshes(
-            |m| m.faces.triangle_count() > m.faces.len(),
+        .meshes(
+            |m| m.mesh.faces.triangle_count() > m.mesh.faces.len(),
             "meshes whose polygons become triangles",
         )
         .count(primitives, "exact primitives that become polygons")
         .count(solids, "exact shapes that become polygons")
-        .placed_meshes(|m| m.faces.is_empty(), "objects without faces")
-        .placed_meshes(
-            |m| !m.smoothing.is_empty(),
+        .meshes(|m| m.mesh.faces.is_empty(), "objects without faces")
+        .meshes(
+            |m| m.mesh.is_grouped() && m.mesh.normals.is_none(),
             "meshes whose smoothing groups are left out",
         )
-        .placed_meshes(
+        .meshes(
             |m| !m.irradiance_error.is_empty(),
             "meshes whose errors of irradiance are left out",
         )
-        .placed_meshes(
+        .meshes(
             |m| m.back.is_some(),
             "meshes whose sheets are written twice, once with the light of each side",
         );

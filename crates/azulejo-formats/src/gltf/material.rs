@@ -208,11 +208,11 @@ impl<'a> Surfaces<'a> {
         let extensions = json.extensions.as_ref()?;
         let extension = extensions.others.get(lightmap::OF_MATERIALS)?;
         let named = lightmap::of_material(extension, extensions.unlit.is_some(), self.root);
-        let (found, problem) = self.lightmap(named);
+        let (lightmap, problem) = self.lightmap(named);
         if let Some(problem) = problem {
             messages.of(&problem, || format!("materials[{index}]"));
         }
-        found
+        lightmap
     }
 
     /// A lightmap with its picture, and a warning if there is one.

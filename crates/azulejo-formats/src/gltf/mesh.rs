@@ -58,7 +58,7 @@ pub(super) struct Pose<'p> {
 /// Everything that the vertices of a primitive depend on: primitives with the same key share
 /// their vertices, as in the file.
 ///
-/// Attributes that are not read are no part of it: a hundred thousand of them, in thousands of
+/// Attributes that are not read are not part of it: a hundred thousand of them, in thousands of
 /// instances, would otherwise be hashed for each.
 #[derive(PartialEq, Eq, Hash)]
 struct VertexKey {
@@ -151,6 +151,9 @@ impl GltfMeshBuilder<'_, '_> {
             let index = self.mesh;
             let message = "mesh with vertices without a usable normal: face normals used";
             self.messages.of(message, || format!("meshes[{index}]"));
+        }
+        if mesh.normals.is_none() {
+            mesh.be_flat();
         }
         Ok(Some(mesh))
     }

@@ -1,12 +1,16 @@
 //! Decoders of `EXT_meshopt_compression` (Kapoulkine and Rock, 2021; appendices A and B of the
-//! extension's specification), for vertex attributes and for indices.
+//! extension's specification) and `KHR_meshopt_compression`, which has a second version of the attributes and
+//! a filter of colours more.
 
 use crate::reading::bytes::Bytes;
 use gltf_json::Value;
 use gltf_json::buffer::View;
 
-/// Most bytes that a byte of compressed data may encode: two bits for 16 bytes.
-const MOST_BYTES_PER_BYTE: u64 = 64;
+/// Most bytes that a byte of compressed data may encode: two bits for 16 bytes, or for 256 in the second version.
+const MOST_BYTES_PER_BYTE: u64 = 1024;
+
+/// Names of the extensions.
+pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// Elements of a group, which are encoded with the same number of bits.
 const GROUP: usize = 16;
@@ -39,13 +43,15 @@ enum Filter {
     Octahedral,
     Quaternion,
     Exponential,
+    Color,
 }
 
 impl CompressedView {
     /// The compression of a view, if it has any.
     pub fn of(view: &View) -> Option<Result<CompressedView, String>> {
         let extensions = &view.extensions.as_ref()?.others;
-        let read = CompressedView::read(extensions.get("EXT_meshopt_compression")?);
+        let mut found = NAMES.iter().filter_map(|name| extensions.get(*name));
+        let read = CompressedView::read(found.next()?);
         Some(read.ok_or_else(|| "compressed data with an invalid description".to_owned()))
     }
 
@@ -69,6 +75,7 @@ impl CompressedView {
                 "OCTAHEDRAL" => Filter::Octahedral,
                 "QUATERNION" => Filter::Quaternion,
                 "EXPONENTIAL" => Filter::Exponential,
+                "COLOR" => Filter::Color,
                 _ => return None,
             },
         };
@@ -82,7 +89,7 @@ impl CompressedView {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {
                 stride > 0 && stride.is_multiple_of(4) && stride <= 256
             }
-            (Mode::Attributes, Filter::Octahedral) => stride == 4 || stride == 8,
+            (Mode::Attributes, Filter::Octahedral | Filter::Color) => stride == 4 || stride == 8,
             (Mode::Attributes, Filter::Quaternion) => stride == 8,
             (Mode::Triangles, Filter::None) => {
                 (stride == 2 || stride == 4) && self.count.is_multiple_of(3)
@@ -116,6 +123,17 @@ impl CompressedView {
             Filter::Octahedral => each(&mut decoded, octahedral_shorts),
             Filter::Quaternion => each(&mut decoded, quaternion),
             Filter::Exponential => each(&mut decoded, exponential),
+            Filter::Color if self.stride == 4 => each(&mut decoded, |[y, co, cg, a]: [u8; 4]| {
+                let [co, cg] = [co, cg].map(|b| i32::from(b.cast_signed()));
+                color([y.into(), co, cg, a.into()], 255.0).map(|v| v as u8)
+            }),
+            Filter::Color => each(&mut decoded, |e| {
+                let [y, co, cg, a] = shorts(e);
+                let [y, a] = [y, a].map(|v| i32::from(v.cast_unsigned()));
+                let found = color([y, co.into(), cg.into(), a], 65535.0);
+                let [r, g, b, a] = found.map(|v| (v as u16).cast_signed());
+                bytes_of([r, g, b], a)
+            }),
         }
         Ok(decoded)
     }
@@ -137,65 +155,117 @@ fn zigzag_wide(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
-/// Mode 0. Elements are stored in blocks; in a block, the first bytes of all elements are followed by
-/// the second bytes, each as its difference from the previous element.
+/// Mode 0, versions 0 and 1. Elements are stored in blocks; in a block, the first bytes of all elements are
+/// followed by the second bytes, each as its difference from the previous element.
 fn attributes(bytes: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
-    // The base of the first element is in the tail, padded at its front to 32 bytes.
-    let tail = bytes.len().checked_sub(stride.max(32))?;
-    let mut last = bytes.get(bytes.len() - stride..)?.to_vec();
-    let mut data = Bytes::new(&bytes[..tail]);
-    if data.u8_le()? != 0xa0 {
-        return None;
-    }
+    let is_first = match bytes.first()? {
+        0xa0 => true,
+        0xa1 => false,
+        _ => return None,
+    };
+    // The base of the first element is in the tail, padded at its front, and the channels of version 1.
+    let (channels, least) = if is_first { (0, 32) } else { (stride / 4, 24) };
+    let tail = bytes.get(bytes.len().checked_sub(stride + channels)?..)?;
+    let (base, channels) = tail.split_at(stride);
+    let mut last = base.to_vec();
+    let mut data = Bytes::new(bytes.get(1..bytes.len().checked_sub(least.max(tail.len()))?)?);
     let most = ((8192 / stride) & !(GROUP - 1)).min(256);
     let mut elements = vec![0; count * stride];
     for block in elements.chunks_mut(most * stride) {
-        for (k, last) in last.iter_mut().enumerate() {
-            byte_column(&mut data, &mut block[k..], stride, last)?;
+        let controls = data.take(channels.len())?;
+        for k in 0..stride {
+            let control = controls.get(k / 4).map(|c| c >> (k % 4 * 2) & 3);
+            byte_column(&mut data, &mut block[k..], stride, control)?;
+        }
+        for (k, last) in last.chunks_mut(4).enumerate() {
+            let channel = channels.get(k).copied().unwrap_or(0);
+            sum_up(&mut block[4 * k..], stride, channel, last.try_into().ok()?)?;
         }
     }
     Some(elements)
 }
 
-/// Decodes one byte of each element of a block: every `stride`-th of `block`, as sums from `last`.
-fn byte_column(data: &mut Bytes, block: &mut [u8], stride: usize, last: &mut u8) -> Option<()> {
+/// Decodes one byte of the difference of each element of a block: every `stride`-th of `block`.
+fn byte_column(
+    data: &mut Bytes,
+    block: &mut [u8],
+    stride: usize,
+    control: Option<u8>,
+) -> Option<()> {
     let count = block.len().div_ceil(stride);
+    let mut slots = block.iter_mut().step_by(stride);
+    let bits = match control {
+        None => [0, 2, 4, 8],
+        Some(0) => [0, 1, 2, 4],
+        Some(1) => [1, 2, 4, 8],
+        Some(2) => return Some(()),
+        _ => {
+            slots
+                .zip(data.take(count)?)
+                .for_each(|(slot, b)| *slot = *b);
+            return Some(());
+        }
+    };
     let groups = count.div_ceil(GROUP);
     let headers = data.take(groups.div_ceil(4))?;
-    let mut slots = block.iter_mut().step_by(stride);
     for group in 0..groups {
         let mode = headers[group / 4] >> (group % 4 * 2) & 3;
-        for delta in deltas(data, mode)? {
-            *last = last.wrapping_add(zigzag(delta));
-            // The last group may be longer than the rest of the block.
-            let Some(slot) = slots.next() else { break };
-            *slot = *last;
-        }
+        // The last group may be longer than the rest of the block.
+        let deltas = deltas(data, bits[usize::from(mode)])?;
+        slots.by_ref().zip(deltas).for_each(|(slot, d)| *slot = d);
     }
     Some(())
 }
 
-/// The differences of a group, 0, 2, 4 or 8 bits each. The largest value of 2 or 4 bits means that
+/// The differences of a group, of 0 to 8 bits each. The largest value of 1, 2 or 4 bits means that
 /// a byte after the bits of the group holds the difference.
-fn deltas(data: &mut Bytes, mode: u8) -> Option<[u8; GROUP]> {
-    let bits = match mode {
+fn deltas(data: &mut Bytes, bits: usize) -> Option<[u8; GROUP]> {
+    match bits {
         0 => return Some([0; GROUP]),
-        1 => 2,
-        2 => 4,
-        _ => return data.take(GROUP)?.try_into().ok(),
-    };
+        8 => return data.take(GROUP)?.try_into().ok(),
+        _ => {}
+    }
     let per_byte = 8 / bits;
     let escape = (1 << bits) - 1;
     let packed = data.take(GROUP / per_byte)?;
     let mut deltas = [0; GROUP];
     for (i, delta) in deltas.iter_mut().enumerate() {
-        let shift = 8 - bits * (i % per_byte + 1);
+        let at = bits * (i % per_byte);
+        let shift = if bits == 1 { at } else { 8 - bits - at };
         *delta = packed[i / per_byte] >> shift & escape;
         if *delta == escape {
             *delta = data.u8_le()?;
         }
     }
     Some(deltas)
+}
+
+/// Makes elements of the differences in four bytes of each: sums of bytes, or of two bytes together, or the
+/// exclusive or of all four, turned, as the channel says.
+fn sum_up(block: &mut [u8], stride: usize, channel: u8, last: &mut [u8; 4]) -> Option<()> {
+    for element in block.chunks_mut(stride) {
+        let delta: &mut [u8; 4] = element.first_chunk_mut()?;
+        *last = match channel & 3 {
+            0 => std::array::from_fn(|i| last[i].wrapping_add(zigzag(delta[i]))),
+            1 => {
+                let [a, b, c, d] = *last;
+                let [e, f, g, h] = *delta;
+                let sum = |last: [u8; 2], delta: [u8; 2]| {
+                    let delta = zigzag_wide(u16::from_le_bytes(delta).into()) as u16;
+                    u16::from_le_bytes(last).wrapping_add(delta).to_le_bytes()
+                };
+                let ([a, b], [c, d]) = (sum([a, b], [e, f]), sum([c, d], [g, h]));
+                [a, b, c, d]
+            }
+            2 => {
+                let delta = u32::from_le_bytes(*delta).rotate_right(u32::from(channel >> 4));
+                (u32::from_le_bytes(*last) ^ delta).to_le_bytes()
+            }
+            _ => return None,
+        };
+        *delta = *last;
+    }
+    Some(())
 }
 
 /// A number of 7 bits per byte, lowest bits first; the highest bit means that more follow.
@@ -413,6 +483,17 @@ fn exponential(element: [u8; 4]) -> [u8; 4] {
     (2f32.powi(value >> 24) * mantissa as f32).to_le_bytes()
 }
 
+/// Red, green, blue and alpha up to `most`, from YCoCg and an alpha whose highest bit tells how many bits they have.
+fn color([y, co, cg, a]: [i32; 4], most: f32) -> [f32; 4] {
+    let Some(bit) = a.checked_ilog2() else {
+        return [0.0; 4];
+    };
+    let scale = most / ((2 << bit) - 1) as f32;
+    let a = a & ((1 << bit) - 1);
+    let share = |v: i32| (v as f32 * scale).round().clamp(0.0, most);
+    [y + co - cg, y + cg, y - co - cg, a << 1 | a & 1].map(share)
+}
+
 fn shorts(element: [u8; 8]) -> [i16; 4] {
     let (pairs, _) = element.as_chunks::<2>();
     std::array::from_fn(|k| i16::from_le_bytes(pairs[k]))
@@ -539,6 +620,80 @@ mod tests {
         ];
         for (json, hex, expected) in cases {
             check(json, hex, &bytes(expected));
+        }
+    }
+
+    /// What meshoptimizer 1.2 writes and reads as version 1: every kind of control and channel, and colours.
+    #[test]
+    fn second_version() {
+        let cases = [
+            (
+                16,
+                40,
+                "NONE",
+                "a19f774daa005252d6d5d7d5d7d570ebe9ebebebe9ebebeb52f5f3f5f5f5f5f5f5f5f5f3f5f5f5f5f5f5f5f3 \
+             f500b8b8a3a3a3a3a3a33d515151515151515151b828282828282828282828282828282828282828282b005e \
+             5e522e30302e301a181818161818ffffccccccaccccc18181816ccccccac00000000002f2f2f2f2f2f2f2f2f \
+             2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2f2a06888888888688888888886888 \
+             8888888688888800000000001111111111111111111111111111111111111111111111111111111111111111 \
+             111111111111112a055555555555555555555555555557555555555500000000152aaaaaaaaaaaaaaaaaaa00 \
+             000002060a0e12161a1e22262a2e32363a3e42464a4e52565a5e62666a6e72767a7e82868a8e92969a282666 \
+             66666666000015155555555555555555550000000000000000803f0000ffff000000ff0403020101000000",
+                "0000803f0000ffff000000ff04030201295caf3fe803f6fc010100fe0403020152b8de3fd007edf9020400fd \
+             040302013d0a0740b80be4f6030900fc0403020152b81e40a00fdbf3041000fb04030201666636408813d2f0 \
+             051900fa040302017b144e407017c9ed062400f9040302018fc26540581bc0ea073100f804030201a4707d40 \
+             401fb7e7084000f7040302015c8f8a402823aee4095100f604030201666696401027a5e10a6400f504030201 \
+             713da240f82a9cde0b7900f4040302017b14ae40e02e93db0c9000f30403020185ebb940c8328ad80da900f2 \
+             040302018fc2c540b03681d50ec400f1040302019a99d140983a78d20fe100f004030201a470dd40803e6fcf \
+             100000ef04030201ae47e940684266cc112101ee04030201b81ef54050465dc9124400ed04030201e17a0041 \
+             384a54c6136901ec0403020166660641204e4bc3149000eb04030201ec510c41085242c015b901ea04030201 \
+             713d1241f05539bd16e400e904030201f6281841d85930ba171101e8040302017b141e41c05d27b7184000e7 \
+             0403020100002441a8611eb4197101e60403020185eb2941906515b11aa400e5040302010ad72f4178690cae \
+             1bd901e4040302018fc23541606d03ab1c1000e30403020114ae3b414871faa71d4901e2040302019a994141 \
+             3075f1a41e8400e1040302011f8547411879e8a11fc101e004030201a4704d41007ddf9e200000df04030201 \
+             295c5341e880d69b214101de04030201ae475941d084cd98228400dd0403020133335f41b888c49523c901dc \
+             04030201b81e6541a08cbb92241000db040302013d0a6b418890b28f255901da04030201c3f570417094a98c \
+             26a400d90403020148e176415898a08927f101d804030201",
+            ),
+            (
+                4,
+                20,
+                "NONE",
+                "a1ff00516181731e01214153f2278b0222426282a27b001046a69cc6d97919e7a645c4da7a1a45a5fa9f00ee \
+             3129bb4ed10eee6b238661d20ded32ad729300a9b63c29c996097e89480fca950aaab5154d73000000000000 \
+             00000000000000000000000000c67edfd600",
+                "c67edfd69d8656816ca93ddc2bfc28faf14acae500adf180ff4088cbee038fc6cdf60605a382d0c01cd5bee4 \
+             08b201dcc214d041c38139f6d4be32fbf5cbbb5026a8d4f567557deab8d2b6c37a826c89",
+            ),
+            (
+                4,
+                20,
+                "NONE",
+                "a19a02079b9f9b979b9f9b0f0f0f000907090b000000000000000000000000000000000000000000003f62",
+                "0000003f001c003f0038003f0014003f0030003f000c003f0028003f0004003f0020003f003c003f0018003f \
+             0034003f0010003f002c003f0008003f0024003f0000003f001c003f0038003f0014003f",
+            ),
+            (
+                4,
+                3,
+                "COLOR",
+                "a1ff0066e500d03200ca4b007d7f00000000000000000000000000000000000000407fc1ff00",
+                "fe0100ff3499668000000000",
+            ),
+            (
+                8,
+                3,
+                "COLOR",
+                "a1ffff00666500060d00d0cd00110400cacb000c0300020000050700000000000000000000000000000004ff \
+             0701fcff0f0000",
+                "efff10000000ffff43339999666608800000000000000000",
+            ),
+        ];
+        for (stride, count, filter, hex, expected) in cases {
+            let json = format!(
+                "\"byteStride\":{stride},\"count\":{count},\"mode\":\"ATTRIBUTES\",\"filter\":\"{filter}\""
+            );
+            check(&json, hex, &bytes(expected));
         }
     }
 

@@ -40,7 +40,7 @@ impl GltfMessages {
         self.at(message, Position::Whole);
     }
 
-    /// Counts a message about the whole file so many times, at least once.
+    /// Counts a message about the whole file `count` times, at least once.
     pub fn whole_many(&mut self, message: &str, count: usize) {
         (0..count.max(1)).for_each(|_| self.whole(message));
     }

@@ -46,7 +46,7 @@ impl Triangles<'_> {
         }
     }
 
-    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Calls `kept` with the
+    /// Adds the triangles to a mesh; their vertices are the `count` that start at `first`. Calls `kept` with the
     /// number of each, and returns how many were not added: those with missing or non-finite vertices.
     pub fn push_into(
         &self,

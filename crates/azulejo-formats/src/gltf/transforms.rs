@@ -35,7 +35,7 @@ fn texts(json: &[u8]) -> Option<Vec<&RawValue>> {
     serde_json::from_str(root.get("nodes")?.get()).ok()
 }
 
-/// The transform of a node: its matrix, or translation, rotation and scale; `None` if that is no list of
+/// The transform of a node: its matrix, or translation, rotation and scale; `None` if that is not a list of
 /// numbers.
 fn parent_from_members(members: &Members) -> Option<DAffine3> {
     if let Some(matrix) = numbers::<16>(members, "matrix")? {

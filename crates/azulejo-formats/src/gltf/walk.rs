@@ -157,7 +157,9 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let Some(light) = lights.and_then(|l| l.get(number as usize)) else {
             return self.messages.of("image-based light that is not there", at);
         };
-        match image_based::read(light, &mut self.surfaces) {
+        let generator = root.asset.generator.as_deref();
+        let is_ours = generator.is_some_and(|g| g.starts_with("azulejo "));
+        match image_based::read(light, is_ours, &mut self.surfaces) {
             Ok(kind) => {
                 let name = light.get("name").and_then(|n| n.as_str());
                 let name = joined("", name.unwrap_or(""));
@@ -299,11 +301,11 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let extensions = node.extensions.as_ref();
         let extension = extensions.and_then(|e| e.others.get(lightmap::OF_NODES))?;
         let named = lightmap::of_node(extension, self.root());
-        let (found, problem) = self.surfaces.lightmap(named);
+        let (lightmap, problem) = self.surfaces.lightmap(named);
         if let Some(problem) = problem {
             self.messages.of(&problem, || format!("nodes[{index}]"));
         }
-        found
+        lightmap
     }
 
     /// A mesh, and the origins of its faces if they are wanted.
@@ -618,8 +620,8 @@ fn named(placement: NodePlacement, own: Option<&str>) -> String {
 /// `KHR_node_visibility`.
 fn is_hidden(node: &Node) -> bool {
     let extensions = node.extensions.as_ref();
-    let found = extensions.and_then(|e| e.others.get("KHR_node_visibility"));
-    found.and_then(|v| v.get("visible")?.as_bool()) == Some(false)
+    let visibility = extensions.and_then(|e| e.others.get("KHR_node_visibility"));
+    visibility.and_then(|v| v.get("visible")?.as_bool()) == Some(false)
 }
 
 /// A path with a name appended. A path that is too long starts again from the name.

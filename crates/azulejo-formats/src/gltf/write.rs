@@ -1,5 +1,6 @@
 //! Writes scenes as glTF.
 
+use super::container::{BIN, write_glb};
 use super::image_based;
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
@@ -36,7 +37,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     write_with(scene, MattSurfaces::default(), out)
 }
 
-/// As [`write()`], with a choice of what the file says of matt surfaces.
+/// As [`write()`], with a choice of how the file describes matt surfaces.
 ///
 /// # Errors
 /// As [`write()`].
@@ -47,19 +48,9 @@ pub fn write_with(scene: &Scene, matt: MattSurfaces, out: &mut dyn Write) -> io:
     let mut bin = std::mem::take(&mut document.pack.bin);
     json.resize(json.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);
-    let chunk = if bin.is_empty() { 0 } else { 8 + bin.len() };
-    let length = u32::try_from(12 + 8 + json.len() + chunk);
-    let length = length.map_err(|_| io::Error::other("a GLB holds at most 4 GiB"))?;
-    out.write_all(b"glTF\x02\0\0\0")?;
-    out.write_all(&length.to_le_bytes())?;
-    out.write_all(&(json.len() as u32).to_le_bytes())?;
-    out.write_all(b"JSON")?;
-    out.write_all(&json)?;
-    if !bin.is_empty() {
-        out.write_all(&(bin.len() as u32).to_le_bytes())?;
-        out.write_all(b"BIN\0")?;
-        out.write_all(&bin)?;
-    }
+    let bin = (!bin.is_empty()).then_some((BIN, &bin[..]));
+    let chunks = [(*b"JSON", &json[..])].into_iter().chain(bin);
+    write_glb(&chunks.collect::<Vec<_>>(), out)?;
     out.flush()
 }
 

@@ -4,7 +4,7 @@
 //! roughnesses evenly from 0 to 1, the smallest of about 16 pixels.
 
 use super::cube_map::{CubeMap, MOST_RGBD};
-use super::image_based::CONSTANT;
+use super::image_based::{CONSTANT, MARK};
 use super::json_parts::named;
 use super::pack::Pack;
 use crate::picture::png;
@@ -190,4 +190,6 @@ fn describe(
     light.insert("irradianceCoefficients".into(), json!(coefficients));
     light.insert("specularImageSize".into(), json!(size));
     light.insert("specularImages".into(), json!(levels));
+    let mark = json!({ "azulejo": { (MARK): "Babylon.js" } });
+    light.insert("extras".into(), mark);
 }

@@ -24,7 +24,7 @@ const LIGHTMAP_SET: u32 = 1;
 /// programs that do not trace rays.
 const SOLID: f64 = 0.01;
 
-/// What a file says of matt surfaces.
+/// How a file describes matt surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MattSurfaces {
     /// That their roughness is 1. Programs that know nothing else let them mirror 4% of the light, and more
@@ -66,10 +66,10 @@ impl Materials {
             says_matt: matt == MattSurfaces::Said,
             ..Materials::default()
         };
-        let of_surroundings = only_around(scene);
+        let environments = only_around(scene);
         let peaks = bright_lightmaps(scene);
         for (i, texture) in scene.textures.iter().enumerate() {
-            if of_surroundings.contains(&(i as TextureId)) {
+            if environments.contains(&(i as TextureId)) {
                 // Textures keep their numbers; one without an image is nothing.
                 materials.textures.push(json!({}));
                 continue;
@@ -109,13 +109,13 @@ impl Materials {
     /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture:
     /// it emits the mean of its picture.
     pub fn plain(&mut self, material: MaterialId) -> usize {
-        let of_material = &self.list[material as usize];
-        let surface = &of_material["pbrMetallicRoughness"];
+        let json = &self.list[material as usize];
+        let surface = &json["pbrMetallicRoughness"];
         let pictures = [
             &surface["baseColorTexture"],
             &surface["metallicRoughnessTexture"],
-            &of_material["emissiveTexture"],
-            &of_material["normalTexture"],
+            &json["emissiveTexture"],
+            &json["normalTexture"],
         ];
         if pictures.iter().all(|picture| picture.is_null()) {
             return material as usize;
@@ -275,8 +275,8 @@ impl Materials {
         glass: Dielectric,
         extensions: &mut Map<String, Value>,
     ) -> Value {
-        let all = json!({ "transmissionFactor": 1 });
-        self.extend(extensions, "KHR_materials_transmission", all);
+        let transmission = json!({ "transmissionFactor": 1 });
+        self.extend(extensions, "KHR_materials_transmission", transmission);
         let ior = glass.ior.max(1.0);
         self.extend(extensions, "KHR_materials_ior", json!({ "ior": ior }));
         if is_solid(&glass) {

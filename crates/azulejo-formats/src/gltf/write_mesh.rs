@@ -92,6 +92,7 @@ impl WrittenMesh {
         let primitives = json["primitives"].as_array_mut();
         for primitive in primitives.into_iter().flatten() {
             primitive["attributes"][format!("COLOR_{}", self.set)] = json!(accessor);
+            primitive["extras"] = stored.extras(photometric);
         }
         json["extras"] = stored.extras(photometric);
         json
@@ -112,8 +113,8 @@ impl MergedCorners {
         let by_corner = |a: Option<&Vec<u32>>, corner: usize, v: u32| a.map_or(v, |a| a[corner]);
         let normals = mesh.normals.as_ref().and_then(|a| a.corners.as_ref());
         let uvs = mesh.uvs.as_ref().and_then(|a| a.corners.as_ref());
-        let of_light = mesh.lightmap_uvs.as_ref().and_then(|a| a.corners.as_ref());
-        if normals.is_none() && uvs.is_none() && of_light.is_none() {
+        let lightmap_uvs = mesh.lightmap_uvs.as_ref().and_then(|a| a.corners.as_ref());
+        if normals.is_none() && uvs.is_none() && lightmap_uvs.is_none() {
             return MergedCorners {
                 vertices: (0..mesh.positions.len() as u32).map(|v| [v; 4]).collect(),
                 corners: mesh.faces.corners.clone(),
@@ -126,7 +127,7 @@ impl MergedCorners {
                 v,
                 by_corner(normals, corner, v),
                 by_corner(uvs, corner, v),
-                by_corner(of_light, corner, v),
+                by_corner(lightmap_uvs, corner, v),
             ];
             *known.entry(key).or_insert_with(|| {
                 vertices.push(key);
@@ -197,8 +198,11 @@ fn by_material(mesh: &Mesh, corners: &MergedCorners) -> Vec<(MaterialId, Vec<u32
         triangles.clear();
         mesh.triangulate_into(face, &mut triangles);
         let range = mesh.faces.corner_range(face);
-        let of_face = &corners.corners[range];
-        let indices = triangles.iter().flatten().map(|&k| of_face[k as usize]);
+        let face_corners = &corners.corners[range];
+        let indices = triangles
+            .iter()
+            .flatten()
+            .map(|&k| face_corners[k as usize]);
         lists[list].1.extend(indices);
     }
     lists

@@ -181,12 +181,21 @@ impl MshReader<'_> {
         let source = &mut self.source;
         let encoding = std::mem::replace(&mut source.encoding, MshEncoding::Text);
         for _ in 0..source.count_line("a number of names")? {
-            let dimension = source.int("the dimension of a physical group")?;
-            let number = source.int("the number of a physical group")?;
+            let first = source.int("the dimension of a physical group")?;
             let line = text(source.rest_of_line());
-            let name = line.trim_matches('"').trim();
-            if let (Ok(dimension), false) = (dimension.try_into(), name.is_empty()) {
-                self.mesh.names.insert((dimension, number), name.to_owned());
+            let number = line.trim_start().split_once([' ', '\t']);
+            let number =
+                number.and_then(|(number, name)| Some((number.parse::<i64>().ok()?, name)));
+            // Version 2.0 has no dimensions.
+            let (dimensions, number, name) = match number {
+                Some((number, name)) => (first..=first, number, name),
+                None => (0..=3, first, &*line),
+            };
+            let name = name.trim().trim_matches('"').trim();
+            for dimension in dimensions.filter_map(|d| u8::try_from(d).ok()) {
+                if !name.is_empty() {
+                    self.mesh.names.insert((dimension, number), name.to_owned());
+                }
             }
         }
         source.encoding = encoding;

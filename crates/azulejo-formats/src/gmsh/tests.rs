@@ -1,6 +1,7 @@
 use super::read;
+use crate::reader_tests::{check_warnings, mesh};
 use crate::{Loaded, Memory, ReadError, ReadOptions};
-use azulejo_scene::{Mesh, Shape, Up};
+use azulejo_scene::Up;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -19,24 +20,12 @@ fn check_error(text: &str, expected: &str) {
     assert_eq!(error.lines().next(), Some(expected));
 }
 
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(messages, expected);
-}
-
 /// Names of objects with their numbers of faces.
 fn objects(loaded: &Loaded) -> Vec<(&str, usize)> {
     let objects = loaded.scene.objects.iter().enumerate();
     objects
         .map(|(k, o)| (o.name.as_str(), mesh(loaded, k).faces.len()))
         .collect()
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => unreachable!("gmsh has meshes only"),
-    }
 }
 
 /// A file of version 2.2 with the corners of a cube, numbered 10 to 17.
@@ -432,4 +421,13 @@ proptest! {
     fn any_words_are_harmless(words in "([$A-Za-z0-9.\n -]|\\$EndNodes|\\$Elements\n){0,200}") {
         let _ = try_load(format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n{words}").as_bytes());
     }
+}
+
+/// Version 2.0 of 2008 writes no dimension before the number of a name.
+#[test]
+fn names_without_a_dimension() {
+    let names = "$PhysicalNames\n2\n1 \"hot wall\"\n2 \"5 cold\"\n$EndPhysicalNames\n";
+    let text = version_2(names, "1 3 2 1 4 10 13 12 11\n2 2 2 2 5 14 15 16\n");
+    let loaded = load(&text.replace("2.2 0 8", "2 0 8"));
+    assert_eq!(objects(&loaded), [("hot wall", 1), ("5 cold", 1)]);
 }

@@ -92,10 +92,7 @@ pub fn plain_losses(scene: &Scene) -> Vec<String> {
             materials(|m| m.sidedness != Sidedness::Unsaid),
             "materials that say which sides are seen",
         ),
-        (
-            meshes(|m| !m.smoothing.is_empty()),
-            "meshes with smoothing groups",
-        ),
+        (meshes(|m| m.is_grouped()), "meshes with smoothing groups"),
         (
             meshes(|m| !m.irradiance_error.is_empty()),
             "meshes with standard errors of irradiance",

@@ -116,8 +116,8 @@ impl<'a> MgfLines<'a> {
 
 /// A word as a finite number.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
-    let found = number::parse(word)?;
-    (found.length == word.len() && found.value.is_finite()).then_some(found.value)
+    let parsed = number::parse(word)?;
+    (parsed.length == word.len() && parsed.value.is_finite()).then_some(parsed.value)
 }
 
 #[cfg(test)]

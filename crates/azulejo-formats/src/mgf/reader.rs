@@ -588,11 +588,11 @@ impl<'r> MgfReader<'r> {
         }
         if !self.texts.contains_key(name) {
             let read = self.files.read(name);
-            let found = match &read {
+            let text = match &read {
                 Ok(bytes) => Some(Rc::from(&*decoded(bytes))),
                 Err(_) => None,
             };
-            self.texts.insert(name.to_owned(), found);
+            self.texts.insert(name.to_owned(), text);
             match read {
                 Ok(bytes) => self.count_bytes(name, bytes.len() as u64)?,
                 Err(e) => return skip(format!("file {shown} skipped: {e}")),
@@ -645,14 +645,14 @@ impl<'r> MgfReader<'r> {
         mut place: impl FnMut(&mut Self) -> Result<(), EntityError>,
     ) -> Result<(), EntityError> {
         let outer = self.placement;
-        let mut said = Ok(());
+        let mut outcome = Ok(());
         self.builder.open(name, outer.frame);
         for instance in 0..transform.instances() {
             self.budget.spend(REPEATED)?;
             self.enter(transform, instance, outer, false);
             match place(self) {
                 Err(EntityError::Exhausted(e)) => return Err(e.into()),
-                Err(skipped) => said = Err(skipped),
+                Err(skipped) => outcome = Err(skipped),
                 Ok(()) => {}
             }
             if transform.is_array() {
@@ -661,7 +661,7 @@ impl<'r> MgfReader<'r> {
         }
         self.builder.close();
         self.placement = outer;
-        said
+        outcome
     }
 }
 

@@ -241,7 +241,7 @@ impl MgfReader<'_> {
     }
 
     fn ring(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
-        let (centre, normal, inner, outer) = self.round(words)?;
+        let (centre, normal, [inner, outer]) = self.round(words)?;
         if !(0.0 <= inner && inner < outer) {
             return skip("ring whose radii are not 0 <= inner < outer: skipped");
         }
@@ -252,7 +252,7 @@ impl MgfReader<'_> {
     }
 
     fn torus(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
-        let (centre, normal, inner, outer) = self.round(words)?;
+        let (centre, normal, [inner, outer]) = self.round(words)?;
         if inner * outer < 0.0 || inner.abs() == outer.abs() {
             return skip("torus whose radii are equal or have different signs: skipped");
         }
@@ -267,13 +267,13 @@ impl MgfReader<'_> {
     }
 
     /// Centre, normal and two radii.
-    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), EntityError> {
+    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, [f64; 2]), EntityError> {
         let [name, inner, outer] = words else {
             return skip("ring or torus without \"vertex radius radius\": skipped");
         };
         let vertex = self.named(name)?;
         match vertex.normal {
-            Some(normal) => Ok((vertex.position, normal, length(inner)?, length(outer)?)),
+            Some(normal) => Ok((vertex.position, normal, [length(inner)?, length(outer)?])),
             None => skip("ring or torus around a vertex without normal: skipped"),
         }
     }

@@ -120,60 +120,83 @@ enum TransformOption {
     Piece(TransformFactor),
 }
 
+impl TransformOption {
+    fn map(matrix: DMat3) -> TransformOption {
+        TransformOption::Map(DAffine3::from_mat3(matrix))
+    }
+
+    fn mirror(axis: DVec3) -> TransformOption {
+        TransformOption::map(DMat3::from_diagonal(DVec3::ONE - 2.0 * axis))
+    }
+
+    /// A scale of the given axes.
+    fn scale(axes: DVec3, arguments: &[&[u8]]) -> Result<TransformOption, &'static str> {
+        match numbers(arguments)? {
+            [0.0] => Err("scale of 0"),
+            [f] => Ok(TransformOption::map(DMat3::from_diagonal(
+                axes * f + (DVec3::ONE - axes),
+            ))),
+        }
+    }
+
+    /// `-i` or `-a`.
+    fn repetition(is_array: bool, arguments: &[&[u8]]) -> Result<TransformOption, &'static str> {
+        let [n] = numbers(arguments)?;
+        let least = if is_array { 1.0 } else { 0.0 };
+        if !(n >= least && n <= 1e15) {
+            return Err("repetition that is not a count");
+        }
+        Ok(TransformOption::Piece(TransformFactor {
+            count: n as u64,
+            is_array,
+            ..TransformFactor::ONCE
+        }))
+    }
+}
+
+/// The numbers at the start of `arguments`.
+fn numbers<const N: usize>(arguments: &[&[u8]]) -> Result<[f64; N], &'static str> {
+    let words = arguments.first_chunk::<N>();
+    let words = words.ok_or("transform option without its numbers")?;
+    let mut values = [0.0; N];
+    for (value, word) in values.iter_mut().zip(words) {
+        *value = number(word).ok_or("transform option without its numbers")?;
+    }
+    Ok(values)
+}
+
 /// The option at the start of `words`, and its number of words.
 fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
     let (option, arguments) = (words[0], &words[1..]);
-    let wrong = "transform option without its numbers";
-    let numbers = |n: usize| -> Result<Vec<f64>, &'static str> {
-        let words = arguments.get(..n).ok_or(wrong)?;
-        words.iter().map(|w| number(w).ok_or(wrong)).collect()
+    let rotation = |about: fn(f64) -> DMat3| -> Result<_, &'static str> {
+        let [degrees] = numbers(arguments)?;
+        Ok(TransformOption::map(about(degrees.to_radians())))
     };
-    let map = |taken: usize, matrix: DMat3| {
-        Ok((taken, TransformOption::Map(DAffine3::from_mat3(matrix))))
-    };
-    let scale = |axes: DVec3| match numbers(1)?[0] {
-        0.0 => Err("scale of 0"),
-        f => map(2, DMat3::from_diagonal(axes * f + (DVec3::ONE - axes))),
-    };
-    let angle = || numbers(1).map(|values| values[0].to_radians());
-    let mirror = |axis: DVec3| map(1, DMat3::from_diagonal(DVec3::ONE - 2.0 * axis));
-    match option {
+    Ok(match option {
         b"-t" => {
-            let t = DVec3::from_slice(&numbers(3)?);
-            Ok((4, TransformOption::Map(DAffine3::from_translation(t))))
+            let by = DVec3::from_array(numbers(arguments)?);
+            (4, TransformOption::Map(DAffine3::from_translation(by)))
         }
-        b"-rx" => map(2, DMat3::from_rotation_x(angle()?)),
-        b"-ry" => map(2, DMat3::from_rotation_y(angle()?)),
-        b"-rz" => map(2, DMat3::from_rotation_z(angle()?)),
+        b"-rx" => (2, rotation(DMat3::from_rotation_x)?),
+        b"-ry" => (2, rotation(DMat3::from_rotation_y)?),
+        b"-rz" => (2, rotation(DMat3::from_rotation_z)?),
         b"-r" => {
-            let values = numbers(4)?;
-            let axis = DVec3::from_slice(&values).try_normalize();
+            let [x, y, z, degrees] = numbers(arguments)?;
+            let axis = DVec3::new(x, y, z).try_normalize();
             let axis = axis.ok_or("rotation about a zero axis")?;
-            map(5, DMat3::from_axis_angle(axis, values[3].to_radians()))
+            let turned = DMat3::from_axis_angle(axis, degrees.to_radians());
+            (5, TransformOption::map(turned))
         }
-        b"-s" => scale(DVec3::ONE),
-        b"-sx" => scale(DVec3::X),
-        b"-sy" => scale(DVec3::Y),
-        b"-sz" => scale(DVec3::Z),
-        b"-mx" => mirror(DVec3::X),
-        b"-my" => mirror(DVec3::Y),
-        b"-mz" => mirror(DVec3::Z),
-        b"-i" | b"-a" => {
-            let is_array = option == b"-a";
-            let n = numbers(1)?[0];
-            let least = if is_array { 1.0 } else { 0.0 };
-            if !(n >= least && n <= 1e15) {
-                return Err("repetition that is not a count");
-            }
-            let piece = TransformFactor {
-                count: n as u64,
-                is_array,
-                ..TransformFactor::ONCE
-            };
-            Ok((2, TransformOption::Piece(piece)))
-        }
-        _ => Err("unknown transform option"),
-    }
+        b"-s" => (2, TransformOption::scale(DVec3::ONE, arguments)?),
+        b"-sx" => (2, TransformOption::scale(DVec3::X, arguments)?),
+        b"-sy" => (2, TransformOption::scale(DVec3::Y, arguments)?),
+        b"-sz" => (2, TransformOption::scale(DVec3::Z, arguments)?),
+        b"-mx" => (1, TransformOption::mirror(DVec3::X)),
+        b"-my" => (1, TransformOption::mirror(DVec3::Y)),
+        b"-mz" => (1, TransformOption::mirror(DVec3::Z)),
+        b"-i" | b"-a" => (2, TransformOption::repetition(option == b"-a", arguments)?),
+        _ => return Err("unknown transform option"),
+    })
 }
 
 #[cfg(test)]

@@ -3,16 +3,11 @@
 use super::card::{BulkCard, BulkLine, BulkLines};
 use super::deck::BulkDeck;
 use crate::reading::cursor::{LineCounter, TextCursor};
-use crate::reading::files::open_beside;
-use crate::reading::gzip;
+use crate::reading::include::{IncludeSite, IncludeStack};
 use crate::reading::options::check_length;
 use crate::reading::text::{decoded, quoted, text};
 use crate::reading::warnings::Warnings;
-use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use std::collections::HashSet;
-
-/// Files that include each other more deeply are refused; NASTRAN allows 10.
-const DEEPEST: usize = 20;
+use crate::{Files, Loaded, ReadError, ReadOptions};
 
 /// Most lines that the name of an included file is spread over.
 const LONGEST_NAME: usize = 20;
@@ -35,15 +30,11 @@ pub(super) struct BulkSource<'a> {
 
 /// Reads bulk data.
 pub(super) struct BulkReader<'a> {
-    files: &'a dyn Files,
-    options: &'a ReadOptions,
+    includes: IncludeStack<'a>,
     warnings: Warnings,
     pub(super) deck: BulkDeck,
     /// The first card that says nothing of geometry.
     pub(super) first_other: Option<String>,
-    /// The files that are being read, the innermost last, by their names relative to the model's folder.
-    open: Vec<String>,
-    read: HashSet<String>,
     /// Whether the end of the data has been read.
     is_done: bool,
 }
@@ -51,23 +42,17 @@ pub(super) struct BulkReader<'a> {
 impl<'a> BulkReader<'a> {
     pub fn new(files: &'a dyn Files, options: &'a ReadOptions) -> BulkReader<'a> {
         BulkReader {
-            files,
-            options,
+            includes: IncludeStack::new(files, options),
             warnings: Warnings::default(),
             deck: BulkDeck::default(),
             first_other: None,
-            open: Vec::new(),
-            read: HashSet::new(),
             is_done: false,
         }
     }
 
     /// Reads the model's own file, from `BEGIN BULK` on if it has that.
     pub fn read(mut self, bytes: &[u8], file: &str) -> Result<Loaded, ReadError> {
-        let own = file.replace('\\', "/");
-        let own = own.rsplit('/').next().unwrap_or_default().to_owned();
-        self.open.push(own.clone());
-        self.read.insert(own);
+        self.includes.begin(file);
         self.run(bytes, file, "")?;
         let scene = self.deck.scene(&mut self.warnings)?;
         Ok(Loaded {
@@ -158,52 +143,32 @@ impl<'a> BulkReader<'a> {
         source: &BulkSource,
     ) -> Result<(), ReadError> {
         let path = included_name(line, lines);
-        let fail = |found: String, expected: &str| {
-            Err(source.text.error(source.file, line.at, found, expected))
-        };
         if path.is_empty() {
-            return fail("INCLUDE without a name".to_owned(), "the name of a file");
+            let (found, expected) = ("INCLUDE without a name", "the name of a file");
+            return Err((source.text).error(source.file, line.at, found, expected));
         }
-        let shown = quoted(path.as_bytes());
-        let (name, bytes) = match open_beside(self.files, source.name, &path) {
-            Ok(found) => found,
-            Err(reason) => {
-                self.warn(
-                    source,
-                    line.at,
-                    format!("included file {shown}: {reason}; skipped"),
-                );
+        let site = IncludeSite {
+            text: source.text,
+            file: source.file,
+            name: source.name,
+            at: line.at,
+        };
+        let included = match self.includes.open(&path, site)? {
+            Ok(included) => included,
+            Err(message) => {
+                self.warn(source, line.at, message);
                 return Ok(());
             }
         };
-        if self.open.contains(&name) {
-            let found = format!("file {shown}, which includes itself");
-            return fail(found, "files that do not include each other");
-        }
-        if self.open.len() == DEEPEST {
-            let found = format!("files included more than {DEEPEST} deep");
-            return fail(found, "fewer of them");
-        }
-        if !self.read.insert(name.clone()) {
-            self.warn(
-                source,
-                line.at,
-                format!("file {shown}, included again: skipped"),
-            );
-            return Ok(());
-        }
-        self.open.push(name.clone());
-        let bytes = gzip::unpacked(&bytes, &name, self.options)?;
-        let result = self.run(&bytes, &name, &name);
-        self.open.pop();
-        result.map_err(|mut error| {
-            if let Position::Line(number, _) = source.text.position(line.at) {
-                error
-                    .included_from
-                    .insert(0, (source.file.to_owned(), number));
-            }
-            error
-        })
+        let result = if included.is_repeated {
+            let shown = quoted(path.as_bytes());
+            let message = format!("file {shown}, included again: skipped");
+            self.warn(source, line.at, message);
+            Ok(())
+        } else {
+            self.run(&included.bytes, &included.name, &included.name)
+        };
+        self.includes.close(site, result)
     }
 }
 

@@ -1,6 +1,7 @@
 use super::read;
+use crate::reader_tests::{check_warnings, mesh, names};
 use crate::{Loaded, Memory, ReadError, ReadOptions};
-use azulejo_scene::{Mesh, Shape, Up};
+use azulejo_scene::Up;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -17,22 +18,6 @@ fn load(text: &str) -> Loaded {
 fn check_error(text: &str, expected: &str) {
     let error = try_with(text, &Memory::new()).unwrap_err().to_string();
     assert_eq!(error.lines().next(), Some(expected), "{text}");
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(messages, expected);
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => unreachable!("bulk data have meshes only"),
-    }
-}
-
-fn names(loaded: &Loaded) -> Vec<&str> {
-    loaded.scene.objects.iter().map(|o| &*o.name).collect()
 }
 
 /// Grid points 1 to 8 at the corners of a unit cube, the lower four first.

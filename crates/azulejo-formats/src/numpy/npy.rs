@@ -4,6 +4,7 @@
 //! either byte order, C and Fortran order; [`StoredArray`]: integers and strings too. Written:
 //! version 1, little-endian, C order.
 
+use ::exr::prelude::f16;
 use std::io::{self, Write};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -277,7 +278,7 @@ impl StoredArray {
     pub fn number(&self, i: usize) -> f64 {
         let bytes = self.element(i);
         match self.kind {
-            ElementKind::Float(2) => half(u16::from_le_bytes(first(&bytes))),
+            ElementKind::Float(2) => f16::from_le_bytes(first(&bytes)).to_f64(),
             ElementKind::Float(4) => f64::from(f32::from_le_bytes(first(&bytes))),
             ElementKind::Float(_) => f64::from_le_bytes(bytes),
             ElementKind::Signed(_) | ElementKind::Unsigned(_) => self.integer(i) as f64,
@@ -360,18 +361,6 @@ fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
     let mut out = [0; N];
     out.copy_from_slice(&bytes[..N]);
     out
-}
-
-/// A real number of 16 bits (IEEE 754 binary16).
-fn half(bits: u16) -> f64 {
-    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
-    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
-    match exponent {
-        0 => sign * fraction * f64::powi(2.0, -14),
-        31 if fraction == 0.0 => sign * f64::INFINITY,
-        31 => f64::NAN,
-        _ => sign * (1.0 + fraction) * f64::powi(2.0, exponent - 15),
-    }
 }
 
 /// A type of number that `.npy` can hold.

@@ -230,9 +230,11 @@ fn colors(raw: &ObjLists, used: &[u32]) -> Vec<Rgb> {
         .collect()
 }
 
+/// Groups of faces, 0 before the first `s`; none if there is no `s` before their end.
 fn smoothing(raw: &ObjLists, faces: Range<usize>) -> Vec<u32> {
+    let group = |&group: &u32| if group == NONE { 0 } else { group };
     match raw.smoothing.get(faces) {
-        Some(groups) if groups.iter().any(|g| *g != 0) => groups.to_vec(),
+        Some(groups) if groups.iter().any(|g| *g != NONE) => groups.iter().map(group).collect(),
         _ => Vec::new(),
     }
 }

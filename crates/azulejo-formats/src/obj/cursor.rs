@@ -288,9 +288,9 @@ impl<'a> StatementCursor<'a> {
     /// An error about the word at byte `offset`, which need not be on this line.
     #[cold]
     pub fn error_at(&self, offset: usize, expected: &str) -> ReadError {
-        let mut there = self.clone();
-        there.text.move_to(offset);
-        let found = there
+        let mut cursor = self.clone();
+        cursor.text.move_to(offset);
+        let found = cursor
             .word()
             .map_or_else(|| "the end of the line".to_owned(), quoted);
         self.error_with(offset, found, expected)

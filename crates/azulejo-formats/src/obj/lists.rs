@@ -27,7 +27,7 @@ pub(super) struct ObjLists {
     pub corner_normals: Vec<u32>,
     /// Index into `material_names`, or [`NONE`].
     pub face_materials: Vec<u32>,
-    /// Smoothing group of each face; empty while all are 0.
+    /// Smoothing group of each face, or [`NONE`] before the first `s`; empty before it.
     pub smoothing: Vec<u32>,
     pub material_names: Vec<String>,
     /// The parts: one for each `o` and each `g`.

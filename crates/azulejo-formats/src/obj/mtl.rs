@@ -156,7 +156,7 @@ struct Definition {
     placement: PicturePlacement,
 }
 
-/// What options before a file say of a picture.
+/// The options of a picture, which precede its file name.
 struct PictureOptions {
     placement: PicturePlacement,
     wrap: WrapMode,
@@ -586,7 +586,8 @@ impl MtlParser<'_> {
     }
 
     fn glass(&mut self, m: &Definition, ior: f64, material: &mut Material) {
-        if m.kd.is_some_and(|kd| !kd.is_black()) {
+        let is_own = |kd: Rgb| !kd.is_black() && Some(kd) != m.tf;
+        if m.kd.is_some_and(is_own) {
             let message = "Kd of a glass material: not used, the Fresnel equations determine reflectance and transmittance";
             self.warnings.add_whole(self.file, message);
         }

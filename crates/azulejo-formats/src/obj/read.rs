@@ -5,12 +5,12 @@ use super::cursor::StatementCursor;
 use super::free_form::FreeForm;
 use super::lists::{NONE, ObjLists, ObjPart};
 use super::mtl::Library;
-use crate::picture::srgb::linear_from_srgb;
-use crate::reading::options::Budget;
+use crate::picture::srgb::{linear_color, linear_from_srgb};
+use crate::reading::options::{BLENDER_COLORS, Budget};
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::surface::textures::normalized_path;
-use crate::{Files, Loaded, Position, ReadError, ReadOptions};
+use crate::{Files, Loaded, Position, ReadError, ReadOptions, VertexColors};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -84,6 +84,7 @@ pub(super) struct ObjReader<'a> {
     /// The largest vertex index that preceded its vertex, and its offset in the file.
     ahead: (i64, usize),
     pub(super) material: u32,
+    /// [`NONE`] before the first `s`.
     smoothing: u32,
     /// Name of the latest `o`.
     object: String,
@@ -91,6 +92,9 @@ pub(super) struct ObjReader<'a> {
     weight_at: Option<Position>,
     /// Colours from ZBrush whose block has not ended.
     polypaint: Vec<Rgb>,
+    /// What colours of vertices are, if that is given.
+    vertex_colors: Option<VertexColors>,
+    is_by_blender: bool,
     material_index: HashMap<String, u32>,
     library: Library,
     libraries_read: HashSet<String>,
@@ -113,10 +117,12 @@ impl<'a> ObjReader<'a> {
             free_form: FreeForm::default(),
             ahead: (0, 0),
             material: NONE,
-            smoothing: 0,
+            smoothing: NONE,
             object: String::new(),
             weight_at: None,
             polypaint: Vec::new(),
+            vertex_colors: options.vertex_colors,
+            is_by_blender: bytes.trim_ascii_start().starts_with(b"# Blender"),
             material_index: HashMap::new(),
             library: Library::default(),
             libraries_read: HashSet::new(),
@@ -254,8 +260,15 @@ impl<'a> ObjReader<'a> {
             if clamped != color {
                 self.warn("vertex colour outside 0..1: clamped");
             }
+            let mut color = Rgb::from(clamped);
+            if self.vertex_colors.is_none() && self.is_by_blender {
+                self.warn(BLENDER_COLORS);
+                color = linear_color(color);
+            } else if self.vertex_colors == Some(VertexColors::Srgb) {
+                color = linear_color(color);
+            }
             self.raw.colors.resize(before, None);
-            self.raw.colors.push(Some(clamped.into()));
+            self.raw.colors.push(Some(color));
         }
         Ok(())
     }
@@ -360,10 +373,9 @@ impl<'a> ObjReader<'a> {
         let end = self.raw.faces.corners.len() as u32;
         self.raw.faces.starts.push(end);
         self.raw.face_materials.push(self.material);
-        if self.smoothing != 0 || !self.raw.smoothing.is_empty() {
-            self.raw
-                .smoothing
-                .resize(self.raw.face_materials.len() - 1, 0);
+        if self.smoothing != NONE {
+            let before = self.raw.face_materials.len() - 1;
+            self.raw.smoothing.resize(before, NONE);
             self.raw.smoothing.push(self.smoothing);
         }
         Ok(())
@@ -484,6 +496,7 @@ impl<'a> ObjReader<'a> {
         let word = self.cursor.word().unwrap_or(b"off");
         let number = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
         self.smoothing = match number {
+            Some(NONE) => NONE - 1,
             Some(group) => group,
             None => {
                 if word != b"off" && word != b"on" {

@@ -1,12 +1,13 @@
 //! Rules of OBJ and MTL, each in a small file.
 
 use super::read;
+use crate::reader_tests::mesh;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
 use azulejo_scene::{
     Image, Material, Mesh, NumberPicture, Opacity, OpacityChannel, OpacityPicture, PictureChannel,
-    ReliefKind, Rgb, Shape, WrapMode,
+    ReliefKind, Rgb, WrapMode,
 };
 use glam::{DVec2, DVec3};
 
@@ -20,13 +21,6 @@ fn load_with(text: impl AsRef<[u8]>, files: &Memory) -> Loaded {
     let loaded = read(text.as_ref(), "a.obj", files).unwrap_or_else(|e| panic!("{e}"));
     loaded.scene.validate().unwrap_or_else(|e| panic!("{e}"));
     loaded
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => panic!("OBJ has meshes only"),
-    }
 }
 
 fn only_mesh(text: impl AsRef<[u8]>) -> Mesh {
@@ -413,7 +407,8 @@ fn missing_attributes_are_filled() {
 #[test]
 fn smoothing_groups() {
     let groups = |text: &str| only_mesh(format!("{SQUARE}{text}")).smoothing;
-    assert!(groups("s 0\nf 1 2 3\ns off\nf 1 2 3").is_empty());
+    assert!(groups("f 1 2 3\nf 1 2 3").is_empty());
+    assert_eq!(groups("s 0\nf 1 2 3\ns off\nf 1 2 3"), [0, 0]);
     assert_eq!(
         groups("f 1 2 3\ns 7\nf 1 2 3\ns off\nf 1 2 3\ns on\nf 1 2 3\ns\nf 1 2 3"),
         [0, 7, 0, 1, 0]
@@ -868,4 +863,30 @@ fn survive(obj: &[u8], mtl: &[u8]) {
         Ok(loaded) => loaded.scene.validate().unwrap_or_else(|e| panic!("{e}")),
         Err(e) => assert!(!e.to_string().is_empty()),
     }
+}
+
+/// Blender writes sRGB and says who it is; whoever says something else is believed.
+#[test]
+fn colours_by_blender_are_srgb() {
+    let check = |first: &str, colors: Option<crate::VertexColors>, expected: f64, warned: usize| {
+        let text = format!("{first}\nv 0 0 0 0.5 0 1\nv 1 0 0 0.5 0 1\nv 0 1 0 0.5 0 1\nf 1 2 3\n");
+        let options = crate::ReadOptions {
+            vertex_colors: colors,
+            ..crate::ReadOptions::default()
+        };
+        let files = Memory::new();
+        let loaded = crate::obj::read_with(text.as_bytes(), "a.obj", &files, &options).unwrap();
+        let azulejo_scene::Shape::Mesh(mesh) = &loaded.scene.objects[0].shape else {
+            panic!("a mesh")
+        };
+        let found = mesh.colors[0];
+        assert!((found.r - expected).abs() < 1e-4, "{first}: {found:?}");
+        assert_eq!((found.g, found.b), (0.0, 1.0));
+        assert_eq!(loaded.warnings.len(), warned, "{first}");
+    };
+    let srgb = 0.21404;
+    check("# Blender 5.3.0\n# www.blender.org", None, srgb, 1);
+    check("# Blender 5.3.0", Some(crate::VertexColors::Linear), 0.5, 0);
+    check("# from Blender", None, 0.5, 0);
+    check("# anything", Some(crate::VertexColors::Srgb), srgb, 0);
 }

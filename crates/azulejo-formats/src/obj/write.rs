@@ -37,7 +37,7 @@ pub fn write(
         out: BufWriter::new(obj),
         materials: &names,
         material: None,
-        smoothing: 0,
+        smoothing: None,
         positions: 1,
         uvs: 1,
         normals: 1,
@@ -54,7 +54,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let [primitives, solids] = exact_counts(scene);
     let is_odd_wrap = |t: &&Texture| t.wrap[0] != t.wrap[1] || t.wrap[0] == WrapMode::Mirror;
     LossList::new(scene)
-        .placed_meshes(
+        .meshes(
             |m| !m.irradiance.is_empty(),
             "meshes whose irradiance is not written",
         )
@@ -99,7 +99,8 @@ struct Model<'a> {
     out: BufWriter<&'a mut dyn Write>,
     materials: &'a [String],
     material: Option<u32>,
-    smoothing: u32,
+    /// `None` before the first `s`, which says nothing.
+    smoothing: Option<u32>,
     positions: usize,
     uvs: usize,
     normals: usize,
@@ -144,8 +145,8 @@ impl Model<'_> {
             writeln!(self.out, "usemtl {}", self.materials[material as usize])?;
         }
         let smoothing = mesh.smoothing_group(face);
-        if self.smoothing != smoothing {
-            self.smoothing = smoothing;
+        let is_said = self.smoothing.is_some() || !mesh.smoothing.is_empty();
+        if is_said && self.smoothing.replace(smoothing) != Some(smoothing) {
             writeln!(self.out, "s {smoothing}")?;
         }
         write!(self.out, "f")?;
@@ -206,7 +207,9 @@ pub(super) fn write_material(
     let model = model(m);
     let kd = match model {
         Some(MtlModel::Rough(base, ..)) => m.finish.map_or(base, |f| f.base),
-        _ => m.diffuse,
+        // Readers without glass, and Blender, show `Kd`, which is black otherwise.
+        _ if m.dielectric.is_some() => m.dielectric.map_or(Rgb::BLACK, |glass| glass.transmittance),
+        _ => smooth_metal(m).map_or(m.diffuse, |(base, _)| base),
     };
     writeln!(out, "newmtl {name}\nKd {}", Numbers(&kd.to_array()))?;
     if m.is_emitter() {
@@ -237,7 +240,8 @@ fn write_surface(
     if let Some(glass) = m.dielectric {
         let transmittance = glass.transmittance.to_array();
         let (transmittance, ior) = (Numbers(&transmittance), [glass.ior]);
-        return writeln!(out, "Tf {transmittance}\nNi {}\nillum 7", Numbers(&ior));
+        let ior = Numbers(&ior);
+        return writeln!(out, "Tf {transmittance}\nNi {ior}\nPm 0\nPr 0\nillum 7");
     }
     match model {
         Some(MtlModel::Rough(_, metallic, roughness)) => {
@@ -249,7 +253,15 @@ fn write_surface(
             write_finish(scene, m, out)
         }
         _ if !m.mirror.is_black() => {
-            writeln!(out, "Ks {}\nillum 3", Numbers(&m.mirror.to_array()))
+            writeln!(out, "Ks {}", Numbers(&m.mirror.to_array()))?;
+            match smooth_metal(m) {
+                Some((_, share)) => writeln!(out, "Pm {}\nPr 0\nillum 3", Numbers(&[share])),
+                // For Blender, a smooth coat; without `Pr` it is the mirror of `illum` 3 for us.
+                None if m.diffuse.max_channel() >= m.mirror.max_channel() => {
+                    writeln!(out, "Ns 1000\nPm 0\nillum 3")
+                }
+                None => writeln!(out, "Ns 1000\nillum 3"),
+            }
         }
         Some(MtlModel::Highlight(highlight)) => {
             let highlight = highlight.around_normal();
@@ -259,6 +271,19 @@ fn write_surface(
         }
         None => writeln!(out, "illum 1"),
     }
+}
+
+/// Base colour and metallic share that describe a mirror over a matt surface to the last bit: programs that do not
+/// know `illum` 3 see the mirror, too. `None` if there are none.
+fn smooth_metal(m: &Material) -> Option<(Rgb, f64)> {
+    if m.mirror.is_black() || m.brdf.is_some() || !m.textures.is_empty() {
+        return None;
+    }
+    let base = m.diffuse + m.mirror;
+    let share = m.mirror.max_channel() / base.max_channel();
+    // As it is read.
+    let is_same = (base * (1.0 - share), base * share) == (m.diffuse, m.mirror);
+    (is_same && base.max_channel() <= 1.0).then_some((base, share))
 }
 
 /// The pictures of metalness and roughness.
@@ -517,7 +542,13 @@ mod tests {
         let materials = prop::collection::vec(surface(), 4);
         let name = "[a-zA-Z#][a-z #áñ漢]{0,8}";
         let objects = prop::collection::vec((name, mesh()), 1..4);
-        (materials, objects).prop_map(|(mut materials, objects)| {
+        (materials, objects).prop_map(|(mut materials, mut objects)| {
+            // The format cannot take back what it has said.
+            if objects.iter().any(|(_, mesh)| !mesh.smoothing.is_empty()) {
+                for (_, mesh) in &mut objects {
+                    mesh.smoothing.resize(mesh.faces.len(), 0);
+                }
+            }
             for (i, m) in materials.iter_mut().enumerate() {
                 m.name = format!("m {i}");
             }
@@ -612,6 +643,81 @@ mod tests {
             "1 exact primitives that become polygons",
         ];
         assert_eq!(losses(&scene), expected);
+    }
+
+    /// What Blender 5.3 shows as a mirror and as glass, and what is read back as the same.
+    #[test]
+    fn mirrors_and_glass_are_not_black_elsewhere() {
+        let check = |material: Material, expected: &[&str]| {
+            let mut scene = Scene::default();
+            let id = scene.add_material(Material {
+                name: "m".into(),
+                ..material
+            });
+            let mut mesh = Mesh {
+                positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+                ..Mesh::default()
+            };
+            mesh.push_face(&[0, 1, 2], id);
+            scene.objects.push(Object::new("o", Shape::Mesh(mesh)));
+            let (obj, mtl) = written(&scene);
+            let text = String::from_utf8(mtl.clone()).unwrap();
+            let lines = text.lines().skip(1).filter(|line| !line.is_empty());
+            assert_eq!(lines.collect::<Vec<_>>(), expected);
+            let files = Memory::new().with("the materials.mtl", mtl);
+            let loaded = obj::read(&obj, "a.obj", &files).unwrap();
+            assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+            assert_eq!(loaded.scene.materials, scene.materials);
+        };
+        let mirror = |diffuse, mirror| Material {
+            diffuse,
+            mirror,
+            ..Material::default()
+        };
+        check(
+            mirror(Rgb::BLACK, Rgb::new(0.9, 0.5, 0.25)),
+            &[
+                "Kd 0.9 0.5 0.25",
+                "Ks 0.9 0.5 0.25",
+                "Pm 1",
+                "Pr 0",
+                "illum 3",
+            ],
+        );
+        check(
+            mirror(Rgb::grey(0.5), Rgb::new(0.25, 0.125, 0.0)),
+            &[
+                "Kd 0.5 0.5 0.5",
+                "Ks 0.25 0.125 0",
+                "Ns 1000",
+                "Pm 0",
+                "illum 3",
+            ],
+        );
+        check(
+            mirror(Rgb::grey(0.5), Rgb::grey(0.5)),
+            &["Kd 1 1 1", "Ks 0.5 0.5 0.5", "Pm 0.5", "Pr 0", "illum 3"],
+        );
+        let glass = Material {
+            mirror: Rgb::WHITE,
+            dielectric: Some(Dielectric {
+                ior: 1.5,
+                transmittance: Rgb::new(0.5, 1.0, 0.75),
+                thin: false,
+            }),
+            ..Material::default()
+        };
+        check(
+            glass,
+            &[
+                "Kd 0.5 1 0.75",
+                "Tf 0.5 1 0.75",
+                "Ni 1.5",
+                "Pm 0",
+                "Pr 0",
+                "illum 7",
+            ],
+        );
     }
 
     #[test]

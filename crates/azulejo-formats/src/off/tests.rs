@@ -1,4 +1,5 @@
 use super::read;
+use crate::reader_tests::check_warnings;
 use crate::{Loaded, Memory, ReadError, ReadOptions};
 use azulejo_scene::{Mesh, Rgb, Shape};
 use glam::{DVec2, DVec3};
@@ -25,11 +26,6 @@ fn mesh(loaded: &Loaded) -> &Mesh {
 fn check_error(text: &str, expected: &str) {
     let error = try_load(text).unwrap_err().to_string();
     assert_eq!(error.lines().next(), Some(expected));
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
 }
 
 const SQUARE: &str = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";

@@ -16,6 +16,7 @@ use crate::surface::named::NamedSurfaces;
 use crate::surface::single;
 use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions};
 
+use azulejo_scene::math::area_vector;
 use cursor::{FoamCursor, FoamHeader};
 use glam::DVec3;
 use patches::{FoamPatch, patches};
@@ -110,7 +111,7 @@ impl<'a> FoamMesh<'a> {
     ) -> Result<NamedSurfaces, ReadError> {
         let (boundary, _) = self.boundary.open()?;
         let patches = patches(&mut { boundary })?;
-        self.warn(&boundary, &patches, warnings);
+        let mut normals = vec![DVec3::ZERO; patches.len()];
         let mut surfaces = NamedSurfaces::default();
         let (mut cursor, header) = self.faces.open()?;
         let first = patches.first().map_or(u64::MAX, |p| p.first);
@@ -121,6 +122,9 @@ impl<'a> FoamMesh<'a> {
                 (current, number) = (current + 1, None);
             }
             let patch = patches.get(current);
+            if patch.is_some_and(|p| p.first == face) {
+                normals[current] = normal(points, corners);
+            }
             if let Some(patch) = patch.filter(|p| face >= p.first && !p.is_skipped()) {
                 let number = *number.get_or_insert_with(|| surfaces.number(&patch.name));
                 // Faces look out of the fluid, and rows into it; the first corner stays.
@@ -132,6 +136,7 @@ impl<'a> FoamMesh<'a> {
                 surfaces.push(number, &turned, points);
             }
         })?;
+        self.warn(&boundary, &patches, &normals, warnings);
         match patches.iter().find(|p| p.count > 0 && p.end() > count) {
             None => Ok(surfaces),
             Some(patch) => {
@@ -142,13 +147,28 @@ impl<'a> FoamMesh<'a> {
         }
     }
 
-    /// Counts the patches that are no walls.
-    fn warn(&self, boundary: &FoamCursor, patches: &[FoamPatch], warnings: &mut Warnings) {
-        for patch in patches {
+    /// Counts the patches that are no walls, which have these normals.
+    fn warn(
+        &self,
+        boundary: &FoamCursor,
+        patches: &[FoamPatch],
+        normals: &[DVec3],
+        warnings: &mut Warnings,
+    ) {
+        for (patch, normal) in patches.iter().zip(normals) {
             let kind = &patch.kind;
-            let what = match (patch.is_skipped(), patch.is_repetition()) {
-                (true, _) => "skipped",
-                (_, true) => "read as a surface like any other",
+            let axis = ["x", "y", "z"][normal.abs().max_position()];
+            let what = match (&**kind, patch.is_skipped(), patch.is_repetition()) {
+                ("empty", ..) => {
+                    format!(
+                        "skipped, so that light leaves; a flat case goes on with --periodic {axis}"
+                    )
+                }
+                ("wedge", ..) => {
+                    "skipped, so that light leaves; wedges are not revolved".to_owned()
+                }
+                (_, true, _) => "skipped".to_owned(),
+                (_, _, true) => "read as a surface like any other".to_owned(),
                 _ => continue,
             };
             let message = format!("patch of type {kind}: {what}");
@@ -165,6 +185,14 @@ impl FoamFile<'_> {
         let header = cursor.header()?;
         Ok((cursor, header))
     }
+}
+
+/// The normal of a face; zero if it has corners that do not exist.
+fn normal(points: &[DVec3], corners: &[u32]) -> DVec3 {
+    let corners = corners.iter().map(|&c| points.get(c as usize).copied());
+    corners
+        .collect::<Option<Vec<_>>>()
+        .map_or(DVec3::ZERO, |c| area_vector(&c))
 }
 
 /// Which of the three files some bytes are; `None` for others of the same folder.

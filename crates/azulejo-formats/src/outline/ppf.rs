@@ -90,9 +90,9 @@ enum PpfSection {
     Start,
     /// At a glyph's number of contours.
     Glyph,
-    /// In a contour, counted from 1, of so many.
+    /// In a contour, counted from 1, and the number of contours.
     Contour(u32, u32),
-    /// After a glyph of so many contours.
+    /// After a glyph with this number of contours.
     Behind(u32),
 }
 

@@ -4,6 +4,7 @@
 
 use super::error::{MOST_PIXELS, PictureError, malformed};
 use super::samples::{from_samples, from_srgb_bytes, little};
+use ::exr::prelude::f16;
 use azulejo_scene::Image;
 
 /// How pixels are stored.
@@ -103,9 +104,8 @@ impl TexelStorage {
                 numbers(n, bytes.len() / 2, &|i| f32::from(word(i)) / 65535.0)
             }
             TexelStorage::Halves(n) => {
-                let half =
-                    |i: usize| half_float(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]));
-                numbers(n, bytes.len() / 2, &half)
+                let (halves, _) = bytes.as_chunks::<2>();
+                numbers(n, halves.len(), &|i| f16::from_le_bytes(halves[i]).to_f32())
             }
             TexelStorage::Floats(n) => {
                 let (words, _) = bytes.as_chunks::<4>();
@@ -134,22 +134,23 @@ impl TexelStorage {
                     _ => integers(2, &pixels(bytes, n, value)),
                 }
             }
-            TexelStorage::Bc1 => integers(4, &unpacked::<4>(size, bytes, 8, bcdec_rs::bc1)),
-            TexelStorage::Bc2 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc2)),
-            TexelStorage::Bc3 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc3)),
-            TexelStorage::Bc7 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc7)),
+            TexelStorage::Bc1 => integers(4, &unpacked::<u8, 4>(size, bytes, 8, bcdec_rs::bc1)),
+            TexelStorage::Bc2 => integers(4, &unpacked::<u8, 4>(size, bytes, 16, bcdec_rs::bc2)),
+            TexelStorage::Bc3 => integers(4, &unpacked::<u8, 4>(size, bytes, 16, bcdec_rs::bc3)),
+            TexelStorage::Bc7 => integers(4, &unpacked::<u8, 4>(size, bytes, 16, bcdec_rs::bc7)),
             TexelStorage::Bc4(signed) => {
                 let samples =
-                    unpacked::<1>(size, bytes, 8, |b, t, p| bcdec_rs::bc4(b, t, p, signed));
+                    unpacked::<u8, 1>(size, bytes, 8, |b, t, p| bcdec_rs::bc4(b, t, p, signed));
                 integers(1, &samples)
             }
             TexelStorage::Bc5(signed) => {
                 let samples =
-                    unpacked::<2>(size, bytes, 16, |b, t, p| bcdec_rs::bc5(b, t, p, signed));
+                    unpacked::<u8, 2>(size, bytes, 16, |b, t, p| bcdec_rs::bc5(b, t, p, signed));
                 integers(3, &pixels(&samples, 2, |p| [p[0], p[1], 0]))
             }
             TexelStorage::Bc6(signed) => {
-                let samples = floats(size, bytes, signed);
+                let decode = |b: &[u8], t: &mut [f32], p| bcdec_rs::bc6h_float(b, t, p, signed);
+                let samples = unpacked::<f32, 3>(size, bytes, 16, decode);
                 numbers(3, samples.len(), &|i| samples[i])
             }
         }
@@ -178,32 +179,16 @@ fn shared_exponent(word: u32) -> [f32; 3] {
     [0, 9, 18].map(|shift| (word >> shift & 0x1ff) as f32 * scale)
 }
 
-/// IEEE 754's half precision.
-fn half_float(bits: u16) -> f32 {
-    let (sign, exponent, fraction) = (
-        bits >> 15,
-        i32::from(bits >> 10 & 31),
-        f32::from(bits & 1023),
-    );
-    let size = match exponent {
-        0 => fraction * 2f32.powi(-24),
-        31 if fraction == 0.0 => f32::INFINITY,
-        31 => 0.0,
-        _ => (1024.0 + fraction) * 2f32.powi(exponent - 25),
-    };
-    if sign == 0 { size } else { -size }
-}
-
-/// Blocks of 4 × 4 pixels with `N` bytes each; `decode` takes a block, its pixels and their pitch.
-fn unpacked<const N: usize>(
+/// Blocks of 4 × 4 pixels with `N` samples each; `decode` takes a block, its pixels and their pitch.
+fn unpacked<T: Copy + Default, const N: usize>(
     [width, height]: [usize; 2],
     bytes: &[u8],
     block: usize,
-    decode: impl Fn(&[u8], &mut [u8], usize),
-) -> Vec<u8> {
-    let mut samples = vec![0; N * width * height];
+    decode: impl Fn(&[u8], &mut [T], usize),
+) -> Vec<T> {
+    let mut samples = vec![T::default(); N * width * height];
     let across = width.div_ceil(4);
-    let mut tile = vec![0; 16 * N];
+    let mut tile = vec![T::default(); 16 * N];
     for (k, packed) in bytes.chunks_exact(block).enumerate() {
         decode(packed, &mut tile, 4 * N);
         let (x, y) = (4 * (k % across), 4 * (k / across));
@@ -211,23 +196,6 @@ fn unpacked<const N: usize>(
         for row in 0..(height - y).min(4) {
             let at = N * ((y + row) * width + x);
             samples[at..at + N * columns].copy_from_slice(&tile[4 * N * row..][..N * columns]);
-        }
-    }
-    samples
-}
-
-/// BC6: three floating-point numbers per pixel.
-fn floats([width, height]: [usize; 2], bytes: &[u8], signed: bool) -> Vec<f32> {
-    let mut samples = vec![0.0; 3 * width * height];
-    let across = width.div_ceil(4);
-    let mut tile = [0.0; 48];
-    for (k, packed) in bytes.chunks_exact(16).enumerate() {
-        bcdec_rs::bc6h_float(packed, &mut tile, 12, signed);
-        let (x, y) = (4 * (k % across), 4 * (k / across));
-        let columns = (width - x).min(4);
-        for row in 0..(height - y).min(4) {
-            let at = 3 * ((y + row) * width + x);
-            samples[at..at + 3 * columns].copy_from_slice(&tile[12 * row..][..3 * columns]);
         }
     }
     samples
@@ -252,7 +220,7 @@ mod tests {
             (0x7c00, f32::INFINITY),
         ];
         for (bits, value) in pairs {
-            assert_eq!(half_float(bits), value);
+            assert_eq!(f16::from_bits(bits).to_f32(), value);
         }
     }
 

@@ -24,10 +24,10 @@ impl PixelBudget {
     /// As [`decode`](super::decode()), as text, and more pixels than are left, of which nothing is
     /// decoded then.
     pub fn decode(&mut self, bytes: &[u8]) -> Result<Image, String> {
-        let said = |e: PictureError| e.to_string();
-        let [width, height] = size(bytes).map_err(said)?;
+        let message = |e: PictureError| e.to_string();
+        let [width, height] = size(bytes).map_err(message)?;
         let left = self.after(width.saturating_mul(height))?;
-        let image = decode(bytes).map_err(said)?;
+        let image = decode(bytes).map_err(message)?;
         self.left = left;
         Ok(image)
     }

@@ -1,34 +1,111 @@
 //! OpenEXR: lossless linear pictures.
 
 use super::error::{MOST_PIXELS, PictureError, assert_whole, check_size, malformed};
+use crate::reading::text::shortened;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::header::Header;
 use ::exr::prelude::*;
 use azulejo_scene::Image as Picture;
+use std::collections::HashSet;
 use std::io::{self, Cursor};
 
-/// Reads the first layer that has channels R, G and B as linear values, without colour
-/// management. Alpha is ignored.
+/// Reads the channels R, G and B as linear values, without colour management; without them those of a
+/// layer, or luminance (Y) as grey. Alpha is ignored.
 ///
 /// # Errors
-/// [`PictureError`]: damaged, cut short, without RGB, deep, or larger than its bytes justify.
+/// [`PictureError`]: damaged, cut short, without such channels, deep, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
-    check_headers(bytes)?;
-    let image = ::exr::image::read::read()
+    let meta = check_headers(bytes)?;
+    let channels = ::exr::image::read::read()
         .no_deep_data()
         .largest_resolution_level()
-        .rgb_channels(
-            |size, _| Picture::new(size.width() as u32, size.height() as u32),
-            |picture, Vec2(x, y), (r, g, b): (f32, f32, f32)| {
-                picture.pixels[y * picture.width as usize + x] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(malformed)?;
-    Ok(image.layer_data.channel_data.pixels)
+        .specific_channels();
+    macro_rules! pixels {
+        ($channels:expr, $sample:pat => $pixel:expr, $samples:ty) => {
+            $channels
+                .collect_pixels(
+                    |size, _| Picture::new(size.width() as u32, size.height() as u32),
+                    |picture: &mut Picture, Vec2(x, y), $sample: $samples| {
+                        picture.pixels[y * picture.width as usize + x] = $pixel;
+                    },
+                )
+                .first_valid_layer()
+                .all_attributes()
+                .non_parallel()
+                .from_buffered(Cursor::new(bytes))
+                .map_err(|error| unread(error, bytes))?
+                .layer_data
+                .channel_data
+                .pixels
+        };
+    }
+    let [r, g, b] = shown_channels(&meta.headers)?;
+    if r == g {
+        return Ok(pixels!(channels.required(r), (v,) => [v; 3], (f32,)));
+    }
+    let channels = channels.required(r).required(g).required(b);
+    Ok(pixels!(channels, (r, g, b) => [r, g, b], (f32, f32, f32)))
+}
+
+/// Names of the channels that are shown: those without a layer, then those of the layer `Combined`, as Blender calls
+/// what the camera sees, then those of the first one; colours before luminance.
+fn shown_channels(headers: &[Header]) -> std::result::Result<[Text; 3], PictureError> {
+    let all = || headers.iter().flat_map(|header| &header.channels.list);
+    let names: Vec<String> = all().map(|channel| channel.name.to_string()).collect();
+    let known: HashSet<&str> = names.iter().map(String::as_str).collect();
+    let layer = |name: &str, channel: &str| {
+        let layer = name.strip_suffix(channel)?;
+        (layer.is_empty() || layer.ends_with('.')).then(|| layer.to_owned())
+    };
+    let shown = |channels: [&str; 3]| {
+        let is_whole = |layer: &String| {
+            let is_there = |c: &&str| known.contains(&*format!("{layer}{c}"));
+            channels.iter().all(is_there)
+        };
+        let layers = names.iter().filter_map(|name| layer(name, channels[0]));
+        let order = |layer: &String| (!layer.is_empty(), !layer.ends_with("Combined."));
+        let first = layers.filter(is_whole).min_by_key(order)?;
+        let names = channels.map(|c| Text::new_or_none(format!("{first}{c}")));
+        let [Some(r), Some(g), Some(b)] = names else {
+            return None;
+        };
+        Some([r, g, b])
+    };
+    shown(["R", "G", "B"])
+        .or_else(|| shown(["Y"; 3]))
+        .ok_or_else(|| {
+            let names = shortened(&names.join(", "));
+            malformed(format!(
+                "an OpenEXR without channels R, G and B, or Y: it has {names}"
+            ))
+        })
+}
+
+/// What the reader does not know, by its name.
+fn unread(error: Error, bytes: &[u8]) -> PictureError {
+    const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
+    let mut places = bytes.windows(ATTRIBUTE.len());
+    let at = places.position(|w| w == ATTRIBUTE);
+    let number = at.and_then(|at| bytes.get(at + ATTRIBUTE.len()));
+    // The numbers of OpenEXR 3.5.
+    let compression = match number {
+        Some(8) => "DWAA",
+        Some(9) => "DWAB",
+        Some(10) => "HTJ2K256",
+        Some(11) => "HTJ2K32",
+        Some(12) => "LJ2K",
+        Some(13) => "ZSTD",
+        _ => "",
+    };
+    if !compression.is_empty() {
+        return malformed(format!(
+            "an OpenEXR compressed by {compression}, which is not read; written anew with ZIP it is"
+        ));
+    }
+    match error {
+        Error::NotSupported(what) => malformed(format!("an OpenEXR that is not read: {what}")),
+        other => malformed(other),
+    }
 }
 
 /// Columns and rows.
@@ -51,7 +128,7 @@ pub fn read_channels(
         .all_attributes()
         .non_parallel()
         .from_buffered(Cursor::new(bytes))
-        .map_err(malformed)?;
+        .map_err(|error| unread(error, bytes))?;
     let layer = image.layer_data;
     let channel = |channel: AnyChannel<FlatSamples>| NamedChannel {
         name: channel.name.to_string(),
@@ -68,7 +145,7 @@ pub fn read_channels(
 
 /// Columns and rows, from the header of the first layer alone; the others are checked when it is read.
 pub(super) fn size(bytes: &[u8]) -> std::result::Result<[u64; 2], PictureError> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
+    let meta = meta(bytes)?;
     let sizes = meta.headers.iter().map(|header| header.layer_size);
     let largest = sizes.max_by_key(|size| size.0.saturating_mul(size.1));
     let Vec2(width, height) = largest.ok_or_else(|| malformed("an OpenEXR without a layer"))?;
@@ -81,15 +158,20 @@ const MOST_BYTES_PER_BYTE: u64 = 1400;
 /// A block that is always allowed, bytes: tiles may be larger than the picture.
 const SMALL_BLOCK: u64 = 1 << 26;
 
-/// Rejects files of which a layer is larger than their bytes justify.
-fn check_headers(bytes: &[u8]) -> std::result::Result<(), PictureError> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
+fn meta(bytes: &[u8]) -> std::result::Result<MetaData, PictureError> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false);
+    meta.map_err(|error| unread(error, bytes))
+}
+
+/// The headers; rejects files of which a layer is larger than their bytes justify.
+fn check_headers(bytes: &[u8]) -> std::result::Result<MetaData, PictureError> {
+    let meta = meta(bytes)?;
     for header in &meta.headers {
         let Vec2(width, height) = header.layer_size;
         check_size(width as u64, height as u64, bytes.len())?;
         check_bytes(header, bytes.len())?;
     }
-    Ok(())
+    Ok(meta)
 }
 
 /// Rejects pictures whose pixels, with all their channels, take memory which the file's own length does
@@ -141,7 +223,7 @@ pub const MOST_HALF: f32 = 65504.0;
 pub const LEAST_HALF: f32 = 6.103_515_6e-5;
 
 /// Writes a picture of values 0..=[`MOST_HALF`] as 16-bit floats with lossless compression: half as large, and
-/// exact to 0.05% from [`LEAST_HALF`] on.
+/// exact to 0.05% above [`LEAST_HALF`].
 ///
 /// # Errors
 /// Errors of `out`, and a picture without pixels.
@@ -342,6 +424,61 @@ mod tests {
         let large = changed(tiles, b"tiles\0tiledesc\0", 0, 1 << 24);
         let error = read(&large).unwrap_err().to_string();
         assert!(error.contains("can hold"), "{error}");
+    }
+
+    /// A file of one pixel whose channels have these names and values.
+    fn one_pixel(channels: &[(&str, f32)]) -> Vec<u8> {
+        let channel = |&(name, value): &(&str, f32)| NamedChannel {
+            name: name.into(),
+            values: ChannelValues::Float(vec![value]),
+        };
+        let mut file = Vec::new();
+        let channels = channels.iter().map(channel).collect();
+        write_channels((1, 1), channels, "", &mut file).unwrap();
+        file
+    }
+
+    #[test]
+    fn luminance_and_layers_are_read() {
+        let check = |channels: &[(&str, f32)], expected: [f32; 3]| {
+            let file = one_pixel(channels);
+            assert_eq!(read(&file).unwrap().pixels, [expected], "{channels:?}");
+            damage(&file, |bytes| read(bytes).is_ok());
+        };
+        check(&[("A", 1.0), ("Y", 0.25)], [0.25; 3]);
+        let layer = [("albedo.B", 3.0), ("albedo.G", 2.0), ("albedo.R", 1.0)];
+        check(&layer, [1.0, 2.0, 3.0]);
+        let combined = [
+            ("V.Combined.B", 6.0),
+            ("V.Combined.G", 5.0),
+            ("V.Combined.R", 4.0),
+        ];
+        let several = [&layer[..], &[("A.Y", 9.0)], &combined].concat();
+        check(&several, [4.0, 5.0, 6.0]);
+        let own = [("R", 7.0), ("G", 8.0), ("B", 9.0), ("Y", 1.0)];
+        check(&[&own[..], &several].concat(), [7.0, 8.0, 9.0]);
+        let error = read(&one_pixel(&[("Z", 1.0), ("xR", 0.0)])).unwrap_err();
+        assert!(error.to_string().contains("it has Z, xR"), "{error}");
+    }
+
+    #[test]
+    fn unknown_compressions_are_named() {
+        for (number, name) in [(8, "DWAA"), (10, "HTJ2K256"), (11, "HTJ2K32"), (13, "ZSTD")] {
+            let mut file = Vec::new();
+            write(&Picture::new(64, 64), &mut file).unwrap();
+            let start = b"compression\0compression\0\x01\0\0\0";
+            let at = file.windows(start.len()).position(|w| w == start).unwrap();
+            file[at + start.len()] = number;
+            for error in [read(&file).map(|_| ()), size(&file).map(|_| ())] {
+                let Err(error) = error else { continue };
+                let error = error.to_string();
+                assert!(
+                    error.contains(name) && error.contains("is not read"),
+                    "{error}"
+                );
+            }
+            assert!(read(&file).is_err());
+        }
     }
 
     #[test]

@@ -160,7 +160,7 @@ pub(crate) mod tests {
         };
         let mut xmp = b"http://ns.adobe.com/xmp/extension/\0".to_vec();
         xmp.extend([b'a'; 32]);
-        // The whole is said to have 4 GB.
+        // The declared size of the whole is 4 GB.
         xmp.extend([0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 1, 2, 3]);
         let icc = [b"ICC_PROFILE\0\x01\xff", &[0; 60_000][..]].concat();
         let photoshop = [b"Photoshop 3.0\0", &[0xff; 60_000][..]].concat();

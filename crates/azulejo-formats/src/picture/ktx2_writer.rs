@@ -231,7 +231,7 @@ fn half(value: f32) -> u16 {
     f16::from_f32(positive(value, f16::MAX.to_f32())).to_bits()
 }
 
-/// 0 up to a value; 0 for what is no number.
+/// 0 up to a value; 0 for what is not a number.
 fn positive(value: f32, most: f32) -> f32 {
     // NaN is not above 0 either.
     if value > 0.0 { value.min(most) } else { 0.0 }

@@ -35,85 +35,49 @@ struct PictureFormat {
     size: fn(&[u8]) -> Result<[u64; 2], PictureError>,
 }
 
+/// A row of [`FORMATS`]: the name, whether bytes fit, and the module of the reader.
+macro_rules! picture_format {
+    ($name:literal, $fits:expr, $module:ident) => {
+        PictureFormat {
+            name: $name,
+            fits: $fits,
+            read: $module::read,
+            size: $module::size,
+        }
+    };
+}
+
 /// All formats, TGA last, which has no magic number.
 const FORMATS: [PictureFormat; 12] = [
-    PictureFormat {
-        name: "JPEG",
-        fits: |b| b.starts_with(b"\xff\xd8"),
-        read: jpeg::read,
-        size: jpeg::size,
-    },
-    PictureFormat {
-        name: "Radiance HDR",
-        fits: |b| b.starts_with(b"#?"),
-        read: hdr::read,
-        size: hdr::size,
-    },
-    PictureFormat {
-        name: "PNG",
-        fits: |b| b.starts_with(b"\x89PNG"),
-        read: png::read,
-        size: png::size,
-    },
-    PictureFormat {
-        name: "OpenEXR",
-        fits: |b| b.starts_with(b"v/1\x01"),
-        read: exr::read,
-        size: exr::size,
-    },
-    PictureFormat {
-        name: "GIF",
-        fits: |b| b.starts_with(b"GIF8"),
-        read: gif::read,
-        size: gif::size,
-    },
-    PictureFormat {
-        name: "WebP",
-        fits: |b| b.starts_with(b"RIFF") && b.get(8..12) == Some(b"WEBP"),
-        read: webp::read,
-        size: webp::size,
-    },
-    PictureFormat {
-        name: "TIFF",
-        fits: |b| b.starts_with(b"II*\0") || b.starts_with(b"MM\0*"),
-        read: tiff::read,
-        size: tiff::size,
-    },
-    PictureFormat {
-        name: "DDS",
-        fits: |b| b.starts_with(b"DDS "),
-        read: dds::read,
-        size: dds::size,
-    },
-    PictureFormat {
-        name: "KTX2",
-        fits: |b| b.starts_with(ktx2::START),
-        read: ktx2::read,
-        size: ktx2::size,
-    },
-    PictureFormat {
-        name: "SGI",
-        fits: |b| b.starts_with(b"\x01\xda"),
-        read: sgi::read,
-        size: sgi::size,
-    },
-    PictureFormat {
-        name: "BMP",
-        fits: |b| b.starts_with(b"BM") && b.get(15..18) == Some(&[0; 3]),
-        read: bmp::read,
-        size: bmp::size,
-    },
-    PictureFormat {
-        name: "TGA",
-        fits: tga::is_tga,
-        read: tga::read,
-        size: tga::size,
-    },
+    picture_format!("JPEG", |b| b.starts_with(b"\xff\xd8"), jpeg),
+    picture_format!("Radiance HDR", |b| b.starts_with(b"#?"), hdr),
+    picture_format!("PNG", |b| b.starts_with(b"\x89PNG"), png),
+    picture_format!("OpenEXR", |b| b.starts_with(b"v/1\x01"), exr),
+    picture_format!("GIF", |b| b.starts_with(b"GIF8"), gif),
+    picture_format!(
+        "WebP",
+        |b| b.starts_with(b"RIFF") && b.get(8..12) == Some(b"WEBP"),
+        webp
+    ),
+    picture_format!(
+        "TIFF",
+        |b| b.starts_with(b"II*\0") || b.starts_with(b"MM\0*"),
+        tiff
+    ),
+    picture_format!("DDS", |b| b.starts_with(b"DDS "), dds),
+    picture_format!("KTX2", |b| b.starts_with(ktx2::START), ktx2),
+    picture_format!("SGI", |b| b.starts_with(b"\x01\xda"), sgi),
+    picture_format!(
+        "BMP",
+        |b| b.starts_with(b"BM") && b.get(15..18) == Some(&[0; 3]),
+        bmp
+    ),
+    picture_format!("TGA", tga::is_tga, tga),
 ];
 
 fn format_of(bytes: &[u8]) -> Result<&'static PictureFormat, PictureError> {
-    let found = FORMATS.iter().find(|format| (format.fits)(bytes));
-    found.ok_or_else(|| {
+    let format = FORMATS.iter().find(|format| (format.fits)(bytes));
+    format.ok_or_else(|| {
         let names = FORMATS.each_ref().map(|format| format.name);
         malformed(format!(
             "a picture of no known format ({})",

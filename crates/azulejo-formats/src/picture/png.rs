@@ -73,13 +73,26 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
         3 * width as usize * height as usize,
         "three bytes per pixel"
     );
+    write_samples(encoder([width, height], ColorType::Rgb, out), rgb)
+}
+
+/// An encoder of sRGB samples of 8 bits.
+fn encoder<'a>(
+    [width, height]: [u32; 2],
+    color: ColorType,
+    out: &'a mut dyn Write,
+) -> Encoder<'a, &'a mut dyn Write> {
     let mut encoder = Encoder::new(out, width, height);
-    encoder.set_color(ColorType::Rgb);
+    encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Balanced);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder
+}
+
+fn write_samples(encoder: Encoder<&mut dyn Write>, samples: &[u8]) -> io::Result<()> {
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
+    writer.write_image_data(samples)?;
     Ok(writer.finish()?)
 }
 
@@ -111,21 +124,15 @@ pub fn write_linear(image: &Image, out: &mut dyn Write) -> io::Result<()> {
             samples.extend(alpha.into_iter().flatten());
         }
     }
-    let mut encoder = Encoder::new(out, image.width, image.height);
-    encoder.set_color(match image.alpha {
+    let color = match image.alpha {
         Some(_) => ColorType::Rgba,
         None => ColorType::Rgb,
-    });
-    encoder.set_depth(if is_exact {
-        BitDepth::Eight
-    } else {
-        BitDepth::Sixteen
-    });
-    encoder.set_compression(Compression::Balanced);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&samples)?;
-    Ok(writer.finish()?)
+    };
+    let mut encoder = encoder([image.width, image.height], color, out);
+    if !is_exact {
+        encoder.set_depth(BitDepth::Sixteen);
+    }
+    write_samples(encoder, &samples)
 }
 
 /// The byte of a number in 0..=1.
@@ -153,17 +160,12 @@ pub fn write_indexed(
         width as usize * height as usize,
         "one byte per pixel"
     );
-    let mut encoder = Encoder::new(out, width, height);
-    encoder.set_color(ColorType::Indexed);
-    encoder.set_depth(BitDepth::Eight);
+    let mut encoder = encoder([width, height], ColorType::Indexed, out);
     encoder.set_palette(palette.concat());
     encoder.set_compression(Compression::High);
     // Filters predict a pixel from its neighbours, which means nothing for palette indices.
     encoder.set_filter(png::Filter::NoFilter);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(indices)?;
-    Ok(writer.finish()?)
+    write_samples(encoder, indices)
 }
 
 #[cfg(test)]
@@ -281,7 +283,7 @@ mod tests {
             packer.write_all(&[0; 1 << 16]).unwrap();
         }
         let packed = packer.finish().unwrap();
-        // Behind the header, which has 25 bytes after the 8 of the signature.
+        // After the header, which has 25 bytes after the 8 of the signature.
         let with = |kind: &[u8; 4], start: &[u8]| {
             let content = [kind, start, &packed].concat();
             let mut sum = flate2::Crc::new();

@@ -1,6 +1,6 @@
 //! The sRGB transfer function. IEC 61966-2-1.
 
-use azulejo_scene::Image;
+use azulejo_scene::{Image, Rgb};
 
 /// Linear light of an sRGB value, both 0..=1. IEC 61966-2-1.
 pub(crate) fn linear_from_srgb(v: f32) -> f32 {
@@ -9,6 +9,19 @@ pub(crate) fn linear_from_srgb(v: f32) -> f32 {
     } else {
         ((v + 0.055) / 1.055).powf(2.4)
     }
+}
+
+/// The same in double precision.
+pub(crate) fn linear_from_srgb_f64(v: f64) -> f64 {
+    match v {
+        v if v <= 0.04045 => v / 12.92,
+        v => ((v + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+/// The linear colour of an sRGB one, both 0..=1.
+pub(crate) fn linear_color(srgb: Rgb) -> Rgb {
+    srgb.map(linear_from_srgb_f64)
 }
 
 /// The sRGB value of linear light, both 0..=1 where the light is. IEC 61966-2-1.

@@ -86,7 +86,7 @@ pub(crate) mod tests {
     #[test]
     fn sizes_are_justified() {
         let mut large = file(ColorType::Rgb8, &[255, 0, 0, 255, 255, 255]);
-        // 14 bits of columns and rows behind the signature.
+        // 14 bits of columns and rows after the signature.
         large[21..24].copy_from_slice(&[0xfe, 0xff, 0xff]);
         assert!(matches!(read(&large), Err(PictureError::TooLarge { .. })));
         // A small picture whose lossy frame claims to be the largest.

@@ -4,10 +4,12 @@ use super::PlyReader;
 use super::faces::{FaceMaterial, PlyFaceList};
 use super::header::PlyHeader;
 use super::vertices::PlyVertices;
+use crate::picture::srgb::linear_color;
+use crate::reading::options::BLENDER_COLORS;
 use crate::reading::warnings::Warnings;
 use crate::stl::painted;
 use crate::surface::textures::Textures;
-use crate::{Files, Position};
+use crate::{Files, Position, ReadOptions, VertexColors};
 use azulejo_scene::{
     Attribute, Faces, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, TextureId,
 };
@@ -22,14 +24,24 @@ pub(super) fn scene(
     reader: PlyReader<'_>,
     header: &PlyHeader,
     files: &dyn Files,
+    options: &ReadOptions,
 ) -> (Scene, Warnings) {
+    let is_said_srgb = options.vertex_colors == Some(VertexColors::Srgb);
+    let is_by_blender = options.vertex_colors.is_none() && header.is_by_blender;
     let mut builder = PlyBuilder {
         file: reader.file,
         warnings: reader.warnings,
+        is_srgb: is_said_srgb || is_by_blender,
     };
     let mut vertices = reader.vertices.unwrap_or_default();
+    if is_by_blender {
+        builder.count(BLENDER_COLORS, vertices.colors.len());
+    }
     let mut list = reader.faces;
     builder.check_faces(&mut list, &vertices.positions);
+    if header.carries_face_colors && list.materials.is_empty() && !vertices.colors.is_empty() {
+        list.take_colors(&std::mem::take(&mut vertices.colors));
+    }
     let mut scene = Scene {
         units: header.units,
         ..Scene::default()
@@ -67,6 +79,8 @@ pub(super) fn scene(
 struct PlyBuilder<'a> {
     file: &'a str,
     warnings: Warnings,
+    /// Whether colours are sRGB.
+    is_srgb: bool,
 }
 
 impl PlyBuilder<'_> {
@@ -136,7 +150,7 @@ impl PlyBuilder<'_> {
             let shown = picture.is_some_and(|p| textures.is_loaded(p));
             let base = if shown { Rgb::WHITE } else { base };
             let mut material = match face_material.color {
-                Some(color) => painted(color.map(limited)),
+                Some(color) => painted(self.linear(color.map(limited))),
                 None => Material::diffuse("default", base),
             };
             material.textures.extend(picture);
@@ -211,10 +225,19 @@ impl PlyBuilder<'_> {
         for color in &mut colors {
             let limited = color.map(limited);
             odd += usize::from(limited != *color);
-            *color = limited;
+            *color = self.linear(limited);
         }
         self.count("vertex colour outside 0..1: clamped", odd);
         colors
+    }
+
+    /// The linear colour of one in the file.
+    fn linear(&self, color: Rgb) -> Rgb {
+        if self.is_srgb {
+            linear_color(color)
+        } else {
+            color
+        }
     }
 
     fn light(&mut self, mut values: Vec<Rgb>) -> Vec<Rgb> {

@@ -41,6 +41,9 @@ enum FaceProperty {
     Nothing,
 }
 
+/// Colours that other programs show, too.
+const PLAIN: [&str; 3] = ["red", "green", "blue"];
+
 /// The values in one row of faces.
 #[derive(Clone, Copy, Default)]
 struct FaceRow {
@@ -49,9 +52,8 @@ struct FaceRow {
 }
 
 impl FaceProperty {
-    /// `red` is used only if vertices have no colours: programs that write both write the same
-    /// colours. `diffuse_red` always belongs to the material.
-    fn of(property: &PlyProperty, vertices_have_colors: bool) -> FaceProperty {
+    /// `diffuse_red` always belongs to the material; `red` is used only if `is_red_used`.
+    fn of(property: &PlyProperty, is_red_used: bool) -> FaceProperty {
         let channel = |names: [&str; 3]| names.iter().position(|n| *n == property.name);
         match (property.kind, property.name.as_str()) {
             (PropertyType::List { count, item }, "vertex_indices" | "vertex_index") => {
@@ -63,7 +65,7 @@ impl FaceProperty {
             (PropertyType::List { .. }, _) => FaceProperty::Nothing,
             (PropertyType::Scalar(kind), "texnumber") => FaceProperty::Texture(kind),
             (PropertyType::Scalar(kind), _) => {
-                let plain = channel(["red", "green", "blue"]).filter(|_| !vertices_have_colors);
+                let plain = channel(PLAIN).filter(|_| is_red_used);
                 let own = channel(["diffuse_red", "diffuse_green", "diffuse_blue"]);
                 let channel = own.or(plain);
                 channel.map_or(FaceProperty::Nothing, |i| FaceProperty::Color(i, kind))
@@ -117,14 +119,18 @@ impl PlyReader<'_> {
     }
 
     fn meanings(&mut self, element: &PlyElement) -> Vec<FaceProperty> {
+        // Programs that write colours of vertices and faces write the same; the numbers that azulejo
+        // writes are more exact.
         let has_colors = self.vertices.as_ref().is_some_and(|v| !v.colors.is_empty());
+        let has_numbers = element.properties.iter().any(|p| p.name == "diffuse_red");
         let meanings: Vec<FaceProperty> = element
             .properties
             .iter()
-            .map(|p| FaceProperty::of(p, has_colors))
+            .map(|p| FaceProperty::of(p, !has_colors && !has_numbers))
             .collect();
         for (property, meaning) in std::iter::zip(&element.properties, &meanings) {
-            if *meaning == FaceProperty::Nothing {
+            let is_known = has_numbers && PLAIN.contains(&property.name.as_str());
+            if *meaning == FaceProperty::Nothing && !is_known {
                 self.unused(element, &property.name);
             }
         }
@@ -251,6 +257,15 @@ impl FaceReading<'_> {
 }
 
 impl PlyFaceList {
+    /// Gives every face the colour of its first vertex.
+    pub fn take_colors(&mut self, vertex_colors: &[Rgb]) {
+        for face in 0..self.faces.len() {
+            let color = vertex_colors[self.faces.get(face)[0] as usize];
+            let color = color.to_array();
+            self.face_material(FaceRow { color, texture: 0 }, true);
+        }
+    }
+
     /// Assigns the last face its appearance.
     fn face_material(&mut self, row: FaceRow, has_color: bool) {
         let color = has_color.then(|| Rgb::from(row.color));

@@ -62,6 +62,9 @@ pub(super) struct PlyHeader {
     /// Names of objects from `obj_info azulejo object`, in order.
     pub objects: Vec<String>,
     pub units: Units,
+    pub is_by_blender: bool,
+    /// Whether the colours of vertices are those of the faces around them.
+    pub carries_face_colors: bool,
     /// Offset of the first row.
     pub end: usize,
 }
@@ -155,6 +158,8 @@ impl PlyHeader {
                 textures: Vec::new(),
                 objects: Vec::new(),
                 units: Units::default(),
+                is_by_blender: false,
+                carries_face_colors: false,
                 end: 0,
             },
         };
@@ -244,7 +249,10 @@ impl PlyHeaderParser<'_> {
         if let Some(file) = comment.strip_prefix(b"TextureFile") {
             self.header.textures.push(text(file).trim().to_owned());
         } else {
-            self.extension(&text(comment));
+            let comment = text(comment);
+            self.header.is_by_blender |=
+                comment.starts_with("Created ") && comment.contains("Blender");
+            self.extension(&comment);
         }
     }
 
@@ -264,6 +272,7 @@ impl PlyHeaderParser<'_> {
             ("object", name) => self.header.objects.push(name.trim().to_owned()),
             ("up", "z") => units.up = Up::Z,
             ("photometric", _) => units.photometric = true,
+            ("colours_of_faces", _) => self.header.carries_face_colors = true,
             ("metres_per_unit", length) => {
                 let length = length.trim().parse().ok();
                 units.metres_per_unit = length.filter(|l: &f64| l.is_finite() && *l > 0.0);

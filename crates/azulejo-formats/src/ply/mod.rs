@@ -39,7 +39,7 @@ pub fn read(
     bytes: &[u8],
     name: &str,
     files: &dyn Files,
-    _options: &ReadOptions,
+    options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let bytes = &*decoded(bytes);
@@ -60,7 +60,7 @@ pub fn read(
             reader.elements(&header, BinaryRows::<true>::new(bytes, header.end))?
         }
     }
-    let (scene, mut warnings) = assemble::scene(reader, &header, files);
+    let (scene, mut warnings) = assemble::scene(reader, &header, files, options);
     if header.has_single_positions() {
         single::warn(&scene, name, &mut warnings);
     }

@@ -1,5 +1,6 @@
 use super::{losses, read, write};
-use crate::{Loaded, Memory, ReadOptions};
+use crate::reader_tests::check_warnings;
+use crate::{Loaded, Memory, ReadOptions, VertexColors};
 use azulejo_scene::{
     Attribute, Light, LightKind, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, SurfaceGrid,
     SurfaceLight, Texture, Units, Up,
@@ -26,11 +27,6 @@ fn check_error(text: &str, expected: &str) {
     );
     let said = error.unwrap_err().to_string();
     assert_eq!(said.lines().next(), Some(expected));
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
 }
 
 fn mesh(scene: &Scene, object: usize) -> &Mesh {
@@ -498,12 +494,16 @@ comment written by azulejo
 comment azulejo up z
 comment azulejo metres_per_unit 1e-1
 comment azulejo photometric
+comment azulejo colours_of_faces
 comment azulejo object house/floor
 comment azulejo object wall
 element vertex 8
 property double x
 property double y
 property double z
+property uchar red
+property uchar green
+property uchar blue
 property float irradiance_red
 property float irradiance_green
 property float irradiance_blue
@@ -513,11 +513,142 @@ property float irradiance_error_blue
 property uint object
 element face 2
 property list uchar uint vertex_indices
-property uchar red
-property uchar green
-property uchar blue
 "
     );
+}
+
+/// The properties of an element in the header of a written file.
+fn properties(scene: &Scene, element: &str) -> Vec<String> {
+    let bytes = written(scene);
+    let text = String::from_utf8_lossy(&bytes);
+    let (header, _) = text.split_once("end_header").unwrap();
+    let lines = header
+        .lines()
+        .skip_while(|l| !l.starts_with(&format!("element {element} ")));
+    let own = lines.skip(1).take_while(|l| l.starts_with("property"));
+    own.map(|l| l["property ".len()..].to_owned()).collect()
+}
+
+/// Bytes, which every program reads, and exact numbers beside them.
+#[test]
+fn colours_are_bytes_for_other_programs() {
+    let mut scene = load(SQUARE.as_bytes()).scene;
+    let set = |scene: &mut Scene, colors: [Rgb; 4]| {
+        let Shape::Mesh(square) = &mut scene.objects[0].shape else {
+            unreachable!("a mesh")
+        };
+        square.colors = colors.to_vec();
+    };
+    scene.materials[0].diffuse = Rgb::WHITE;
+    set(&mut scene, [Rgb::new(0.25, 0.5, 0.75); 4]);
+    let colors = [
+        "uchar red",
+        "uchar green",
+        "uchar blue",
+        "float diffuse_red",
+        "float diffuse_green",
+        "float diffuse_blue",
+    ];
+    assert_eq!(properties(&scene, "vertex")[3..], colors);
+    let bytes = written(&scene);
+    let at = bytes
+        .windows(11)
+        .position(|w| w == b"end_header\n")
+        .unwrap()
+        + 11;
+    assert_eq!(bytes[at + 12..at + 15], [64, 128, 191]);
+    assert_eq!(mesh(&read_back(&scene), 0).colors, mesh(&scene, 0).colors);
+    // Faces keep theirs beside them.
+    scene.materials[0].diffuse = Rgb::new(0.8, 0.4, 0.0);
+    set(&mut scene, [Rgb::WHITE; 4]);
+    assert_eq!(properties(&scene, "vertex").len(), 6);
+    let again = read_back(&scene);
+    assert_eq!(mesh(&again, 0).colors, [Rgb::WHITE; 4]);
+    assert_eq!(again.materials[0].diffuse, scene.materials[0].diffuse);
+}
+
+/// Vertices carry the colours of their faces where these agree, as some programs fail at colours of faces.
+#[test]
+fn vertices_carry_colours_of_faces() {
+    let mut scene = load(SQUARE.as_bytes()).scene;
+    scene.materials[0].diffuse = Rgb::new(0.3, 0.6, 0.9);
+    assert_eq!(properties(&scene, "vertex").len(), 9);
+    assert_eq!(
+        properties(&scene, "face"),
+        ["list uchar uint vertex_indices"]
+    );
+    let again = read_back(&scene);
+    assert!(mesh(&again, 0).colors.is_empty());
+    assert_eq!(again.materials[0].diffuse, scene.materials[0].diffuse);
+    // A second colour at the same vertices: the faces have theirs, as bytes and as numbers.
+    let green = scene.add_material(Material::diffuse("green", Rgb::new(0.0, 1.0, 0.0)));
+    let Shape::Mesh(square) = &mut scene.objects[0].shape else {
+        unreachable!("a mesh")
+    };
+    square.push_face(&[0, 1, 2], green);
+    assert_eq!(properties(&scene, "vertex").len(), 3);
+    assert_eq!(
+        properties(&scene, "face")[1..],
+        [
+            "uchar red",
+            "uchar green",
+            "uchar blue",
+            "double diffuse_red",
+            "double diffuse_green",
+            "double diffuse_blue",
+        ]
+    );
+    let again = read_back(&scene);
+    let colors = again.materials.iter().map(|m| m.diffuse);
+    assert_eq!(
+        colors.collect::<Vec<_>>(),
+        [Rgb::new(0.3, 0.6, 0.9), Rgb::new(0.0, 1.0, 0.0)]
+    );
+}
+
+/// Blender writes sRGB and says who it is; whoever says something else is believed.
+#[test]
+fn colours_by_blender_are_srgb() {
+    let text = |comment: &str| {
+        let text = SQUARE.replace("ascii 1.0", &format!("ascii 1.0\ncomment {comment}"));
+        let text = text.replace(
+            "property float z",
+            "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue",
+        );
+        text.lines()
+            .map(|line| match line.split(' ').count() {
+                3 if line.starts_with(['0', '1']) => format!("{line} 188 0 255\n"),
+                _ => format!("{line}\n"),
+            })
+            .collect::<String>()
+    };
+    let check = |comment: &str, colors: Option<VertexColors>, expected: f64, warned: usize| {
+        let options = ReadOptions {
+            vertex_colors: colors,
+            ..ReadOptions::default()
+        };
+        let loaded = read(text(comment).as_bytes(), "a.ply", &Memory::new(), &options).unwrap();
+        let found = mesh(&loaded.scene, 0).colors[0];
+        assert!((found.r - expected).abs() < 1e-3, "{comment}: {found:?}");
+        assert_eq!((found.g, found.b), (0.0, 1.0));
+        assert_eq!(loaded.warnings.len(), warned, "{comment}");
+    };
+    let (linear, srgb) = (188.0 / 255.0, 0.5029);
+    check("Created in Blender version 5.3.0", None, srgb, 1);
+    check(
+        "Created by Blender 2.93.0 - www.blender.org, source file: ''",
+        None,
+        srgb,
+        1,
+    );
+    check(
+        "Created in Blender version 5.3.0",
+        Some(VertexColors::Linear),
+        linear,
+        0,
+    );
+    check("VCGLIB generated", None, linear, 0);
+    check("VCGLIB generated", Some(VertexColors::Srgb), srgb, 0);
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub(super) struct PlyVertices {
 }
 
 /// Property names by meaning. The index of a name is the index of its value.
-const MEANINGS: [&[&str]; 18] = [
+const MEANINGS: [&[&str]; 21] = [
     &["x"],
     &["y"],
     &["z"],
@@ -33,9 +33,12 @@ const MEANINGS: [&[&str]; 18] = [
     &["nz"],
     &["s", "u", "texture_u", "texture_s"],
     &["t", "v", "texture_v", "texture_t"],
-    &["red", "r", "diffuse_red"],
-    &["green", "g", "diffuse_green"],
-    &["blue", "b", "diffuse_blue"],
+    &["red", "r"],
+    &["green", "g"],
+    &["blue", "b"],
+    &["diffuse_red"],
+    &["diffuse_green"],
+    &["diffuse_blue"],
     &["irradiance_red"],
     &["irradiance_green"],
     &["irradiance_blue"],
@@ -48,9 +51,11 @@ const MEANINGS: [&[&str]; 18] = [
 const NORMAL: usize = 3;
 const UV: usize = 6;
 const COLOR: usize = 8;
-const IRRADIANCE: usize = 11;
-const ERROR: usize = 14;
-const OBJECT: usize = 17;
+/// Colours as numbers, which bytes for other programs stand beside.
+const EXACT_COLOR: usize = 11;
+const IRRADIANCE: usize = 14;
+const ERROR: usize = 17;
+const OBJECT: usize = 20;
 
 /// The index for values that are not used.
 const UNUSED: usize = MEANINGS.len();
@@ -61,10 +66,11 @@ struct VertexPlan {
     steps: Vec<PropertyTarget>,
     has: [bool; UNUSED],
     /// The values that represent 1 in colours.
-    one: [f64; 3],
+    one: [f64; 6],
     normals: bool,
     uvs: bool,
-    colors: bool,
+    /// The first of the three colours that are used.
+    colors: Option<usize>,
     irradiance: bool,
     errors: bool,
 }
@@ -104,7 +110,9 @@ impl VertexPlan {
         }
         plan.normals = plan.has_all(NORMAL, 3);
         plan.uvs = plan.has_all(UV, 2);
-        plan.colors = plan.has_all(COLOR, 3);
+        plan.colors = [EXACT_COLOR, COLOR]
+            .into_iter()
+            .find(|&first| plan.has_all(first, 3));
         plan.irradiance = plan.has_all(IRRADIANCE, 3);
         plan.errors = plan.has_all(ERROR, 3);
         plan
@@ -174,8 +182,8 @@ impl PlyVertices {
         if plan.uvs {
             self.uvs.push(DVec2::new(values[UV], values[UV + 1]));
         }
-        if plan.colors {
-            let share = |i: usize| values[COLOR + i] / plan.one[i];
+        if let Some(first) = plan.colors {
+            let share = |i: usize| values[first + i] / plan.one[first - COLOR + i];
             self.colors.push(Rgb::new(share(0), share(1), share(2)));
         }
         if plan.irradiance {

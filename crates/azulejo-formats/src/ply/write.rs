@@ -15,7 +15,8 @@ use std::io::{self, BufWriter, Write};
 /// object is solved.
 ///
 /// Positions, texture coordinates and colours read back to the same values, normals and irradiance
-/// are in single precision. Exact primitives become polygons. Vertices whose corners have several
+/// are in single precision. Colours are bytes, as other programs expect; where bytes are not exact, the
+/// numbers stand beside them. Exact primitives become polygons. Vertices whose corners have several
 /// normals or texture coordinates are written once for each, sheets with light on both sides twice
 /// ([`Scene::split_sides`]). [`losses`] describes what else the
 /// format cannot represent.
@@ -64,16 +65,16 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             |m| m.textures.len() > 1,
             "materials of which only the first texture is kept",
         )
-        .placed_meshes(
+        .meshes(
             |m| m.back.is_some(),
             "meshes whose sheets are written twice, once with the light of each side",
         )
-        .placed_meshes(
-            |m| m.smoothing.iter().any(|s| *s != 0),
+        .meshes(
+            |m| m.mesh.is_grouped() && m.mesh.normals.is_none(),
             "meshes whose smoothing groups are omitted",
         )
-        .placed_meshes(
-            |m| is_by_corner(&m.normals) || is_by_corner(&m.uvs),
+        .meshes(
+            |m| is_by_corner(&m.mesh.normals) || is_by_corner(&m.mesh.uvs),
             "meshes whose vertices are split where normals or texture coordinates differ",
         )
         .finish()
@@ -159,6 +160,21 @@ impl<'a> PlyPart<'a> {
         value.copied().unwrap_or_default()
     }
 
+    /// The colour of the faces around each vertex, if these agree at all of them.
+    fn face_colors(&self, scene: &Scene) -> Option<Vec<Rgb>> {
+        let mut colors = vec![None; self.vertices.len()];
+        for (face, &material) in self.mesh.face_materials.iter().enumerate() {
+            let color = scene.materials[material as usize].diffuse;
+            for &corner in &self.corners[self.mesh.faces.corner_range(face)] {
+                if *colors[corner as usize].get_or_insert(color) != color {
+                    return None;
+                }
+            }
+        }
+        let known = colors.into_iter().map(|c| c.unwrap_or(Rgb::WHITE));
+        Some(known.collect())
+    }
+
     fn uv(&self, vertex: PlyVertex) -> DVec2 {
         let uvs = self.mesh.uvs.as_ref();
         let value = uvs.and_then(|uv| uv.values.get(vertex.uv as usize));
@@ -208,14 +224,11 @@ impl ScalarFormat {
         }
     }
 
-    /// Bytes if they are exact for all, as other programs expect.
-    fn for_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
+    /// What shares need beside bytes; `None` if bytes are exact for all.
+    fn beside_bytes<'c>(colors: impl Iterator<Item = &'c Rgb> + Clone) -> Option<ScalarFormat> {
+        let values = colors.flat_map(|c| c.to_array());
         let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
-        if values.clone().all(is_byte) {
-            ScalarFormat::Byte
-        } else {
-            ScalarFormat::for_coordinates(values)
-        }
+        (!values.clone().all(is_byte)).then(|| ScalarFormat::for_coordinates(values))
     }
 
     fn write(self, values: &[f64], out: &mut dyn Write) -> io::Result<()> {
@@ -238,12 +251,19 @@ struct PlyLayout {
     positions: ScalarFormat,
     normals: Option<ScalarFormat>,
     uvs: Option<ScalarFormat>,
+    /// Whether vertices have colours, in bytes.
+    has_colors: bool,
+    /// The same as numbers.
     colors: Option<ScalarFormat>,
+    /// The colours of faces by vertex, of each part, if the vertices carry them.
+    carried: Option<Vec<Vec<Rgb>>>,
     irradiance: Option<ScalarFormat>,
     errors: Option<ScalarFormat>,
     has_objects: bool,
     /// Whether the number of corners takes four bytes.
     wide_counts: bool,
+    /// Whether faces have colours in bytes.
+    has_face_colors: bool,
     face_colors: Option<ScalarFormat>,
     has_textures: bool,
 }
@@ -269,17 +289,33 @@ impl PlyLayout {
             DEFAULT_REFLECTANCE
         };
         let has_face_materials = has_textures || used().any(|m| m.diffuse != granted);
+        let face_colors = || ScalarFormat::beside_bytes(used().map(|m| &m.diffuse));
+        let is_carried = has_face_materials && !has_colors && !has_textures;
+        let carried = || parts.iter().map(|p| p.face_colors(scene)).collect();
+        let carried: Option<Vec<Vec<Rgb>>> = is_carried.then(carried).flatten();
+        let colors = match carried {
+            Some(_) => face_colors(),
+            None => ScalarFormat::beside_bytes(colors),
+        };
+        let faces_have_colors = has_face_materials && carried.is_none();
         PlyLayout {
             positions: ScalarFormat::for_positions(positions.copied()),
             normals: has(|m| m.normals.is_some()).then_some(ScalarFormat::Float),
             uvs: has_uvs.then(|| ScalarFormat::for_coordinates(uvs.flat_map(|uv| uv.to_array()))),
-            colors: has_colors.then(|| ScalarFormat::for_shares(colors.flat_map(|c| c.to_array()))),
+            has_colors: has_colors || carried.is_some(),
+            colors,
+            carried,
             irradiance: has(|m| !m.irradiance.is_empty()).then_some(ScalarFormat::Float),
             errors: has(|m| !m.irradiance_error.is_empty()).then_some(ScalarFormat::Float),
             has_objects: parts.len() > 1,
             wide_counts: meshes().any(|m| m.faces.iter().any(|f| f.len() > 255)),
-            face_colors: has_face_materials
-                .then(|| ScalarFormat::for_shares(used().flat_map(|m| m.diffuse.to_array()))),
+            // If vertices have colours, other programs would use those of faces instead.
+            has_face_colors: faces_have_colors && !has_colors,
+            face_colors: match face_colors() {
+                // Without bytes beside them they are needed in any case.
+                None if faces_have_colors && has_colors => Some(ScalarFormat::Byte),
+                exact => exact.filter(|_| faces_have_colors),
+            },
             has_textures,
         }
     }
@@ -299,14 +335,9 @@ impl PlyLayout {
             out,
             "element face {faces}\nproperty list {count} uint vertex_indices"
         )?;
-        // If vertices have colours, other programs would use these properties instead.
-        let prefix = if self.colors.is_some() {
-            "diffuse_"
-        } else {
-            ""
-        };
-        let channels = CHANNELS.map(|c| format!("{prefix}{c}"));
-        properties(self.face_colors, &channels, out)?;
+        let bytes = self.has_face_colors.then_some(ScalarFormat::Byte);
+        properties(bytes, &CHANNELS, out)?;
+        properties(self.face_colors, &channels("diffuse"), out)?;
         if self.has_textures {
             writeln!(out, "property int texnumber")?;
         }
@@ -325,6 +356,9 @@ impl PlyLayout {
         if units.photometric {
             writeln!(out, "comment azulejo photometric")?;
         }
+        if self.carried.is_some() {
+            writeln!(out, "comment azulejo colours_of_faces")?;
+        }
         if self.has_objects || scene.objects.iter().any(|o| !o.name.is_empty()) {
             for object in &scene.objects {
                 writeln!(out, "comment azulejo object {}", one_line(&object.name))?;
@@ -339,13 +373,14 @@ impl PlyLayout {
     }
 
     fn vertex_properties(&self, out: &mut dyn Write) -> io::Result<()> {
-        let light = |what: &str| CHANNELS.map(|c| format!("{what}_{c}"));
         properties(Some(self.positions), &["x", "y", "z"], out)?;
         properties(self.normals, &["nx", "ny", "nz"], out)?;
         properties(self.uvs, &["s", "t"], out)?;
-        properties(self.colors, &CHANNELS, out)?;
-        properties(self.irradiance, &light("irradiance"), out)?;
-        properties(self.errors, &light("irradiance_error"), out)?;
+        let bytes = self.has_colors.then_some(ScalarFormat::Byte);
+        properties(bytes, &CHANNELS, out)?;
+        properties(self.colors, &channels("diffuse"), out)?;
+        properties(self.irradiance, &channels("irradiance"), out)?;
+        properties(self.errors, &channels("irradiance_error"), out)?;
         if self.has_objects {
             writeln!(out, "property uint object")?;
         }
@@ -361,7 +396,7 @@ impl PlyLayout {
             Some(kind) => kind.write(&color.to_array(), out),
             None => Ok(()),
         };
-        for &vertex in &part.vertices {
+        for (index, &vertex) in part.vertices.iter().enumerate() {
             let position = mesh.positions[vertex.vertex as usize];
             self.positions.write(&position.to_array(), out)?;
             if let Some(kind) = self.normals {
@@ -370,7 +405,13 @@ impl PlyLayout {
             if let Some(kind) = self.uvs {
                 kind.write(&part.uv(vertex).to_array(), out)?;
             }
-            colored(self.colors, color(&mesh.colors, vertex, Rgb::WHITE), out)?;
+            if self.has_colors {
+                let own = color(&mesh.colors, vertex, Rgb::WHITE);
+                let carried = self.carried.as_ref();
+                let shown = carried.map_or(own, |of_parts| of_parts[object as usize][index]);
+                colored(Some(ScalarFormat::Byte), shown, out)?;
+                colored(self.colors, shown, out)?;
+            }
             let irradiance = color(&mesh.irradiance, vertex, Rgb::BLACK);
             colored(self.irradiance, irradiance, out)?;
             let error = color(&mesh.irradiance_error, vertex, Rgb::BLACK);
@@ -400,7 +441,8 @@ impl PlyLayout {
                 out.write_all(&(first + corner).to_le_bytes())?;
             }
             let material = &scene.materials[part.mesh.face_materials[face] as usize];
-            if let Some(kind) = self.face_colors {
+            let bytes = self.has_face_colors.then_some(ScalarFormat::Byte);
+            for kind in bytes.into_iter().chain(self.face_colors) {
                 kind.write(&material.diffuse.to_array(), out)?;
             }
             if self.has_textures {
@@ -414,6 +456,11 @@ impl PlyLayout {
 }
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// Names of three properties.
+fn channels(what: &str) -> [String; 3] {
+    CHANNELS.map(|channel| format!("{what}_{channel}"))
+}
 
 fn properties(
     kind: Option<ScalarFormat>,

@@ -9,6 +9,7 @@ pub(crate) mod error;
 pub(crate) mod files;
 pub(crate) mod fortran;
 pub(crate) mod gzip;
+pub(crate) mod include;
 pub(crate) mod json;
 pub(crate) mod lexer;
 pub(crate) mod number;

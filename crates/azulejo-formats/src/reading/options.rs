@@ -1,6 +1,7 @@
 //! Options of readers, and limits on how much a file may expand to.
 
 use crate::ReadError;
+use std::str::FromStr;
 
 /// Options of readers. The default suits scenes that are to be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,30 @@ pub struct ReadOptions {
     /// Whether white surfaces whose pictures are missing get a middle reflectance, as they would otherwise
     /// reflect all light. What is only converted stays as it is.
     pub darkens_unpainted: bool,
+    /// What the colours of vertices, and of faces of PLY, are in OBJ and PLY; without it they are linear unless
+    /// Blender wrote the file, which writes sRGB.
+    pub vertex_colors: Option<VertexColors>,
+}
+
+/// What the numbers of vertex colours are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VertexColors {
+    /// Shares of light.
+    Linear,
+    /// Shares as screens show them.
+    Srgb,
+}
+
+impl FromStr for VertexColors {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<VertexColors, &'static str> {
+        match text {
+            "linear" => Ok(VertexColors::Linear),
+            "srgb" => Ok(VertexColors::Srgb),
+            _ => Err("expected linear or srgb"),
+        }
+    }
 }
 
 /// Which level of detail is read.
@@ -46,9 +71,14 @@ impl Default for ReadOptions {
             most_unpacked: 1 << 30,
             keeps: true,
             darkens_unpainted: true,
+            vertex_colors: None,
         }
     }
 }
+
+/// What is said of colours that are sRGB because Blender wrote them.
+pub(crate) const BLENDER_COLORS: &str =
+    "vertex colour by Blender: taken as sRGB, as it writes them by default, not as linear";
 
 /// Elements that any file may expand to before they are counted: about 70 MB.
 const UNCOUNTED: u64 = 1 << 20;

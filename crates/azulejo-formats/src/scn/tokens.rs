@@ -265,12 +265,12 @@ impl ScnTokenizer<'_, '_> {
         depth: usize,
     ) -> Result<(), ReadError> {
         let name = name.of(self.sources).to_owned();
-        let of = self.sources.name(place.file);
+        let including = self.sources.name(place.file);
         let fail = |found: String, expected: &str| Err(self.sources.error(place, found, expected));
         if depth == DEEPEST {
             return fail("files that include each other".into(), "at most 32 levels");
         }
-        let (path, bytes) = match open_beside(self.files, of, &name) {
+        let (path, bytes) = match open_beside(self.files, including, &name) {
             Ok(opened) => opened,
             Err(e) => {
                 let found = format!("\"{}\", which cannot be read: {e}", shortened(&name));
@@ -278,7 +278,7 @@ impl ScnTokenizer<'_, '_> {
             }
         };
         // A small file may be included often.
-        (self.budget.spend(bytes.len() as u64 / 8)).map_err(|e| e.error(of))?;
+        (self.budget.spend(bytes.len() as u64 / 8)).map_err(|e| e.error(including))?;
         let file = self.sources.add(&path, into_decoded(bytes));
         self.file(file, depth + 1)
     }

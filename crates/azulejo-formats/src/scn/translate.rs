@@ -373,8 +373,8 @@ fn bits(surface: &SurfaceRecord) -> Vec<u64> {
             colors.extend([smooth, metal, transparency]);
         }
     }
-    let all = numbers
+    let values = numbers
         .into_iter()
         .chain(colors.into_iter().flat_map(|c| c.to_array()));
-    all.map(f64::to_bits).collect()
+    values.map(f64::to_bits).collect()
 }

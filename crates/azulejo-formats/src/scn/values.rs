@@ -74,15 +74,15 @@ impl<'t> TokenStream<'t> {
 
     /// Consumes a word if it is one of these.
     pub fn take(&mut self, words: &[&str]) -> bool {
-        let found = self.peek_word().is_some_and(|w| words.contains(&w));
-        self.at += usize::from(found);
-        found
+        let is_taken = self.peek_word().is_some_and(|w| words.contains(&w));
+        self.at += usize::from(is_taken);
+        is_taken
     }
 
     fn take_sign(&mut self, sign: u8) -> bool {
-        let found = self.kind() == Some(ScnTokenKind::Sign(sign));
-        self.at += usize::from(found);
-        found
+        let is_taken = self.kind() == Some(ScnTokenKind::Sign(sign));
+        self.at += usize::from(is_taken);
+        is_taken
     }
 
     /// An error about the next token.

@@ -1,6 +1,7 @@
 use super::read;
+use crate::reader_tests::{check_warnings, mesh};
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{Mesh, Rgb, Shape, Up};
+use azulejo_scene::{Rgb, Up};
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -13,18 +14,6 @@ fn load(bytes: &[u8]) -> Loaded {
 fn check_error(bytes: &[u8], expected: &str) {
     let error = read(bytes, "a.stl", &Memory::new(), &ReadOptions::default()).unwrap_err();
     assert_eq!(error.to_string(), expected);
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(found, expected);
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => unreachable!("STL has meshes only"),
-    }
 }
 
 const SQUARE: &str = "solid a square

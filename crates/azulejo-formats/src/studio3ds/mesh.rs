@@ -185,7 +185,7 @@ fn moved_by_corner(
 }
 
 /// Smoothing groups if a single number per face can represent them, as both passes smooth by
-/// groups; otherwise the equivalent normals.
+/// groups; otherwise the equivalent normals. Nothing where the file says nothing.
 fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTable) {
     let (numbers, _) = raw.smoothing.as_chunks::<4>();
     let given = |face: u32| {
@@ -197,9 +197,10 @@ fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTabl
     let masks: Vec<u32> = std::iter::zip(kept, &mesh.face_materials)
         .map(|(&face, &material)| if is_flat(material) { 0 } else { given(face) })
         .collect();
-    if masks.iter().all(|mask| *mask == 0) {
+    if raw.smoothing.is_empty() && !mesh.face_materials.iter().any(|&m| is_flat(m)) {
         return;
     }
+    // Faces of group 0 are flat.
     if are_groups(&masks) {
         mesh.smoothing = masks;
     } else {

@@ -1,7 +1,8 @@
 use super::read;
+use crate::reader_tests::mesh;
 use crate::surface::phong::Highlight;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{LightKind, Mesh, OpacityChannel, OpacityPicture, Rgb, Shape, Sidedness, Up};
+use azulejo_scene::{LightKind, OpacityChannel, OpacityPicture, Rgb, Sidedness, Up};
 use glam::{DVec2, DVec3};
 
 /// A chunk with its data and children.
@@ -56,13 +57,6 @@ fn load(bytes: &[u8]) -> Loaded {
     let loaded = read(bytes, "a.3ds", &Memory::new(), &ReadOptions::default()).unwrap();
     loaded.scene.validate().unwrap();
     loaded
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => unreachable!("3DS has meshes only"),
-    }
 }
 
 /// Checks the warnings and their counts.
@@ -370,7 +364,7 @@ fn folded(masks: [u32; 2], materials: &[Vec<u8>]) -> Vec<u8> {
 
 #[test]
 fn smoothing_groups() {
-    for groups in [[4, 4], [4, 2], [0, 6]] {
+    for groups in [[4, 4], [4, 2], [0, 6], [0, 0]] {
         let loaded = load(&file(&[folded(groups, &[])], &[]));
         assert_eq!(mesh(&loaded, 0).smoothing, groups);
         assert!(mesh(&loaded, 0).normals.is_none());
@@ -386,7 +380,8 @@ fn smoothing_groups() {
         &[flat, folded([4, 4], &[material_faces("flat", &[0, 1])])],
         &[],
     ));
-    assert!(mesh(&flat, 0).normals.is_none() && mesh(&flat, 0).smoothing.is_empty());
+    assert!(mesh(&flat, 0).normals.is_none());
+    assert_eq!(mesh(&flat, 0).smoothing, [0, 0]);
 }
 
 /// A track with one key.

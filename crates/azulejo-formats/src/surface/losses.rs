@@ -2,7 +2,7 @@
 
 use super::single::CoarseCoordinates;
 use super::tessellate::exact_counts;
-use azulejo_scene::{Material, Mesh, Object, Scene, Shape};
+use azulejo_scene::{Material, PlacedMesh, Scene, Shape};
 
 /// The losses of formats that keep little more than polygons, in the order in which they are named.
 pub(crate) struct LossList<'a> {
@@ -44,16 +44,10 @@ impl<'a> LossList<'a> {
     }
 
     /// Adds the meshes that lose something, shared ones at each of their places.
-    pub fn placed_meshes(self, lost: impl Fn(&Mesh) -> bool, what: &str) -> Self {
+    pub fn meshes(self, lost: impl Fn(&PlacedMesh) -> bool, what: &str) -> Self {
         let shapes = self.scene.objects.iter().map(|o| &o.shape);
-        let count = shapes.filter_map(Shape::mesh).filter(|m| lost(m)).count();
-        self.count(count, what)
-    }
-
-    /// Adds the meshes that lose something, without those that are shared.
-    pub fn meshes(self, lost: impl Fn(&Mesh) -> bool, what: &str) -> Self {
-        let is = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
-        let count = self.scene.objects.iter().filter(is).count();
+        let placed = shapes.filter_map(Shape::placed_mesh);
+        let count = placed.filter(|placed| lost(placed)).count();
         self.count(count, what)
     }
 
@@ -66,7 +60,7 @@ impl<'a> LossList<'a> {
     /// Adds the meshes with faces of more than `most` corners.
     pub fn polygons(self, most: usize) -> Self {
         self.meshes(
-            |m| m.faces.iter().any(|f| f.len() > most),
+            |m| m.mesh.faces.iter().any(|f| f.len() > most),
             "meshes whose polygons become triangles",
         )
     }
@@ -74,7 +68,9 @@ impl<'a> LossList<'a> {
     /// Adds the meshes with anything but positions at their corners.
     pub fn corner_attributes(self) -> Self {
         self.meshes(
-            |m| m.normals.is_some() || m.uvs.is_some() || !m.colors.is_empty(),
+            |PlacedMesh { mesh, .. }| {
+                mesh.normals.is_some() || mesh.uvs.is_some() || !mesh.colors.is_empty()
+            },
             "meshes whose normals, texture coordinates or colours are omitted",
         )
     }
@@ -109,4 +105,48 @@ impl<'a> LossList<'a> {
 /// Whether a material is more than a diffuse colour.
 pub(crate) fn is_more_than_colour(m: &Material) -> bool {
     m.is_emitter() || m.is_specular() || m.brdf.is_some() || !m.textures.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LossList;
+    use azulejo_scene::{Mesh, MeshInstance, Object, Rgb, Scene, Shape, VertexLight};
+    use glam::{DAffine3, DVec3};
+    use std::sync::Arc;
+
+    /// A square of its own beside a shared one in two places, of which one is lit.
+    fn squares() -> Scene {
+        let mut square = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y],
+            ..Mesh::default()
+        };
+        square.push_face(&[0, 1, 2, 3], 0);
+        let shared = Arc::new(square.clone());
+        let place = |z| DAffine3::from_translation(DVec3::Z * z);
+        let dark = MeshInstance::new(shared.clone(), place(1.0)).unwrap();
+        let mut lit = MeshInstance::new(shared, place(2.0)).unwrap();
+        lit.light = Some(Box::new(VertexLight {
+            irradiance: vec![Rgb::WHITE; 4],
+            ..VertexLight::default()
+        }));
+        let shapes = [
+            Shape::Mesh(square),
+            Shape::Instance(dark),
+            Shape::Instance(lit),
+        ];
+        Scene {
+            objects: shapes.map(|shape| Object::new("", shape)).into(),
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn shared_meshes_count_at_each_place() {
+        let losses = LossList::new(&squares()).polygons(3).irradiance().finish();
+        let expected = [
+            "3 meshes whose polygons become triangles",
+            "1 meshes whose irradiance is omitted",
+        ];
+        assert_eq!(losses, expected);
+    }
 }

@@ -55,6 +55,16 @@ pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
     Cow::Owned(mesh)
 }
 
+/// Replaces exact shapes by their polygons, with the irradiance, and divides all polygons into triangles.
+pub fn divide_into_triangles(scene: &mut Scene) {
+    for object in &mut scene.objects {
+        if matches!(object.shape, Shape::Primitive(_) | Shape::Exact(_)) {
+            object.shape = Shape::Mesh(lit_mesh_of(object).into_owned());
+        }
+    }
+    scene.divide_into_triangles();
+}
+
 /// Counts of objects that are exact primitives, and of those that are other exact shapes: prisms,
 /// patches, and results of set operations.
 pub(crate) fn exact_counts(scene: &Scene) -> [usize; 2] {

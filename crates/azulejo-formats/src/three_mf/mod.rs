@@ -2,7 +2,6 @@
 //!
 //! Core specification 1.3 of the 3MF Consortium. `docs/formats/3mf.md` has the details.
 
-mod package;
 #[cfg(test)]
 mod tests;
 mod write;

@@ -1,13 +1,14 @@
 //! Writes scenes as 3MF.
 
-use super::package::OpcPackage;
 use crate::picture::srgb::srgb_from_linear;
 use crate::surface::losses::{LossList, is_more_than_colour};
 use crate::surface::tessellate::mesh_of;
 use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Units, Up};
 use std::collections::HashMap;
 use std::fmt;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Cursor, Write};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 const CONTENT_TYPES: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\
@@ -35,44 +36,47 @@ const MATERIALS: usize = 1;
 
 /// Writes each object as a mesh of triangles with a material for each, all in one build, with z up.
 ///
-/// Coordinates read back to the same values; if the unit of the scene is none of the format's, they are
+/// Coordinates read back to the same values; if the format does not have the unit of the scene, they are
 /// converted to metres. Objects that enclose a volume are models, all others surfaces.
 /// [`losses`] describes what the format cannot represent.
 ///
 /// # Errors
 /// Those of `out`; packages of 4 GiB and more.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    let (unit, metres) = unit_of(scene);
+    let (unit, metres) = unit(scene);
     let scene = scene.clone().adapted(Units {
         up: Up::Z,
         metres_per_unit: scene.units.metres_per_unit.map(|_| metres),
         ..scene.units
     });
-    let mut package = OpcPackage::new(out);
-    package.add("[Content_Types].xml", |out| {
-        out.write_all(CONTENT_TYPES.as_bytes())
-    })?;
-    package.add("_rels/.rels", |out| out.write_all(RELATIONSHIPS.as_bytes()))?;
-    package.add("3D/3dmodel.model", |out| {
-        let mut out = BufWriter::new(out);
-        model(&scene, unit, &mut out)?;
-        out.flush()
-    })?;
-    package.finish()
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+    // In memory, because the size of a part precedes it.
+    let mut package = ZipWriter::new(Cursor::new(Vec::new()));
+    package.start_file("[Content_Types].xml", options)?;
+    package.write_all(CONTENT_TYPES.as_bytes())?;
+    package.start_file("_rels/.rels", options)?;
+    package.write_all(RELATIONSHIPS.as_bytes())?;
+    package.start_file("3D/3dmodel.model", options)?;
+    let mut part = BufWriter::new(&mut package);
+    model(&scene, unit, &mut part)?;
+    part.flush()?;
+    drop(part);
+    out.write_all(package.finish()?.get_ref())?;
+    out.flush()
 }
 
 /// The unit of the file and its length in metres: that of the scene, or metres, as azulejo
 /// assumes where none is known.
-fn unit_of(scene: &Scene) -> (&'static str, f64) {
-    let wanted = scene.units.metres_per_unit.unwrap_or(1.0);
-    let same = |u: &&(&str, f64)| (u.1 / wanted - 1.0).abs() < 1e-9;
+fn unit(scene: &Scene) -> (&'static str, f64) {
+    let metres = scene.units.metres_per_unit.unwrap_or(1.0);
+    let same = |u: &&(&str, f64)| (u.1 / metres - 1.0).abs() < 1e-9;
     *UNITS.iter().find(same).unwrap_or(&UNITS[5])
 }
 
 /// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let known = scene.units.metres_per_unit;
-    let is_odd = known.is_some_and(|metres| (unit_of(scene).1 / metres - 1.0).abs() > 1e-9);
+    let is_odd = known.is_some_and(|metres| (unit(scene).1 / metres - 1.0).abs() > 1e-9);
     let empty = scene
         .objects
         .iter()
@@ -141,7 +145,7 @@ fn materials(materials: &[Material], out: &mut dyn Write) -> io::Result<()> {
 /// The triangles of a mesh with the material of each; those that use a vertex twice, which
 /// 3MF forbids, are left out.
 fn triangles(mesh: &Mesh) -> Vec<([u32; 3], MaterialId)> {
-    let mut found = Vec::new();
+    let mut triangles = Vec::new();
     let mut pieces = Vec::new();
     for face in 0..mesh.faces.len() {
         pieces.clear();
@@ -149,11 +153,11 @@ fn triangles(mesh: &Mesh) -> Vec<([u32; 3], MaterialId)> {
         let corners = mesh.faces.get(face);
         for [a, b, c] in pieces.iter().map(|t| t.map(|k| corners[k as usize])) {
             if a != b && b != c && c != a {
-                found.push(([a, b, c], mesh.face_materials[face]));
+                triangles.push(([a, b, c], mesh.face_materials[face]));
             }
         }
     }
-    found
+    triangles
 }
 
 /// Writes an object; `false` if nothing of it is left.

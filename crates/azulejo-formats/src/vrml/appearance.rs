@@ -3,6 +3,7 @@
 use super::builder::VrmlSceneBuilder;
 use super::tree::VrmlNode;
 use crate::ReadError;
+use crate::picture::srgb::linear_from_srgb;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
 use azulejo_scene::{Image, Material, Opacity, OpacityMode, Rgb, TextureId, WrapMode};
@@ -442,10 +443,5 @@ fn unpacked(packed: u32, channels: u32) -> [f32; 3] {
 
 /// Linear value of an sRGB byte, IEC 61966-2-1; image files use the same encoding.
 fn linear(byte: u8) -> f32 {
-    let v = f32::from(byte) / 255.0;
-    if v <= 0.04045 {
-        v / 12.92
-    } else {
-        ((v + 0.055) / 1.055).powf(2.4)
-    }
+    linear_from_srgb(f32::from(byte) / 255.0)
 }

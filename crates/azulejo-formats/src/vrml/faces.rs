@@ -154,6 +154,9 @@ pub(super) fn build(set: &FaceSet) -> BuiltFaceSet {
     if built.mesh.normals.is_none() && set.crease_angle > 0.0 {
         built.mesh.normals = creased(&built.mesh, set.crease_angle);
     }
+    if built.mesh.normals.is_none() {
+        built.mesh.be_flat();
+    }
     built
 }
 

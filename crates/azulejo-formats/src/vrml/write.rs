@@ -51,11 +51,16 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         .exact_shapes()
         .count(renamed.count(), "objects whose names change")
         .meshes(
-            |m| m.face_materials.iter().any(|id| *id != m.face_materials[0]),
+            |m| {
+                m.mesh
+                    .face_materials
+                    .iter()
+                    .any(|id| *id != m.mesh.face_materials[0])
+            },
             "meshes that become several shapes",
         )
         .meshes(
-            |m| m.smoothing.iter().any(|s| *s != 0),
+            |m| m.mesh.is_grouped() && m.mesh.normals.is_none(),
             "meshes whose smoothing groups are omitted",
         )
         .irradiance()

@@ -26,6 +26,8 @@ pub(super) struct XmlArrays<'a> {
     /// Bytes of the numbers before each array: 4 or 8.
     header_bytes: usize,
     is_compressed: bool,
+    /// Why arrays of bytes cannot be read; text is never compressed, whatever the header says.
+    refusal: Option<ReadError>,
     /// Most bytes of memory that compressed arrays together may still take.
     unpacked_left: u64,
     /// Most bytes after the XML that arrays may still take: several arrays may begin at one byte.
@@ -52,6 +54,7 @@ impl<'a> XmlArrays<'a> {
             is_big: root.attribute("byte_order") == Some("BigEndian"),
             header_bytes: 4,
             is_compressed: false,
+            refusal: None,
             unpacked_left: options.most_unpacked,
             shared_left: appended.map_or(0, |a| MOST_SHARED * a.bytes.len() as u64),
             taken: 0,
@@ -71,7 +74,7 @@ impl<'a> XmlArrays<'a> {
                 let found = format!("data compressed by {}", shortened(other));
                 let expected = "vtkZLibDataCompressor or none: save the file again with ZLib (ParaView: \
                                 Compressor Type; VTK: SetCompressorTypeToZLib; meshio: compression=\"zlib\")";
-                return Err(arrays.error(root, found, expected));
+                arrays.refusal = Some(arrays.error(root, found, expected));
             }
         }
         Ok(arrays)
@@ -160,6 +163,9 @@ impl<'a> XmlArrays<'a> {
         stream: &mut ByteStream,
         weight: u64,
     ) -> Result<Vec<u8>, ReadError> {
+        if let Some(refusal) = &self.refusal {
+            return Err(refusal.clone());
+        }
         let short = |arrays: &XmlArrays| {
             let found = "fewer bytes than an array states, or characters that are not base64";
             arrays.error(array, found, "a complete file")

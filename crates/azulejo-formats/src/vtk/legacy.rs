@@ -2,7 +2,7 @@
 
 use super::legacy_source::{LegacySource, unescaped};
 use super::piece::{ArrayUse, VtkPiece};
-use super::values::VtkType;
+use super::values::{VtkType, VtkValues};
 use crate::reading::text::{quoted, shortened};
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
@@ -226,6 +226,10 @@ impl LegacyReader<'_, '_> {
         if keyword == "COLOR_SCALARS" {
             let components = self.source.count("a number of channels")?;
             self.source.end_line();
+            let is_used = self.of_cells && ArrayUse::of(&unescaped(&name)) != ArrayUse::Nothing;
+            if is_used && components == 1 && !self.source.is_binary {
+                return self.grey_levels(&unescaped(&name));
+            }
             return self.array(&name, self.color_kind(), self.values, components);
         }
         let components = match keyword {
@@ -242,6 +246,17 @@ impl LegacyReader<'_, '_> {
             self.source.pass_line("LOOKUP_TABLE");
         }
         self.array(&name, kind, self.values, stated.unwrap_or(components))
+    }
+
+    /// Unsigned bytes or bools as text, which has their shares of 255.
+    fn grey_levels(&mut self, name: &str) -> Result<(), ReadError> {
+        let values = self.source.values(self.color_kind(), self.values, 1)?;
+        if let VtkValues::Reals(shares) = values {
+            let levels = shares.iter().map(|share| (255.0 * share).round() as i64);
+            let levels = VtkValues::Integers(levels.collect());
+            self.piece.cell_array(name, levels);
+        }
+        Ok(())
     }
 
     /// A table of colours, of four channels each.

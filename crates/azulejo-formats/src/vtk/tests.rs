@@ -1,4 +1,5 @@
 use super::read;
+use crate::reader_tests::check_warnings;
 use crate::{Loaded, Memory, ReadError, ReadOptions};
 use azulejo_scene::{Mesh, Object, Shape, Up};
 use glam::DVec3;
@@ -23,11 +24,6 @@ fn load(text: &str) -> Loaded {
 fn check_error(text: &str, expected: &str) {
     let error = try_load(text.as_bytes()).unwrap_err().to_string();
     assert_eq!(error.lines().next(), Some(expected));
-}
-
-fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let messages: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
-    assert_eq!(messages, expected);
 }
 
 fn meshes(loaded: &Loaded) -> Vec<&Mesh> {
@@ -400,11 +396,12 @@ fn errors_of_xml_say_where() {
     );
     let zlib = "vtkZLibDataCompressor or none: save the file again with ZLib (ParaView: Compressor Type; VTK: \
                 SetCompressorTypeToZLib; meshio: compression=\"zlib\")";
+    // Text is never compressed.
+    let lz4 = "compressor='vtkLZ4DataCompressor' byte_order=";
+    let text_alone = load(&changed("byte_order=", lz4));
+    assert_eq!(objects(&text_alone), [("surfaces", 1)]);
     check_error(
-        &changed(
-            "byte_order=",
-            "compressor='vtkLZ4DataCompressor' byte_order=",
-        ),
+        &changed("byte_order=", lz4).replace("'ascii'", "'binary'"),
         &format!("a.vtk:2:1: found data compressed by vtkLZ4DataCompressor, expected {zlib}"),
     );
     check_error(
@@ -538,4 +535,21 @@ proptest! {
         let binary = start.replace("ASCII", "BINARY");
         let _ = try_load([&binary, &*text].concat().as_bytes());
     }
+}
+
+/// VTK writes an active array of unsigned bytes or bools in text as shares of 255.
+#[test]
+fn groups_as_shares_of_one() {
+    let file = |values: &str| {
+        format!(
+            "# vtk DataFile Version 5.1\nvtk output\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n\
+             POLYGONS 4 9\nOFFSETS vtktypeint64\n0 3 6 9\nCONNECTIVITY vtktypeint64\n0 1 2 0 1 2 0 1 2\n\
+             CELL_DATA 3\nCOLOR_SCALARS object 1\n{values}\n"
+        )
+    };
+    let loaded = load(&file("0 0.00392157 0.996078"));
+    assert_eq!(
+        objects(&loaded),
+        [("object 0", 1), ("object 1", 1), ("object 254", 1)]
+    );
 }

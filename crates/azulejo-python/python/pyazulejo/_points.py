@@ -184,6 +184,11 @@ class PointFactors:
         return self._rest[4]
 
     @property
+    def hidden_error(self) -> Floats:
+        """(n,): standard error of `hidden`."""
+        return self._rest[7]
+
+    @property
     def cut(self) -> Floats:
         """(n,): share that is cut off between mirrors as too weak."""
         return self._rest[5]

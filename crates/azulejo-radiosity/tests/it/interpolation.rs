@@ -113,11 +113,8 @@ fn light_is_not_interpolated_through_walls() {
 fn interpolated_light_does_not_depend_on_threads() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let points = spots();
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap()
-            .install(|| probed(&scene, &points, 0.15, true).estimates)
-    };
+    let with =
+        |threads: usize| on_threads(threads, || probed(&scene, &points, 0.15, true).estimates);
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(3));

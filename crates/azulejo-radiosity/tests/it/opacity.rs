@@ -257,13 +257,11 @@ fn threads_do_not_matter_to_opacity() {
     let (x, y) = (0.8 * DVec3::X, 0.8 * DVec3::Y);
     add_sheet(&mut scene, dvec3(0.1, 0.1, 0.5), x, y, gauze(0.3, 0.5));
     let found = [1, 4].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
         let tracer = Tracer::new(&scene);
         let points = points_on_cube(20);
-        pool.install(|| probe(&scene, &tracer, &points, &rays(64), &Progress::new()).unwrap())
+        on_threads(threads, || {
+            probe(&scene, &tracer, &points, &rays(64), &Progress::new()).unwrap()
+        })
     });
     assert!(found[0].estimates == found[1].estimates);
 }

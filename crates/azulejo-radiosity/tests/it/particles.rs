@@ -187,9 +187,7 @@ fn particles_stop_at_the_error_and_do_not_depend_on_threads() {
             rays: None,
             ..particles(0, 200)
         };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("threads start")
-            .install(|| solved(&scene, &pass))
+        on_threads(threads, || solved(&scene, &pass))
     };
     let (coarse, fine) = (solve(0.2, 1), solve(0.02, 1));
     assert!(

@@ -1,5 +1,6 @@
 //! Previews: a watched solution converges, and watching does not change it.
 
+use crate::rooms::on_threads;
 use azulejo_radiosity::{
     Engine, FirstPass, LightSolution, PatchSize, Preview, PreviewStage, solve, solve_watched,
 };
@@ -171,12 +172,8 @@ fn a_paused_solution_continues_to_the_same_light() {
     progress.pause();
     let paused = thread::scope(|scope| {
         // A pool of its own: threads shared by all tests must not sleep.
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(2)
-            .build()
-            .unwrap();
         let solve = || solve(&scene, &tracer, &pass(), &progress).unwrap();
-        let solver = scope.spawn(move || pool.install(solve));
+        let solver = scope.spawn(move || on_threads(2, solve));
         for _ in 0..3 {
             thread::sleep(Duration::from_millis(30));
             assert!(!solver.is_finished(), "it does not wait");

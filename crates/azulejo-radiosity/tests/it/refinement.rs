@@ -93,9 +93,9 @@ fn a_furnace_stays_exact() {
 fn refinement_does_not_depend_on_threads() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
     let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap()
-            .install(|| solved(&scene, &asked(0.01, 3), &Progress::new()))
+        on_threads(threads, || {
+            solved(&scene, &asked(0.01, 3), &Progress::new())
+        })
     };
     let (one, three) = (on(1), on(3));
     assert!(one.sides == three.sides && one.report == three.report);
@@ -105,11 +105,11 @@ fn refinement_does_not_depend_on_threads() {
 fn a_deadline_ends_refinement_in_good_order() {
     let scene = cornell_box(CornellVariant::Diffuse);
     let progress = Progress::new();
-    progress.set_deadline(Instant::now() + Duration::from_secs(6));
     let start = Instant::now();
-    let found = solved(&scene, &asked(1e-5, 1), &progress);
+    progress.set_deadline(start + Duration::from_secs(8));
+    let found = on_threads(2, || solved(&scene, &asked(1e-5, 1), &progress));
     let seconds = start.elapsed().as_secs_f64();
-    assert!(seconds < 40.0, "{seconds} s");
+    assert!(seconds < 100.0, "{seconds} s");
     let error = found.report.patch_error;
     assert!(error > 1e-5 && error < 0.1, "{error}");
 }

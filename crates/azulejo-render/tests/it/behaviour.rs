@@ -2,7 +2,7 @@
 
 use crate::gallery::gallery;
 use crate::{assert_close, camera, primitive, radiance_along};
-use azulejo_render::{FinalGather, SecondPass, render};
+use azulejo_render::{FinalGather, SecondPass, render, render_with_errors, render_within};
 use azulejo_scene::{Fog, Image, Material, Primitive, Rgb, Scene};
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
@@ -123,6 +123,66 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// A limit that suffices changes nothing; one that does not leaves fewer samples, the same for any number of threads.
+#[test]
+fn pictures_keep_to_a_number_of_rays() {
+    let (scene, eye) = gallery(6);
+    let tracer = Tracer::new(&scene);
+    let whole = SecondPass {
+        size: (45, 33),
+        gather: FinalGather::Uneven(16),
+        ..SecondPass::default()
+    };
+    let within = |rays: u64, threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let progress = Progress::new();
+        let draw = || render_within(rays, &scene, &tracer, &eye, &whole, &progress);
+        pool.expect("a pool").install(draw).expect("nobody cancels")
+    };
+    let (image, taken) = within(u64::MAX, 1);
+    assert_eq!(taken, whole);
+    let plain = render_with_errors(&scene, &tracer, &eye, &whole, &Progress::new());
+    assert_eq!(Ok(image), plain);
+    let (image, taken) = within(1, 1);
+    assert_eq!(taken.samples_per_pixel, 4);
+    assert!((image.clone(), taken) == within(1, 2));
+    // Each sample takes a ray at least, so that half of the samples fit where half of those rays do.
+    let samples = 16 * 45 * 33;
+    let (_, taken) = within(samples / 2 - 1, 1);
+    assert!(taken.samples_per_pixel < 8);
+}
+
+/// Pixels that are even get few samples, and others are the same to the bit as with all of them.
+#[test]
+fn contrast_decides_on_samples() {
+    let whole = SecondPass {
+        size: (45, 33),
+        ..SecondPass::default()
+    };
+    let with = |contrast, samples_per_pixel| {
+        let options = SecondPass {
+            contrast,
+            samples_per_pixel,
+            ..whole.clone()
+        };
+        drawn_by(2, &options).pixels
+    };
+    let (all, few, some) = (with(None, 16), with(None, 4), with(Some(0.05), 16));
+    let like = |other: &[[f32; 3]]| some.iter().zip(other).filter(|(a, b)| a == b).count();
+    assert!(
+        some.iter()
+            .enumerate()
+            .all(|(k, p)| *p == all[k] || *p == few[k])
+    );
+    assert!(
+        like(&few) > some.len() / 10,
+        "{} pixels are even",
+        like(&few)
+    );
+    assert!(like(&all) > some.len() / 10, "{} are not", like(&all));
+    assert_eq!(with(Some(0.0), 16), all);
+}
+
 #[test]
 fn odd_sizes_and_no_samples_are_drawn() {
     for size in [(0, 0), (0, 5), (1, 1), (17, 1)] {
@@ -175,4 +235,11 @@ fn progress_counts_every_pixel() {
     let progress = Progress::new();
     render(&scene, &Tracer::new(&scene), &eye, &options, &progress).expect("nobody cancels");
     assert_eq!((progress.done(), progress.total()), (37 * 21, 37 * 21));
+    let empty = SecondPass {
+        size: (0, 5),
+        ..options
+    };
+    let (_, taken) = render_within(1, &scene, &Tracer::new(&scene), &eye, &empty, &progress)
+        .expect("nobody cancels");
+    assert_eq!(taken, empty);
 }

@@ -29,6 +29,7 @@ const VERTICES: SecondPass = SecondPass {
     seed: 0,
     max_depth: 1000,
     clamp: None,
+    contrast: None,
 };
 
 /// Direct light by formula and shadow rays, the rest by final gathers.

@@ -10,11 +10,11 @@ use crate::{
     SceneBackground, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
 };
 
-// RTRACE's own parameters are read by its own shading alone, which has no first pass; what a mesh was before it was
+// Zones say which rows are written together, not what they see. RTRACE's own parameters are read by its own shading alone, which has no first pass; what a mesh was before it was
 // mapped is not what it is.
 content_of_fields! {
     Scene { objects, materials, textures, lights, cameras, background, fog, units; rtrace }
-    Object { name, shape }
+    Object { name, shape; zone }
     Fog { color, visibility, exponential }
     Units { metres_per_unit, up, photometric }
     Camera { name, eye, target, up, vertical_fov, size }

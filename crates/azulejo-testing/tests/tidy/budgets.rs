@@ -7,20 +7,20 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 4350),
+    ("azulejo", 4410),
     ("azulejo-bake", 6400),
-    ("azulejo-cli", 25_200),
-    ("azulejo-exchange", 7500),
-    ("azulejo-factors", 17_500),
-    ("azulejo-formats", 65_900),
+    ("azulejo-cli", 25_250),
+    ("azulejo-exchange", 7700),
+    ("azulejo-factors", 17_700),
+    ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 2900),
-    ("azulejo-radiosity", 6100),
-    ("azulejo-render", 4900),
+    ("azulejo-radiosity", 6600),
+    ("azulejo-render", 5200),
     ("azulejo-scene", 14_800),
     ("azulejo-testing", 540),
-    ("azulejo-trace", 12_400),
-    ("azulejo-workbench", 27_600),
+    ("azulejo-trace", 12_600),
+    ("azulejo-workbench", 27_400),
 ];
 
 /// Share of a budget that has to be used.

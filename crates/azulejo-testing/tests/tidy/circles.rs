@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// For each crate the uses that are known to close a circle and not yet undone. None may be added.
-const KNOWN: [(&str, &[(&str, &str)]); 3] = [
+const KNOWN: [(&str, &[(&str, &str)]); 2] = [
     (
         "azulejo-bake",
         &[("nodes", "correction"), ("nodes", "direct")],
@@ -24,7 +24,6 @@ const KNOWN: [(&str, &[(&str, &str)]); 3] = [
             ("vertices", "solve"),
         ],
     ),
-    ("azulejo-render", &[("integrator", "pass")]),
 ];
 
 /// For each module the modules that it uses.

@@ -128,18 +128,61 @@ fn benchmarks_that_pages_name_exist() {
     assert!(checked > 5, "the commands are not found");
 }
 
+/// The files that a page links to.
+fn links(page: &str) -> impl Iterator<Item = &str> {
+    let ends = page.split("](").skip(1);
+    ends.filter_map(|link| link.split([')', '#']).next())
+        .filter(|target| !target.is_empty() && !target.contains("://"))
+}
+
 #[test]
 fn links_of_pages_lead_somewhere() {
     for (page, text) in all_pages() {
-        for link in text.split("](").skip(1) {
-            let target = link.split([')', '#']).next().unwrap_or("");
-            if target.is_empty() || target.contains("://") {
-                continue;
-            }
+        for target in links(&text) {
             let file = page.parent().expect("a folder").join(target);
             assert!(file.exists(), "{}: no {target}", page.display());
         }
     }
+}
+
+/// What `release/archive.sh` copies from the root: files, and folders as a whole.
+fn packed() -> BTreeSet<PathBuf> {
+    let script = fs::read_to_string(root().join("release/archive.sh")).expect("the script");
+    let copies = script.lines().filter(|line| line.starts_with("cp "));
+    copies
+        .flat_map(str::split_whitespace)
+        .filter(|word| word.ends_with(".md") || ["docs", "examples"].contains(word))
+        .map(PathBuf::from)
+        .collect()
+}
+
+#[test]
+fn pages_of_a_release_link_to_what_is_in_it() {
+    let packed = packed();
+    let is_packed = |path: &Path| path.ancestors().any(|part| packed.contains(part));
+    for (page, text) in all_pages() {
+        let page = page.strip_prefix(root()).expect("a page below the root");
+        if !is_packed(page) {
+            continue;
+        }
+        let folder = page.parent().expect("a folder");
+        for target in links(&text) {
+            let file = resolved(&folder.join(target));
+            assert!(is_packed(&file), "{}: {target} is missing", page.display());
+        }
+    }
+}
+
+/// A path without `..`, as written: no link of the file system is followed.
+fn resolved(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            std::path::Component::ParentDir => drop(plain.pop()),
+            part => plain.push(part),
+        }
+    }
+    plain
 }
 
 /// Parts of the names of files that pages show how to add.

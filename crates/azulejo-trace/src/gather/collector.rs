@@ -1,9 +1,10 @@
 //! Sums the light that the paths of a gather find.
 
+use super::direct::Direct;
 use super::next_event::NextEvent;
 use super::{
     DiffuseHit, DiffuseLight, DirectLight, GatherPoint, Gatherer, LIGHT_WEIGHT, MOST_SURVIVAL,
-    REPLICATES, SURVIVAL, Termination, UNKNOWN_SHARE,
+    OutgoingRadiosity, REPLICATES, SURVIVAL, Termination, UNKNOWN_SHARE, UNKNOWN_SURVIVAL,
 };
 use crate::follow::{Event, Path, Scratch, Via, follow};
 use crate::sampling::{cosine_hemisphere, hash, uniform};
@@ -31,7 +32,10 @@ pub(super) struct Collector<'g, 'a, L> {
     sums: Vec<[[f64; 3]; REPLICATES]>,
     near: Vec<Contact>,
     next_event: NextEvent,
+    direct: Direct<'g>,
     termination: Termination,
+    /// Whether there is no radiosity to be read.
+    is_unknown: bool,
     /// Irradiance of each point as the patches give it: the scale of its roulette.
     expected: Vec<f64>,
 }
@@ -47,9 +51,11 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             gatherer,
             light,
             termination,
+            is_unknown: light.is_unknown(),
             sums: vec![[[0.0; 3]; REPLICATES]; points],
             near: Vec::new(),
             next_event: NextEvent::default(),
+            direct: gatherer.direct_light(),
             expected: Vec::new(),
         }
     }
@@ -83,7 +89,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         bounces: u32,
     ) {
         let (gatherer, light) = (self.gatherer, self.light);
-        let termination = self.termination;
+        let (termination, is_unknown) = (self.termination, self.is_unknown);
         let may_go_on = bounces < termination.most_bounces();
         let (sums, near) = (&mut self.sums, &mut self.near);
         let next_event = &mut self.next_event;
@@ -97,7 +103,11 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                     let ray = path.ray;
                     let at = DiffuseHit { ray, hit, front };
                     let stray = gatherer.stray_exitance(path, &hit, front);
-                    let outgoing = light.outgoing(&at, replicate);
+                    let outgoing = if is_unknown {
+                        OutgoingRadiosity::default()
+                    } else {
+                        light.outgoing(&at, replicate)
+                    };
                     let is_near = hit.t < outgoing.footprint && path.depth == 0;
                     let mut read = Rgb::from(outgoing.radiosity.map(f64::from));
                     if may_go_on && (is_near || termination.is_random()) {
@@ -138,35 +148,41 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         for (index, contact) in contacts.iter().enumerate() {
             let (id, at) = (contact.id, &contact.at);
             let key = hash(&[origins[id as usize / REPLICATES].key, index as u32]);
+            let random_key = hash(&[seed, key, id]);
+            let random = |dimension: u32| f64::from(uniform(&[random_key, dimension]));
             let reflectance = self.light.reflectance(at);
             let odds = self.survival(contact, reflectance);
-            if odds <= 0.0 || (odds < 1.0 && f64::from(uniform(&[seed, key, id, 2])) >= odds) {
+            let survives = odds >= 1.0 || random(2) < odds;
+            // Direct light at a hit costs one ray and is most of what a path finds: where nothing is known it is
+            // taken at all hits, and roulette decides on the rest.
+            let direct_odds = if self.is_unknown { 1.0 } else { odds };
+            if odds <= 0.0 || !(survives || self.is_unknown) {
                 continue;
             }
-            let arriving = contact.weight / odds;
-            let sum = &mut self.sums[id as usize / REPLICATES][id as usize % REPLICATES];
-            (0..3).for_each(|k| sum[k] -= arriving[k] * contact.read[k]);
-            let found = tracer.resolve(&tracer.world_ray(&at.ray), &at.hit);
-            let normal = if at.front {
-                found.normal
-            } else {
-                -found.normal
-            };
+            let arriving = contact.weight / direct_odds;
+            if !self.is_unknown {
+                let sum = &mut self.sums[id as usize / REPLICATES][id as usize % REPLICATES];
+                (0..3).for_each(|k| sum[k] -= arriving[k] * contact.read[k]);
+            }
+            let (position, normal) = tracer.surface_point(&at.ray, &at.hit);
+            let normal = if at.front { normal } else { -normal };
             let weight = arriving * reflectance;
-            let position = found.position;
             let point = GatherPoint {
                 position,
                 normal,
                 key,
             };
             points.push((point, id, weight));
-            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, id, d])));
-            let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
+            if !survives {
+                continue;
+            }
+            let direction =
+                Frame::from_normal(normal).to_world(cosine_hemisphere(random(0), random(1)));
             let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(position, normal), direction));
             paths.push(Path {
                 ray,
                 id,
-                weight,
+                weight: weight * (direct_odds / odds),
                 via: Via::Direct,
                 depth: 0,
                 density: 0.0,
@@ -174,7 +190,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             });
         }
         let at: Vec<GatherPoint> = points.iter().map(|p| p.0).collect();
-        let direct = gatherer.direct_light().single_sample(&at, seed ^ 0x51);
+        let direct = self.direct.single_sample(&at, seed ^ 0x51);
         for (&(_, id, weight), e) in points.iter().zip(direct) {
             let sum = &mut self.sums[id as usize / REPLICATES][id as usize % REPLICATES];
             (0..3).for_each(|k| sum[k] += weight[k] * e[k]);
@@ -196,11 +212,15 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         if contact.is_near {
             return (weight / LIGHT_WEIGHT).min(1.0);
         }
+        let most = if weight >= 1.0 { 1.0 } else { MOST_SURVIVAL };
+        if self.is_unknown {
+            let carried = (contact.weight * reflectance).max_channel();
+            return (UNKNOWN_SURVIVAL * carried).min(most);
+        }
         let expected = self.expected[contact.id as usize / REPLICATES];
         // The light on a patch may be quite wrong, so a part does not depend on it.
         let share = (contact.read.max_channel() / expected.max(f64::MIN_POSITIVE)).min(1.0);
         let sure = UNKNOWN_SHARE * reflectance.max_channel();
-        let most = if weight >= 1.0 { 1.0 } else { MOST_SURVIVAL };
         (SURVIVAL * weight * (share + sure)).min(most)
     }
 }

@@ -7,7 +7,7 @@
 //! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
 use super::many_lights::{choose, cumulative};
-use super::polygon::{is_through, kernel, sample_lamp};
+use super::polygon::{LampShape, is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
 use super::sources::DirectSources;
 use super::terms::{Target, Term, TermTests};
@@ -16,7 +16,7 @@ use crate::Surfaces;
 use crate::lights::{Lights, beyond};
 use crate::sampling::{hash, seeds, sobol, uniform};
 use azulejo_scene::Rgb;
-use azulejo_scene::math::{area_vector, reflect};
+use azulejo_scene::math::reflect;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -127,12 +127,26 @@ impl<'a> Direct<'a> {
         let clusters = self.sources.clusters.as_ref();
         let flat = self.sources.flat(self.lights);
         let one_by_one = if clusters.is_some() { &[] } else { flat };
+        let lone_lamp = self.sources.is_lone_lamp(self.lights);
         self.tests.clear();
         for (index, point) in points.iter().enumerate() {
+            if lone_lamp {
+                // There is nothing to choose, so that what it would give need not be known.
+                let u = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
+                let weight = self.plan(point, index as u32, 0, &Target::Flat(0), (u[0], u[1]));
+                values[index] = flat[0].emission.radiance * weight.unwrap_or(0.0);
+                continue;
+            }
             terms.clear();
             self.terms_of(index as u32, point, one_by_one, &mut terms);
             self.sun_terms_of(index as u32, point, &mut terms);
             let chance = |d: u32| f64::from(uniform(&[seed, point.key, d]));
+            if let ([term], None) = (&terms[..], clusters) {
+                let weight =
+                    self.plan(point, index as u32, 0, &term.target, (chance(1), chance(2)));
+                values[index] = weight.map_or(Rgb::BLACK, |weight| term.unbiased(weight));
+                continue;
+            }
             let of_terms = cumulative(&terms);
             let of_clusters = clusters.map_or(Vec::new(), |clusters| clusters.cumulative(point));
             let [terms_sum, clusters_sum] =
@@ -183,15 +197,23 @@ impl<'a> Direct<'a> {
         let windows = &self.sources.windows;
         let weight = match target {
             Target::Flat(k) => {
-                let polygon = self.lights.flat()[*k as usize].toward(point.position);
-                let (y, weight) = sample_lamp(point, &polygon, u)?;
-                let y = self.in_front(y, &polygon);
-                self.tests.push_segment(from, y);
+                let lamp = &self.lights.flat()[*k as usize];
+                let polygon = lamp.toward(point.position);
+                let lamp = LampShape {
+                    polygon: &polygon,
+                    normal: lamp.normal_toward(point.position),
+                    area: lamp.area,
+                    centre: lamp.centre,
+                    radius: lamp.radius,
+                };
+                let (y, weight) = sample_lamp(point, &lamp, u)?;
+                self.tests.push_segment(from, self.in_front(y, &lamp));
                 weight
             }
             Target::Image { window, seen } => {
-                let (y, weight) = sample_lamp(point, seen, u)?;
-                let image = self.in_front(y, seen);
+                let lamp = LampShape::new(seen);
+                let (y, weight) = sample_lamp(point, &lamp, u)?;
+                let image = self.in_front(y, &lamp);
                 let window = &windows[*window as usize];
                 self.tests.push_reflected(from, image, window);
                 weight
@@ -240,9 +262,8 @@ impl<'a> Direct<'a> {
     }
 
     /// A point just before a point of a lamp, so that short shadow rays, too, end before it.
-    fn in_front(&self, y: DVec3, polygon: &[DVec3]) -> DVec3 {
-        let normal = area_vector(polygon).normalize_or_zero();
-        self.surfaces.tracer.leaving(y, normal)
+    fn in_front(&self, y: DVec3, lamp: &LampShape) -> DVec3 {
+        self.surfaces.tracer.leaving(y, lamp.normal)
     }
 
     /// Tests what of every term is visible, by samples `rays` of each replicate: consecutive

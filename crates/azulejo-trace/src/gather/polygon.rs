@@ -8,6 +8,38 @@ use azulejo_scene::math::{Frame, area_vector};
 use glam::DVec3;
 use std::f64::consts::PI;
 
+/// A flat lamp as a point sees it: what samples of it need.
+pub(super) struct LampShape<'p> {
+    /// Counter-clockwise as seen from the point.
+    pub polygon: &'p [DVec3],
+    /// Unit, towards the point.
+    pub normal: DVec3,
+    pub area: f64,
+    /// The mean of the corners, and the farthest of them from there.
+    pub centre: DVec3,
+    pub radius: f64,
+}
+
+impl<'p> LampShape<'p> {
+    pub fn new(polygon: &'p [DVec3]) -> LampShape<'p> {
+        let across = area_vector(polygon);
+        let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        let distances = polygon.iter().map(|corner| corner.distance(centre));
+        LampShape {
+            polygon,
+            normal: across.normalize_or_zero(),
+            area: across.length(),
+            centre,
+            radius: distances.fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether a point is nearer than the lamp is wide.
+    fn is_near(&self, p: DVec3) -> bool {
+        p.distance_squared(self.centre) < 4.0 * self.radius * self.radius
+    }
+}
+
 /// A point of a lamp and its weight, kernel over density; `None` where `u` misses the lamp.
 ///
 /// The density is even over the lamp. Near a lamp, where the kernel has a peak, half of the
@@ -15,33 +47,21 @@ use std::f64::consts::PI;
 /// 1995, balance heuristic for one sample).
 pub(super) fn sample_lamp(
     point: &GatherPoint,
-    polygon: &[DVec3],
+    lamp: &LampShape,
     u: (f64, f64),
 ) -> Option<(DVec3, f64)> {
-    let area = area_vector(polygon);
-    let even = 1.0 / area.length();
-    if !is_near(point.position, polygon) {
-        let y = sample_polygon(polygon, u);
-        return Some((y, kernel(point, y, area) / even));
+    if !lamp.is_near(point.position) {
+        let y = sample_polygon(lamp.polygon, u);
+        return Some((y, kernel(point, y, lamp.normal) * lamp.area));
     }
     let y = if u.0 < 0.5 {
-        sample_polygon(polygon, (2.0 * u.0, u.1))
+        sample_polygon(lamp.polygon, (2.0 * u.0, u.1))
     } else {
         let direction = cosine_about(&Frame::from_normal(point.normal), 2.0 * u.0 - 1.0, u.1);
-        intersection(point.position, direction, polygon, area)?
+        intersection(point.position, direction, lamp.polygon, lamp.normal)?
     };
-    let kernel = kernel(point, y, area);
-    Some((y, kernel / (0.5 * even + 0.5 * kernel / PI)))
-}
-
-/// Whether a point is nearer to a polygon than the polygon is wide.
-fn is_near(p: DVec3, polygon: &[DVec3]) -> bool {
-    let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
-    let radius2 = polygon
-        .iter()
-        .map(|c| c.distance_squared(centre))
-        .fold(0.0, f64::max);
-    p.distance_squared(centre) < 4.0 * radius2
+    let kernel = kernel(point, y, lamp.normal);
+    Some((y, kernel / (0.5 / lamp.area + 0.5 * kernel / PI)))
 }
 
 /// The intersection of a ray with a convex polygon of a normal of any length.
@@ -59,12 +79,11 @@ fn is_inside(at: DVec3, polygon: &[DVec3], normal: DVec3) -> bool {
     })
 }
 
-/// cos θ cos θ′/r² between a point and a point on a surface of normal `area`; zero where either
-/// turns its back.
-pub(super) fn kernel(point: &GatherPoint, y: DVec3, area: DVec3) -> f64 {
+/// cos θ cos θ′/r² between a point and a point on a surface of unit `normal`; zero where either turns its back.
+pub(super) fn kernel(point: &GatherPoint, y: DVec3, normal: DVec3) -> f64 {
     let d = y - point.position;
     let r2 = d.length_squared();
-    let (cos_p, cos_y) = (d.dot(point.normal), -d.dot(area.normalize_or_zero()));
+    let (cos_p, cos_y) = (d.dot(point.normal), -d.dot(normal));
     if cos_p > 0.0 && cos_y > 0.0 && r2 > 0.0 {
         cos_p * cos_y / (r2 * r2)
     } else {

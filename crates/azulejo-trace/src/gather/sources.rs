@@ -89,6 +89,12 @@ impl DirectSources {
         if self.has_curved { &lights.curved } else { &[] }
     }
 
+    /// Whether one flat emitter that sends light to one side is all that formulas and shadow rays find, apart from
+    /// pictures and environments.
+    pub fn is_lone_lamp(&self, lights: &Lights) -> bool {
+        self.count == 1 && self.flat(lights).len() == 1
+    }
+
     /// Whether the direct light counts what emitters of that form send `via` this way.
     pub fn counts_direct(&self, form: EmitterForm, via: Via) -> bool {
         let is_flat = form == EmitterForm::Flat;

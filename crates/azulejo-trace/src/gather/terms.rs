@@ -317,7 +317,9 @@ impl Direct<'_> {
         if is_hidden(point, &image, &window.polygon) {
             return None;
         }
-        let side = (p - window.polygon[0]).dot(window.normal);
+        // On the mirror itself the side that the point faces counts, not that to which rounding has moved it.
+        let from = self.surfaces.tracer.leaving(p, point.normal);
+        let side = (from - window.polygon[0]).dot(window.normal);
         // Only what of the lamp is on the point's side of the mirror has an image there, and
         // that image lies on the other side.
         let away = -side.signum() * window.normal;

@@ -11,8 +11,8 @@ use std::ops::Range;
 const BINS: usize = 16;
 /// Leaves larger than this are divided at any cost.
 const LARGEST_LEAF: usize = 16;
-/// Cost of traversing a binary node, in units of testing a packet.
-const STEP_COST: f32 = 1.0;
+/// Cost of traversing a binary node, a third of one of eight children, in units of testing a packet.
+const STEP_COST: f32 = 0.4;
 /// From this depth on ranges are halved by count, so that the depth is bounded for any input.
 const HALVING_DEPTH: u32 = 48;
 /// Length of the longest path: [`HALVING_DEPTH`] and the halvings of 2^32 references.
@@ -312,7 +312,7 @@ fn at(middle: usize, references: &[Reference]) -> (usize, Extent, Extent) {
 
 /// Number of packets for this many triangles.
 #[inline]
-fn packets(count: u32) -> f32 {
+pub(crate) fn packets(count: u32) -> f32 {
     count.div_ceil(PACKET as u32) as f32
 }
 

@@ -17,6 +17,7 @@
 //! |---|---|---|
 //! | building by the surface area heuristic, in bins | `build` | Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies*, 2007 |
 //! | nodes of eight boxes | `bvh` | Dammertz, Hanika and Keller, *Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays*, EGSR 2008 |
+//! | their choice from a binary tree | `bvh` | Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, HPG 2017 |
 //! | boxes no ray slips past | `traversal`, `prepared_ray` | Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013 |
 //! | triangles without gaps | `portable`, `simd`, `triangle` | Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013 |
 //! | Embree | `embree` | Wald et al., *Embree: A Kernel Framework for Efficient CPU Ray Tracing*, SIGGRAPH 2014 |

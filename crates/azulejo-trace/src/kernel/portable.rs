@@ -2,6 +2,7 @@
 
 use super::bvh::{BvhNode, WIDTH};
 use super::prepared_ray::PreparedRay;
+use super::simd::Stack;
 use super::traversal::Instructions;
 use super::triangle::{PACKET, Packet, PacketHits, intersect_exactly, is_thin};
 
@@ -13,12 +14,10 @@ impl Instructions for Portable {
     fn prefetch<T>(self, _value: &T) {}
 
     #[inline(always)]
-    fn put(self, mut mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]) {
-        let mut count = 0;
+    fn push(self, mut mask: u32, children: &[u32; WIDTH], stack: &mut Stack) {
         while mask != 0 {
-            stack[count % WIDTH] = u64::from(children[mask.trailing_zeros() as usize % WIDTH]);
+            stack.push(u64::from(children[mask.trailing_zeros() as usize % WIDTH]));
             mask &= mask - 1;
-            count += 1;
         }
     }
 
@@ -28,13 +27,13 @@ impl Instructions for Portable {
         let mut leave = [t_max; WIDTH];
         for axis in 0..3 {
             let (inverse, at) = (ray.inverse[axis], ray.near_offset[axis]);
-            let planes = &node.planes[ray.near_row[axis]];
+            let planes = &node.planes[axis][ray.near_side[axis]];
             for k in 0..WIDTH {
                 let t = planes[k] * inverse - at;
                 enter[k] = if t > enter[k] { t } else { enter[k] };
             }
             let at = ray.far_offset[axis];
-            let planes = &node.planes[ray.far_row(axis)];
+            let planes = &node.planes[axis][ray.near_side[axis] ^ 1];
             for k in 0..WIDTH {
                 let t = planes[k] * inverse - at;
                 leave[k] = if t < leave[k] { t } else { leave[k] };
@@ -57,9 +56,9 @@ impl Instructions for Portable {
         let (mut x, mut y, mut z) = ([[0.0; 4]; 3], [[0.0; 4]; 3], [[0.0; 4]; 3]);
         for c in 0..3 {
             for k in 0..PACKET {
-                z[c][k] = packet.corners[3 * c + kz][k] - ray.origin[kz];
-                x[c][k] = (packet.corners[3 * c + kx][k] - ray.origin[kx]) - sx * z[c][k];
-                y[c][k] = (packet.corners[3 * c + ky][k] - ray.origin[ky]) - sy * z[c][k];
+                z[c][k] = packet.corners[c][kz][k] - ray.origin[2];
+                x[c][k] = (packet.corners[c][kx][k] - ray.origin[0]) - sx * z[c][k];
+                y[c][k] = (packet.corners[c][ky][k] - ray.origin[1]) - sy * z[c][k];
             }
         }
         let mut mask = 0;

@@ -13,17 +13,18 @@ const SMALLEST_COMPONENT: f32 = 1e-10;
 /// A ray with the values that each test of a box or triangle needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
+    /// In the order of `axes`, and so is the direction.
     pub origin: [f32; 3],
     pub direction: [f32; 3],
-    /// 1 / direction.
+    /// 1 / direction, in the order x, y, z.
     pub inverse: [f32; 3],
     /// `origin · inverse`, plus the margin: for the planes where the ray enters.
     pub near_offset: [f32; 3],
     /// `origin · inverse`, less the margin: for the planes where it leaves.
     pub far_offset: [f32; 3],
-    /// Row of [`BvhNode::planes`](super::bvh::BvhNode::planes) where the ray enters, per axis.
-    pub near_row: [usize; 3],
-    /// The axis of the longest component last.
+    /// Side of [`BvhNode::planes`](super::bvh::BvhNode::planes) where the ray enters, per axis.
+    pub near_side: [usize; 3],
+    /// The three axes in cyclic order, that of the longest component last.
     pub axes: [usize; 3],
     /// Shear that maps the direction to the last axis, and the scale along it.
     pub shear: [f32; 3],
@@ -39,20 +40,6 @@ pub(crate) fn can_hit(ray: &KernelRay) -> bool {
 }
 
 impl PreparedRay {
-    /// A placeholder for a prepared ray.
-    pub(crate) const NONE: PreparedRay = PreparedRay {
-        origin: [0.0; 3],
-        direction: [0.0; 3],
-        inverse: [0.0; 3],
-        near_offset: [0.0; 3],
-        far_offset: [0.0; 3],
-        near_row: [0; 3],
-        axes: [0; 3],
-        shear: [0.0; 3],
-        t_min: 0.0,
-        reach: 0.0,
-    };
-
     /// `None` for a ray that cannot hit anything. Coordinates of the scene lie within −1..=1.
     #[inline(always)]
     pub(crate) fn new(ray: &KernelRay) -> Option<PreparedRay> {
@@ -77,22 +64,16 @@ impl PreparedRay {
         let reach = o[0].abs().max(o[1].abs()).max(o[2].abs()) + 1.0;
         let margin = reach * (4.0 * f32::EPSILON);
         Some(PreparedRay {
-            origin: o,
-            direction: d,
+            origin: axes.map(|k| o[k]),
+            direction: axes.map(|k| d[k]),
             inverse,
             near_offset: [0, 1, 2].map(|k| o[k] * inverse[k] + margin * inverse[k].abs()),
             far_offset: [0, 1, 2].map(|k| o[k] * inverse[k] - margin * inverse[k].abs()),
-            near_row: [0, 1, 2].map(|k| 2 * k + usize::from(d[k].is_sign_negative())),
+            near_side: d.map(|x| usize::from(x.is_sign_negative())),
             axes,
             shear: [d[axes[0]] / d[last], d[axes[1]] / d[last], 1.0 / d[last]],
             t_min: ray.t_min.max(0.0),
             reach,
         })
-    }
-
-    /// Row of [`BvhNode::planes`](super::bvh::BvhNode::planes) where the ray leaves.
-    #[inline(always)]
-    pub(crate) fn far_row(&self, axis: usize) -> usize {
-        self.near_row[axis] ^ 1
     }
 }

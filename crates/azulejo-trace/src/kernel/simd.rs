@@ -7,12 +7,97 @@
     reason = "vector instructions double the speed of the kernel"
 )]
 
+use super::build::DEEPEST;
 use super::bvh::{BvhNode, WIDTH};
 use super::portable::Portable;
 use super::prepared_ray::PreparedRay;
 use super::ray::{KernelHit, KernelRay};
 use super::traversal::{Instructions, KernelScene, OtherShapes, trace};
 use super::triangle::{Packet, PacketHits};
+use std::mem::MaybeUninit;
+
+/// Room for all siblings along the longest path, and for one more node.
+const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
+
+/// Memory of a [`Stack`]. It is not initialized: that would take longer than to trace a short ray.
+pub(crate) type StackMemory = [MaybeUninit<u64>; STACK];
+
+/// The children that a ray has still to visit.
+pub(crate) struct Stack<'a> {
+    /// Those below `count` are initialized.
+    entries: &'a mut StackMemory,
+    count: usize,
+}
+
+impl Stack<'_> {
+    /// Memory for [`new`](Stack::new).
+    #[inline(always)]
+    pub(crate) fn memory() -> StackMemory {
+        [const { MaybeUninit::uninit() }; STACK]
+    }
+
+    /// An empty stack.
+    #[inline(always)]
+    pub(crate) fn new(memory: &mut StackMemory) -> Stack<'_> {
+        Stack {
+            entries: memory,
+            count: 0,
+        }
+    }
+
+    /// Removes all entries.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Pushes an entry; panics when the memory is full, which no tree can cause.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, entry: u64) {
+        self.push_if(entry, true);
+    }
+
+    /// Pushes an entry on a condition, without a branch.
+    #[inline(always)]
+    pub(crate) fn push_if(&mut self, entry: u64, is_pushed: bool) {
+        self.entries[self.count].write(entry);
+        self.count += usize::from(is_pushed);
+    }
+
+    /// Pushes an entry so that the last `siblings`, which descend, and this one descend.
+    #[inline(always)]
+    pub(crate) fn insert(&mut self, entry: u64, siblings: usize) {
+        self.push(entry);
+        let mut slot = self.count - 1;
+        let first = slot.saturating_sub(siblings);
+        while slot > first {
+            // SAFETY: entries below `count` are initialized.
+            let below = unsafe { self.entries[slot - 1].assume_init() };
+            if below >= entry {
+                break;
+            }
+            self.entries[slot].write(below);
+            slot -= 1;
+        }
+        self.entries[slot].write(entry);
+    }
+
+    /// The entry that was pushed last.
+    #[inline(always)]
+    pub(crate) fn top(&self) -> Option<u64> {
+        let last = self.count.checked_sub(1)?;
+        // SAFETY: entries below `count` are initialized.
+        Some(unsafe { self.entries[last].assume_init() })
+    }
+
+    /// Removes the entry that was pushed last.
+    #[inline(always)]
+    pub(crate) fn pop(&mut self) -> Option<u64> {
+        let entry = self.top()?;
+        self.count -= 1;
+        Some(entry)
+    }
+}
 
 /// An instruction set for the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,8 +238,9 @@ pub(crate) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::super::triangle::{PACKET, THIN, intersect_exactly};
-    use super::{BvhNode, Instructions, Packet, PacketHits, PreparedRay, WIDTH};
+    use super::{BvhNode, Instructions, Packet, PacketHits, PreparedRay, Stack, WIDTH};
     use std::arch::x86_64::*;
+    use std::mem::MaybeUninit;
 
     /// Proof that AVX2, FMA and the bit instructions are available: constructed by `detect` alone.
     #[derive(Clone, Copy, Debug)]
@@ -177,9 +263,9 @@ mod avx2 {
     /// AVX2 and FMA must be available. Call it in a function that enables them, so that it is
     /// inlined.
     #[inline(always)]
-    unsafe fn row(node: &BvhNode, row: usize) -> __m256 {
+    unsafe fn row(node: &BvhNode, axis: usize, side: usize) -> __m256 {
         // SAFETY: a row is eight floats, aligned because nodes are aligned and rows have 32 bytes.
-        unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
+        unsafe { _mm256_load_ps(node.planes[axis][side & 1].as_ptr()) }
     }
 
     /// # Safety
@@ -201,7 +287,7 @@ mod avx2 {
     #[inline(never)]
     fn recheck(
         mask: u32,
-        ray: &PreparedRay,
+        ray: PreparedRay,
         packet: &Packet,
         (x, y): (Corners, Corners),
         t_max: f32,
@@ -210,7 +296,7 @@ mod avx2 {
         let mut met = 0;
         for k in (0..PACKET).filter(|k| mask >> k & 1 == 1) {
             let corner = |c: Corners| c.map(|c| c[k]);
-            if let Some(hit) = intersect_exactly(ray, packet.triangle(k), corner(x), corner(y)) {
+            if let Some(hit) = intersect_exactly(&ray, packet.triangle(k), corner(x), corner(y)) {
                 hits.set(k, hit);
                 met |= u32::from(hit.0 >= ray.t_min && hit.0 <= t_max) << k;
             }
@@ -261,11 +347,11 @@ mod avx2 {
             unsafe {
                 let wide = |x: f32| _mm256_set1_ps(x);
                 let enter = |axis: usize| {
-                    let planes = row(node, ray.near_row[axis]);
+                    let planes = row(node, axis, ray.near_side[axis]);
                     _mm256_fmsub_ps(planes, wide(ray.inverse[axis]), wide(ray.near_offset[axis]))
                 };
                 let leave = |axis: usize| {
-                    let planes = row(node, ray.near_row[axis] ^ 1);
+                    let planes = row(node, axis, ray.near_side[axis] ^ 1);
                     _mm256_fmsub_ps(planes, wide(ray.inverse[axis]), wide(ray.far_offset[axis]))
                 };
                 let enter = _mm256_max_ps(
@@ -283,17 +369,19 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]) {
+        fn push(self, mask: u32, children: &[u32; WIDTH], stack: &mut Stack) {
             let order = COMPRESS[mask as usize % 256].as_ptr();
+            let room: &mut [MaybeUninit<u64>] = &mut stack.entries[stack.count..][..WIDTH];
+            stack.count += (mask as u8).count_ones() as usize;
             // SAFETY: `self` proves the instructions; `order` and `children` are eight lanes,
-            // and `stack` has room for as many.
+            // and `room` has as many.
             unsafe {
                 let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(order.cast()));
                 let children = _mm256_loadu_si256(children.as_ptr().cast());
                 let packed = _mm256_permutevar8x32_epi32(children, order);
                 let low = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(packed));
                 let high = _mm256_cvtepu32_epi64(_mm256_extracti128_si256::<1>(packed));
-                let to = stack.as_mut_ptr().cast::<__m256i>();
+                let to = room.as_mut_ptr().cast::<__m256i>();
                 _mm256_storeu_si256(to, low);
                 _mm256_storeu_si256(to.add(1), high);
             }
@@ -309,11 +397,12 @@ mod avx2 {
         ) -> u32 {
             // SAFETY: `self` proves the instructions; every row is four floats, aligned.
             unsafe {
-                let origin = ray.axes.map(|k| _mm_set1_ps(ray.origin[k]));
+                let origin = ray.origin.map(|x| _mm_set1_ps(x));
+                let axes = ray.axes.map(|k| k.min(2));
                 let shear = ray.shear.map(|x| _mm_set1_ps(x));
                 let corner = |c: usize| {
                     let at = |k: usize| {
-                        let row = packet.corners[(3 * c + ray.axes[k]) % 9].as_ptr();
+                        let row = packet.corners[c][axes[k]].as_ptr();
                         _mm_sub_ps(_mm_load_ps(row), origin[k])
                     };
                     let z = at(2);
@@ -373,7 +462,7 @@ mod avx2 {
                 let x = [ax, bx, cx].map(|x| lanes(x));
                 let y = [ay, by, cy].map(|y| lanes(y));
                 let sure = mask & !unsure;
-                sure | recheck(unsure, ray, packet, (x, y), t_max, hits)
+                sure | recheck(unsure, *ray, packet, (x, y), t_max, hits)
             }
         }
     }

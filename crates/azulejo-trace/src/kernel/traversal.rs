@@ -10,20 +10,13 @@
 //! for nodes. Therefore a batch keeps several rays in flight ([`LANES`]): each prefetches its next
 //! node and yields to the others.
 
-use super::build::DEEPEST;
 use super::bvh::{Bvh, BvhNode, Child, WIDTH};
 use super::prepared_ray::PreparedRay;
 use super::ray::{KernelHit, KernelRay};
+use super::simd::{Stack, StackMemory};
 use super::triangle::{PACKET, Packet, PacketHits};
 use glam::Vec3;
-
-/// Room for all siblings along the longest path, and for one more node.
-const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
-
-/// Nodes on a path of a shallow tree, as the meshes of most instances have, and the room that it takes: to set up the
-/// whole of [`STACK`] for the one ray that meets an instance costs more than to trace it.
-const SHALLOW: usize = 8;
-const SHALLOW_STACK: usize = (WIDTH - 1) * SHALLOW + 2 * WIDTH;
+use std::ops::Range;
 
 /// Rays that one thread has in flight. While one waits for its next node from memory the others
 /// continue: in trees larger than the caches this nearly doubles the rate.
@@ -40,8 +33,8 @@ pub(crate) trait Instructions: Copy {
     /// entry.
     fn boxes(self, ray: &PreparedRay, node: &BvhNode, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
 
-    /// Pushes the children of a mask; eight entries may be overwritten.
-    fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]);
+    /// Pushes the children of a mask, in order and without branches.
+    fn push(self, mask: u32, children: &[u32; WIDTH], stack: &mut Stack);
 
     /// The triangles that the ray hits at `t <= t_max`, as a mask, and their hits.
     fn triangles(
@@ -63,36 +56,33 @@ fn entry(near: f32, child: u32) -> u64 {
     (u64::from(near.to_bits()) << 32) | u64::from(child)
 }
 
-/// Pushes the children of a mask, which is not 0, farthest first, except for the nearest; returns
-/// that one and the number of those pushed.
+/// Pushes the children of a mask, which is not 0, farthest first, except for the nearest, which it returns.
 #[inline(always)]
-pub(crate) fn put_sorted(
+fn push_sorted(
     mut mask: u32,
     near: &[f32; WIDTH],
     children: &[u32; WIDTH],
-    stack: &mut [u64; WIDTH],
-) -> (u32, usize) {
+    stack: &mut Stack,
+) -> u32 {
     let mut take = || {
         let k = mask.trailing_zeros() as usize % WIDTH;
-        mask &= mask - 1;
-        (entry(near[k], children[k]), mask != 0)
+        let is_any = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        (entry(near[k], children[k]), is_any)
     };
-    let (mut nearest, mut more) = take();
-    let mut count = 0;
-    while more {
-        let mut next;
-        (next, more) = take();
-        (nearest, next) = (nearest.min(next), nearest.max(next));
-        // Insertion from the top: few entries, mostly in order.
-        let mut slot = count;
-        while slot > 0 && stack[slot - 1] < next {
-            stack[slot] = stack[slot - 1];
-            slot -= 1;
-        }
-        stack[slot] = next;
-        count += 1;
+    let (first, _) = take();
+    // No branch between one child and two, which the processor could not predict.
+    let (second, is_pushed) = take();
+    let second = second | u64::from(is_pushed).wrapping_sub(1);
+    stack.push_if(first.max(second), is_pushed);
+    let mut nearest = first.min(second);
+    let mut siblings = 1;
+    while let (next, true) = take() {
+        stack.insert(nearest.max(next), siblings);
+        nearest = nearest.min(next);
+        siblings += 1;
     }
-    (nearest as u32, count)
+    nearest as u32
 }
 
 /// The shapes in leaves that are not triangles.
@@ -117,16 +107,20 @@ pub(crate) fn trace<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     isa: I,
     scene: &KernelScene<O>,
     rays: &[KernelRay],
-    done: impl FnMut(usize, &KernelHit),
+    mut done: impl FnMut(usize, &KernelHit),
 ) {
-    if rays.len() < FEW_RAYS || are_coherent(rays) {
-        if scene.bvh.depth <= SHALLOW {
-            trace_lanes::<I, O, ANY, 1, SHALLOW_STACK>(isa, scene, rays, done);
-        } else {
-            trace_lanes::<I, O, ANY, 1, STACK>(isa, scene, rays, done);
+    if rays.len() >= FEW_RAYS && !scene.bvh.fits_the_cache() && !are_coherent(rays) {
+        return trace_lanes::<I, O, ANY>(isa, scene, rays, done);
+    }
+    let mut memory: StackMemory = Stack::memory();
+    for (index, ray) in rays.iter().enumerate() {
+        let mut hit = KernelHit::NOTHING;
+        if let Some(mut state) = TraversalState::new(scene.bvh, ray) {
+            let mut stack = Stack::new(&mut memory);
+            while state.step::<I, O, ANY, false>(isa, scene, ray, &mut stack) {}
+            hit = state.result();
         }
-    } else {
-        trace_lanes::<I, O, ANY, LANES, STACK>(isa, scene, rays, done);
+        done(index, &hit);
     }
 }
 
@@ -143,127 +137,128 @@ fn are_coherent(rays: &[KernelRay]) -> bool {
     2 * pairs.filter(alike).count() > SAMPLES
 }
 
+/// As [`trace`], with several rays in flight.
 #[inline(always)]
-fn trace_lanes<
-    I: Instructions,
-    O: OtherShapes + ?Sized,
-    const ANY: bool,
-    const N: usize,
-    const ROOM: usize,
->(
+fn trace_lanes<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     isa: I,
     scene: &KernelScene<O>,
     rays: &[KernelRay],
     mut done: impl FnMut(usize, &KernelHit),
 ) {
-    let mut states = [const { TraversalState::<ROOM>::NONE }; N];
-    let mut lanes: [usize; N] = std::array::from_fn(|lane| lane);
-    let mut next = 0;
-    let mut active = 0;
-    while active < N && states[lanes[active]].start(scene.bvh, rays, &mut next, &mut done) {
-        active += 1;
-    }
-    while active > 0 {
-        let mut k = 0;
-        while k < active {
-            let state = &mut states[lanes[k]];
-            if state.step::<I, O, ANY, N>(isa, scene, &rays[state.index]) {
-                k += 1;
-                continue;
+    // On the heap, because a large frame on the stack would slow down the calls for few rays.
+    let mut memories = vec![Stack::memory(); LANES];
+    let mut lanes: Vec<Lane> = memories.iter_mut().map(Lane::new).collect();
+    let mut waiting = rays.iter().enumerate();
+    while !lanes.is_empty() {
+        for k in (0..lanes.len()).rev() {
+            let lane = &mut lanes[k];
+            if let Some(state) = &mut lane.state {
+                if state.step::<I, O, ANY, true>(isa, scene, &rays[lane.index], &mut lane.stack) {
+                    continue;
+                }
+                done(lane.index, &state.result());
+                lane.state = None;
+                lane.stack.clear();
             }
-            let hit = if state.hit.is_hit() {
-                state.hit
-            } else {
-                KernelHit::NOTHING
-            };
-            done(state.index, &hit);
-            if state.start(scene.bvh, rays, &mut next, &mut done) {
-                k += 1;
-            } else {
-                active -= 1;
-                lanes.swap(k, active);
+            while lane.state.is_none()
+                && let Some((index, ray)) = waiting.next()
+            {
+                lane.index = index;
+                lane.state = TraversalState::new(scene.bvh, ray);
+                if lane.state.is_none() {
+                    done(index, &KernelHit::NOTHING);
+                }
+            }
+            if lane.state.is_none() {
+                lanes.swap_remove(k);
             }
         }
     }
 }
 
-/// The state of the traversal of one ray.
-struct TraversalState<const ROOM: usize> {
+/// One of several rays in flight.
+struct Lane<'a> {
+    /// Index of the ray.
+    index: usize,
+    /// `None` between two rays.
+    state: Option<TraversalState>,
+    stack: Stack<'a>,
+}
+
+impl Lane<'_> {
+    fn new(memory: &mut StackMemory) -> Lane<'_> {
+        Lane {
+            index: 0,
+            state: None,
+            stack: Stack::new(memory),
+        }
+    }
+}
+
+/// The state of the traversal of one ray, but for its stack.
+struct TraversalState {
     ray: PreparedRay,
     /// The nearest hit so far; its `t` bounds further hits.
     hit: KernelHit,
     /// The next node or leaf, a packed [`Child`].
     current: u32,
-    /// Index of the ray in the batch.
-    index: usize,
-    waiting: usize,
-    /// Children still to visit, as [`entry`] packs them.
-    stack: [u64; ROOM],
 }
 
-impl<const ROOM: usize> TraversalState<ROOM> {
-    const NONE: Self = TraversalState {
-        ray: PreparedRay::NONE,
-        hit: KernelHit::NOTHING,
-        current: 0,
-        index: 0,
-        waiting: 0,
-        stack: [0; ROOM],
-    };
-
-    /// Starts the next ray that can hit something, and reports those before it as misses.
+impl TraversalState {
+    /// `None` if the ray cannot hit anything.
     #[inline(always)]
-    fn start(
-        &mut self,
-        bvh: &Bvh,
-        rays: &[KernelRay],
-        next: &mut usize,
-        done: &mut impl FnMut(usize, &KernelHit),
-    ) -> bool {
-        while let Some(ray) = rays.get(*next) {
-            let index = *next;
-            *next += 1;
-            if let (Some(prepared), false) = (PreparedRay::new(ray), bvh.nodes.is_empty()) {
-                self.ray = prepared;
-                self.hit = KernelHit::before(ray.t_max.next_down());
-                (self.current, self.index, self.waiting) = (0, index, 0);
-                return true;
-            }
-            done(index, &KernelHit::NOTHING);
+    fn new(bvh: &Bvh, ray: &KernelRay) -> Option<TraversalState> {
+        if bvh.nodes.is_empty() {
+            return None;
         }
-        false
+        Some(TraversalState {
+            ray: PreparedRay::new(ray)?,
+            hit: KernelHit::before(ray.t_max.next_down()),
+            current: 0,
+        })
     }
 
-    /// Visits one child; returns whether there are more.
     #[inline(always)]
-    fn step<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const N: usize>(
+    fn result(&self) -> KernelHit {
+        if self.hit.is_hit() {
+            self.hit
+        } else {
+            KernelHit::NOTHING
+        }
+    }
+
+    /// Visits children until the ray is done, or with `YIELDS` until a node has to be read from memory; returns
+    /// whether there are more.
+    #[inline(always)]
+    fn step<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const YIELDS: bool>(
         &mut self,
         isa: I,
         scene: &KernelScene<O>,
         ray: &KernelRay,
+        stack: &mut Stack,
     ) -> bool {
         let bvh = scene.bvh;
         loop {
             if self.current & Child::LEAF == 0 {
                 let node = &bvh.nodes[self.current as usize];
-                if let Some(next) = self.visit::<I, ANY, N>(isa, node) {
+                if let Some(next) = self.visit::<I, ANY>(isa, node, stack) {
                     self.current = next;
-                    if N == 1 {
+                    if !YIELDS {
                         continue;
                     }
-                    self.prefetch(isa, bvh, next);
-                    self.prefetch_waiting(isa, bvh);
+                    prefetch(isa, bvh, next);
+                    prefetch_waiting(isa, bvh, stack);
                     return true;
                 }
             } else if self.intersect_leaf::<I, O, ANY>(isa, scene, ray) && ANY {
                 return false;
             }
-            if !self.pop::<ANY>() {
+            if !self.pop::<ANY>(stack) {
                 return false;
             }
             // Children from the stack were prefetched when they were pushed, or earlier.
-            if N > 1 {
-                self.prefetch_waiting(isa, bvh);
+            if YIELDS {
+                prefetch_waiting(isa, bvh, stack);
             }
         }
     }
@@ -280,57 +275,30 @@ impl<const ROOM: usize> TraversalState<ROOM> {
         if self.current & Child::OTHER == 0 {
             return self.intersect_triangles::<I, ANY>(isa, &scene.bvh.packets[range]);
         }
-        for &shape in &scene.bvh.others[range] {
-            if !ANY {
-                scene.others.closest(shape, ray, &mut self.hit);
-            } else if scene.others.any(shape, ray, self.hit.t) {
-                self.hit.item = 0;
-            }
-        }
+        self.hit = intersect_others::<O, ANY>(scene, range, ray, self.hit);
         self.hit.is_hit()
     }
 
     /// Pushes the children whose boxes the ray hits, except for one, which it returns: the nearest,
-    /// unless `ANY`.
+    /// or with `ANY` the last.
     #[inline(always)]
-    fn visit<I: Instructions, const ANY: bool, const N: usize>(
-        &mut self,
+    fn visit<I: Instructions, const ANY: bool>(
+        &self,
         isa: I,
         node: &BvhNode,
+        stack: &mut Stack,
     ) -> Option<u32> {
         let mut near = [0.0; WIDTH];
-        let mut mask = isa.boxes(&self.ray, node, self.hit.t, &mut near);
+        let mask = isa.boxes(&self.ray, node, self.hit.t, &mut near);
         if mask == 0 {
             return None;
         }
-        // Never too short: see `STACK`.
-        let room = self.stack.get_mut(self.waiting..self.waiting + WIDTH)?;
-        let room: &mut [u64; WIDTH] = room.try_into().ok()?;
         if !ANY {
-            let (next, count) = put_sorted(mask, &near, &node.children, room);
-            self.waiting += count;
-            return Some(next);
+            return Some(push_sorted(mask, &near, &node.children, stack));
         }
-        if N > 1 {
-            // No branches: the next ray can start before this one's children are known.
-            let next = node.children[mask.trailing_zeros() as usize % WIDTH];
-            mask &= mask - 1;
-            isa.put(mask, &node.children, room);
-            self.waiting += mask.count_ones() as usize;
-            return Some(next);
-        }
-        // Branches, so that branch prediction hides the latency of memory.
-        let mut count = 0;
-        loop {
-            let child = node.children[mask.trailing_zeros() as usize % WIDTH];
-            mask &= mask - 1;
-            if mask == 0 {
-                self.waiting += count;
-                return Some(child);
-            }
-            room[count % WIDTH] = u64::from(child);
-            count += 1;
-        }
+        let last = mask.ilog2();
+        isa.push(mask ^ (1 << last), &node.children, stack);
+        Some(node.children[last as usize % WIDTH])
     }
 
     /// Tests triangles; returns whether anything was hit, for `ANY`.
@@ -365,10 +333,8 @@ impl<const ROOM: usize> TraversalState<ROOM> {
 
     /// Pops the next child that may contain a nearer hit.
     #[inline(always)]
-    fn pop<const ANY: bool>(&mut self) -> bool {
-        while self.waiting > 0 {
-            self.waiting -= 1;
-            let entry = self.stack[self.waiting];
+    fn pop<const ANY: bool>(&mut self, stack: &mut Stack) -> bool {
+        while let Some(entry) = stack.pop() {
             if ANY || f32::from_bits((entry >> 32) as u32) <= self.hit.t {
                 self.current = entry as u32;
                 return true;
@@ -376,22 +342,44 @@ impl<const ROOM: usize> TraversalState<ROOM> {
         }
         false
     }
+}
 
-    /// Prefetches a child.
-    #[inline(always)]
-    fn prefetch<I: Instructions>(&self, isa: I, bvh: &Bvh, child: u32) {
-        if child & Child::LEAF == 0 {
-            if let Some(node) = bvh.nodes.get(child as usize) {
-                isa.prefetch(node);
-            }
-        } else if let Some(packet) = bvh.packets.get(Child::range(child).start) {
-            isa.prefetch(packet);
+/// Prefetches a child.
+#[inline(always)]
+fn prefetch<I: Instructions>(isa: I, bvh: &Bvh, child: u32) {
+    if child & Child::LEAF == 0 {
+        if let Some(node) = bvh.nodes.get(child as usize) {
+            isa.prefetch(node);
+        }
+    } else if let Some(packet) = bvh.packets.get(Child::range(child).start) {
+        isa.prefetch(packet);
+    }
+}
+
+/// Prefetches the child on top of the stack.
+#[inline(always)]
+fn prefetch_waiting<I: Instructions>(isa: I, bvh: &Bvh, stack: &Stack) {
+    if let Some(child) = stack.top() {
+        prefetch(isa, bvh, child as u32);
+    }
+}
+
+/// Returns the nearest of `hit` and those on some shapes; with `ANY`, any hit suffices.
+///
+/// Not inlined, so that the ray's state stays in registers.
+#[inline(never)]
+fn intersect_others<O: OtherShapes + ?Sized, const ANY: bool>(
+    scene: &KernelScene<O>,
+    range: Range<usize>,
+    ray: &KernelRay,
+    mut hit: KernelHit,
+) -> KernelHit {
+    for &shape in &scene.bvh.others[range] {
+        if !ANY {
+            scene.others.closest(shape, ray, &mut hit);
+        } else if scene.others.any(shape, ray, hit.t) {
+            hit.item = 0;
         }
     }
-
-    /// Prefetches the child on top of the stack.
-    #[inline(always)]
-    fn prefetch_waiting<I: Instructions>(&self, isa: I, bvh: &Bvh) {
-        self.prefetch(isa, bvh, self.stack[self.waiting.saturating_sub(1)] as u32);
-    }
+    hit
 }

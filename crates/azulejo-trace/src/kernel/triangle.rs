@@ -10,27 +10,28 @@ pub(crate) const PACKET: usize = 4;
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet {
-    /// Coordinates, `[3 * corner + axis][lane]`.
-    pub corners: [[f32; PACKET]; 9],
+    /// Coordinates, `[corner][axis][lane]`.
+    pub corners: [[[f32; PACKET]; 3]; 3],
     /// Item number of each lane.
     pub items: [u32; PACKET],
 }
 
 impl Packet {
     pub(crate) const EMPTY: Packet = Packet {
-        corners: [[f32::NAN; PACKET]; 9],
+        corners: [[[f32::NAN; PACKET]; 3]; 3],
         items: [u32::MAX; PACKET],
     };
 
     /// The triangle in a lane.
     pub(crate) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
-        [0, 3, 6].map(|first| [0, 1, 2].map(|axis| self.corners[first + axis][lane]))
+        self.corners.map(|corner| corner.map(|row| row[lane]))
     }
 
     /// Stores a triangle in a lane.
     pub(crate) fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3], item: u32) {
-        for (k, coordinate) in corners.iter().flatten().enumerate() {
-            self.corners[k][lane] = *coordinate;
+        let rows = self.corners.as_flattened_mut();
+        for (row, coordinate) in rows.iter_mut().zip(corners.as_flattened()) {
+            row[lane] = *coordinate;
         }
         self.items[lane] = item;
     }
@@ -72,16 +73,16 @@ pub(crate) fn intersect_exactly(
     if !inside || a + b + c == 0.0 {
         return None;
     }
-    let [kx, ky, kz] = ray.axes;
     let direction = ray.direction.map(f64::from);
-    let relative = |corner: [f32; 3], k: usize| f64::from(corner[k]) - f64::from(ray.origin[k]);
+    let relative =
+        |corner: [f32; 3], k: usize| f64::from(corner[ray.axes[k]]) - f64::from(ray.origin[k]);
     let sheared = |k: usize| {
-        let slope = direction[k] / direction[kz];
-        corners.map(|p| relative(p, k) - slope * relative(p, kz))
+        let slope = direction[k] / direction[2];
+        corners.map(|p| relative(p, k) - slope * relative(p, 2))
     };
-    let weights = on_triangle(sheared(kx), sheared(ky)).unwrap_or(decisive);
+    let weights = on_triangle(sheared(0), sheared(1)).unwrap_or(decisive);
     let whole: f64 = weights.iter().sum();
-    let z = corners.map(|p| relative(p, kz) / direction[kz]);
+    let z = corners.map(|p| relative(p, 2) / direction[2]);
     let t = (0..3).map(|k| weights[k] * z[k]).sum::<f64>() / whole;
     Some((
         t as f32,

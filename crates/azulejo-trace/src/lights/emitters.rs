@@ -13,6 +13,9 @@ use std::f64::consts::PI;
 /// Distance of a small emitter, as a multiple of its radius, from which on its integral is off by less than 1e-4.
 const FAR: f64 = 25.0;
 
+/// The same for its middle alone, if the height above the horizon is as much.
+const VERY_FAR: f64 = 100.0;
+
 /// Height above the horizon, in the same measure, from which on that holds: where the cosine is small, its changes count.
 const HIGH: f64 = 4.0;
 
@@ -102,9 +105,18 @@ impl FlatEmitter {
         side_toward(&self.polygon, self.emission.emits_back, p)
     }
 
+    /// Unit normal of the side that emits towards a point.
+    pub fn normal_toward(&self, p: DVec3) -> DVec3 {
+        if self.emission.emits_back && !is_in_front(p, &self.polygon) {
+            return -self.normal;
+        }
+        self.normal
+    }
+
     /// Form factor from a point with unit normal `n`, if nothing stood between: exact, but where the emitter is so
     /// small and far away that the integral over it is as good by the midpoints of the edges of its triangles, which
-    /// are exact to the second degree (Hammer and Stroud, *Numerical integration over simplexes*, 1956).
+    /// are exact to the second degree (Hammer and Stroud, *Numerical integration over simplexes*, 1956), or even by
+    /// the middle of a triangle, which is exact to the first.
     pub fn form_factor(&self, p: DVec3, n: DVec3) -> f64 {
         let way = self.centre - p;
         let facing = self.facing(way);
@@ -116,6 +128,12 @@ impl FlatEmitter {
         if !(is_far && is_high) || self.polygon.len() > 4 {
             return point_to_polygon(p, n, &self.toward(p));
         }
+        let is_triangle = self.polygon.len() == 3;
+        let height = way.dot(n);
+        if is_triangle && height > VERY_FAR * self.radius {
+            let square = way.length_squared();
+            return facing * self.area * height / (PI * square * square);
+        }
         // The distance to the plane is the same from everywhere.
         let kernel = |y: DVec3| {
             let way = y - p;
@@ -125,7 +143,11 @@ impl FlatEmitter {
         let mut sum = 0.0;
         for two in self.polygon[1..].windows(2) {
             let [a, b] = [two[0], two[1]];
-            let twice_area = (a - o).cross(b - o).length();
+            let twice_area = if is_triangle {
+                2.0 * self.area
+            } else {
+                (a - o).cross(b - o).length()
+            };
             let middles = [o + a, o + b, a + b].map(|sum| kernel(0.5 * sum));
             sum += twice_area * middles.iter().sum::<f64>();
         }

@@ -57,7 +57,8 @@ impl<'a> Outside<'a> {
         for light in &scene.lights {
             match light.kind {
                 LightKind::Environment(environment) => {
-                    environments.extend(EnvironmentLight::new(scene, environment));
+                    let uneven = environment.split_even().1;
+                    environments.extend(EnvironmentLight::new(scene, uneven));
                 }
                 LightKind::Directional {
                     direction,

@@ -161,17 +161,21 @@ impl PicturedTriangle<'_> {
             let cell = CellPlace::numbered(number, self.steps);
             let value = |k: usize| {
                 let part = CellPlace::numbered(k, n);
+                let value = |[a, b]: [f64; 2]| {
+                    let [a, b] = part.weights(a, b, n);
+                    self.radiance(cell.weights(a, b, self.steps)).mean()
+                };
+                if n > 1 {
+                    // Parts of a cell are about as small as texels: their middles miss none.
+                    return value([1.0 / 3.0; 2]);
+                }
                 // Toward the corners, too, so that nothing bright is missed.
-                let points = [
+                let corners = [
                     [1.0 / 6.0; 2],
                     [2.0 / 3.0, 1.0 / 6.0],
                     [1.0 / 6.0, 2.0 / 3.0],
                 ];
-                let values = points.map(|[a, b]| {
-                    let [a, b] = part.weights(a, b, n);
-                    self.radiance(cell.weights(a, b, self.steps)).mean()
-                });
-                values.iter().sum::<f64>() / 3.0
+                corners.map(value).iter().sum::<f64>() / 3.0
             };
             let parts = (n * n) as usize;
             let mean = (0..parts).map(value).sum::<f64>() / parts as f64;

@@ -282,13 +282,10 @@ impl Tracer {
     pub fn resolve(&self, ray: &Ray, hit: &KernelHit) -> Hit {
         let item = self.item(hit.item);
         let ray = &self.in_own_cell(ray, f64::from(hit.t));
-        let point = match self.triangles.get(hit.item as usize) {
-            Some(triangle) => {
-                let mesh = self.mesh_of(hit.item);
-                let corners = triangle.vertices.map(|v| mesh.positions[v as usize]);
-                point_on_triangle(corners, ray, f64::from(hit.t))
-            }
-            None => self.other_of(hit.item).resolve(&self.frame, ray, hit),
+        let point = if (hit.item as usize) < self.triangles.len() {
+            point_on_triangle(self.triangle_corners(hit.item), ray, f64::from(hit.t))
+        } else {
+            self.other_of(hit.item).resolve(&self.frame, ray, hit)
         };
         Hit {
             t: point.t,
@@ -304,6 +301,23 @@ impl Tracer {
         }
     }
 
+    /// Position and unit normal of the surface at a hit. The position lies on the surface to `f64` rounding, and within
+    /// it where the kernel says, to `f32` rounding.
+    ///
+    /// # Panics
+    /// As [`resolve`](Tracer::resolve).
+    pub fn surface_point(&self, ray: &KernelRay, hit: &KernelHit) -> (DVec3, DVec3) {
+        if self.cell.is_none() && (hit.item as usize) < self.triangles.len() {
+            let [a, b, c] = self.triangle_corners(hit.item);
+            let [u, v] = hit.uv().map(f64::from);
+            let (ab, ac) = (b - a, c - a);
+            let normal = ab.cross(ac).normalize_or_zero();
+            return (a + u * ab + v * ac, normal);
+        }
+        let hit = self.resolve(&self.world_ray(ray), hit);
+        (hit.position, hit.normal)
+    }
+
     /// The origin for rays that leave the surface at `position` towards the side of the unit vector
     /// `normal`: no ray from there to that side hits the surface that it leaves.
     ///
@@ -314,6 +328,19 @@ impl Tracer {
         let away = self.frame.distance(position);
         let step = LEAVING_ULPS * f64::from(f32::EPSILON) * away.max(self.reach);
         position + step * normal
+    }
+
+    /// Whether it has triangles of meshes and nothing else.
+    pub(crate) fn has_triangles_alone(&self) -> bool {
+        let is_triangle = |other: &Placed| matches!(other, Placed::Triangle(_));
+        self.cell.is_none() && self.others.iter().all(is_triangle)
+    }
+
+    /// Corners of a triangle of a mesh, by its item.
+    pub(crate) fn triangle_corners(&self, item: u32) -> [DVec3; 3] {
+        let positions = &self.mesh_of(item).positions;
+        let vertices = self.triangles[item as usize].vertices;
+        vertices.map(|v| positions[v as usize])
     }
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {

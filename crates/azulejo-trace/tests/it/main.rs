@@ -2,6 +2,8 @@
 
 mod csg;
 mod glossy;
+mod indirect;
+mod mirrors;
 mod precision;
 mod prisms;
 mod shapes;

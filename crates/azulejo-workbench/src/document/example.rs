@@ -3,10 +3,11 @@
 use super::{Edit, EditError, NewShape, NewShapeKind, SceneDocument, TextLayout};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Material, Rgb};
+use clap::ValueEnum;
 use glam::DVec3;
 
 /// A scene to begin with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Example {
     /// The box of Cornell University: walls that colour each other.
     CornellBox,
@@ -17,22 +18,6 @@ pub enum Example {
 }
 
 impl Example {
-    /// All examples, in the order of the start screen.
-    pub const ALL: [Example; 3] = [
-        Example::CornellBox,
-        Example::MirrorBlock,
-        Example::SolidText,
-    ];
-
-    /// Its name in scripts.
-    pub fn script_name(self) -> &'static str {
-        match self {
-            Example::CornellBox => "cornell-box",
-            Example::MirrorBlock => "mirror-block",
-            Example::SolidText => "solid-text",
-        }
-    }
-
     /// A new document with the example.
     ///
     /// # Errors

@@ -1,7 +1,8 @@
 //! Rendered images, checked by pixel on every installed driver.
 
 use super::*;
-use crate::view::{ColorMap, Shading};
+use crate::variants::all;
+use crate::view::Shading;
 use azulejo::render::{Tone, srgb_from_linear};
 use azulejo::scene::{
     Attribute, BackplateFit, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid,
@@ -199,7 +200,7 @@ fn false_colours_are_those_of_the_map() {
     mesh.irradiance = vec![Rgb::new(30.0, 0.0, 0.0); 4];
     let white = Material::default();
     on_each_driver(|renderer| {
-        for map in ColorMap::ALL {
+        for map in all() {
             let mut scale = ColorScale {
                 map,
                 quantity: ColorScalar::Mean,

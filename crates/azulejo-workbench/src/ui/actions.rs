@@ -9,6 +9,7 @@ use crate::preferences::Preferences;
 use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
 use crate::words::Language;
 use azulejo::scene::MaterialId;
+use clap::ValueEnum;
 use egui::{Event, Key, KeyboardShortcut, Modifiers};
 
 /// A menu entry with an optional shortcut.
@@ -75,7 +76,7 @@ pub enum WindowAction {
 }
 
 /// A menu of the menu bar, or a submenu.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Menu {
     /// Opening and saving, recipes and preferences.
     File,
@@ -94,17 +95,6 @@ pub enum Menu {
 }
 
 impl Menu {
-    /// All menus in the order of the menu bar.
-    pub const ALL: [Menu; 7] = [
-        Menu::File,
-        Menu::Edit,
-        Menu::Add,
-        Menu::View,
-        Menu::Shading,
-        Menu::Light,
-        Menu::Help,
-    ];
-
     /// Its title in the menu bar.
     pub fn label(self, language: Language) -> &'static str {
         match self {

@@ -51,10 +51,8 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
         let speed = speed(&cx.app.document);
         vector(ui, cx.tr("Move by"), &mut changes.shift, speed);
         vector(ui, cx.tr("Rotate by °"), &mut changes.turn, 0.5);
-        let label = ui.label(cx.tr("Scale by"));
         let drag = inputs::number(&mut changes.factor, 1e-6..=1e6).speed(0.01);
-        ui.add(drag).labelled_by(label.id);
-        ui.end_row();
+        inputs::labelled_row(ui, cx.tr("Scale by"), drag);
     });
     let button = Button::new(cx.tr("Apply to all"));
     let is_some = changes != GroupTransform::default();

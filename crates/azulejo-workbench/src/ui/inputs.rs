@@ -1,8 +1,9 @@
 //! Input fields for numbers and colours of the document. Displaying a value never changes it.
 
+use crate::ui::focus;
 use azulejo::scene::Rgb;
 use egui::emath::format_with_decimals_in_range;
-use egui::{DragValue, Id, Slider, Ui};
+use egui::{ComboBox, DragValue, Id, Response, Slider, Ui, Widget, WidgetText};
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
@@ -11,6 +12,55 @@ use std::rc::Rc;
 /// brightest channel if that is above 1: the colour picker converts to gamma and back in 32 bits,
 /// which does not preserve all colours.
 const TOLERANCE: f64 = 1e-5;
+
+/// A label and a field of this name.
+pub fn labelled(ui: &mut Ui, name: &str, field: impl Widget) -> Response {
+    let label = ui.label(name);
+    ui.add(field).labelled_by(label.id)
+}
+
+/// The same as a row of a grid.
+pub fn labelled_row(ui: &mut Ui, name: &str, field: impl Widget) -> Response {
+    let field = labelled(ui, name, field);
+    ui.end_row();
+    field
+}
+
+/// A row of a grid with a relative error as a percentage.
+pub fn error_row(ui: &mut Ui, name: &str, about: &str, error: &mut f64) {
+    let label = ui.label(name).on_hover_text(about);
+    let mut percent = 100.0 * *error;
+    let drag = DragValue::new(&mut percent)
+        .range(0.1..=100.0)
+        .speed(0.05)
+        .max_decimals(2)
+        .suffix(" %")
+        .update_while_editing(false);
+    let field = ui.add(drag).labelled_by(label.id).on_hover_text(about);
+    if field.changed() {
+        *error = percent / 100.0;
+    }
+    ui.end_row();
+}
+
+/// A list from which a value is chosen; `name` returns the text of an entry.
+pub fn choice<T: PartialEq, N: Into<WidgetText>>(
+    combo: ComboBox,
+    ui: &mut Ui,
+    value: &mut T,
+    entries: impl IntoIterator<Item = T>,
+    name: impl Fn(&T) -> N,
+) -> Response {
+    let combo = combo.selected_text(name(value));
+    let shown = combo.show_ui(ui, |ui| {
+        focus::close_list(ui);
+        for entry in entries {
+            let text = name(&entry);
+            ui.selectable_value(value, entry, text);
+        }
+    });
+    shown.response
+}
 
 /// A number field with `range`. A value outside the range stays until the user changes it.
 pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {

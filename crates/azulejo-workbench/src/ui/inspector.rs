@@ -96,9 +96,8 @@ fn object(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     {
         let mut new_top = top;
         ui.horizontal(|ui| {
-            let label = ui.label(cx.tr("Top radius"));
             let drag = inputs::number(&mut new_top, 0.0..=1.0).speed(0.01);
-            ui.add(drag).labelled_by(label.id);
+            inputs::labelled(ui, cx.tr("Top radius"), drag);
         });
         if new_top != top {
             let mut cone = primitive.clone();
@@ -371,12 +370,11 @@ fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
         changed |= vector(ui, cx.tr("Viewpoint"), &mut camera.eye, step);
         changed |= vector(ui, cx.tr("Target"), &mut camera.target, step);
         changed |= vector(ui, cx.tr("Up"), &mut camera.up, 0.01);
-        let label = ui.label(cx.tr("Field of view"));
         let mut degrees = camera.vertical_fov.to_degrees();
         let drag = inputs::number(&mut degrees, 1.0..=170.0)
             .speed(0.25)
             .suffix("°");
-        if ui.add(drag).labelled_by(label.id).changed() {
+        if inputs::labelled(ui, cx.tr("Field of view"), drag).changed() {
             camera.vertical_fov = degrees.to_radians();
             changed = true;
         }

@@ -173,11 +173,10 @@ fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> boo
     let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
     let mut changed = false;
     for k in 0..2 {
-        let label = ui.label(names[k]);
         let drag = inputs::number(&mut degrees[k], 0.0..=180.0)
             .speed(0.25)
             .suffix("°");
-        if ui.add(drag).labelled_by(label.id).changed() {
+        if inputs::labelled(ui, names[k], drag).changed() {
             changed = true;
             // The field being changed pushes the other one.
             match k {

@@ -5,13 +5,14 @@ mod page;
 
 pub use page::{LightmapView, PageView};
 
+use super::inputs;
 use super::panel_context::PanelContext;
 use super::viewport::{LegendText, number, paint_legend};
 use crate::app::light_unit::ShownUnit;
 use crate::bake::{BakedDocument, LightmapFile};
 use crate::command::{Command, FileRequest};
 use crate::gpu::ColorScale;
-use crate::ui::focus;
+use crate::variants::all;
 use egui::{
     Color32, ComboBox, Rect, Response, RichText, ScrollArea, Sense, Slider, TextureHandle,
     TextureOptions, Ui, Vec2, pos2, vec2,
@@ -107,30 +108,20 @@ impl LightmapWindow {
     fn controls(&mut self, ui: &mut Ui, cx: &mut PanelContext, result: &BakedDocument) {
         ui.horizontal_wrapped(|ui| {
             let view = &mut self.view;
-            ComboBox::from_id_salt("lightmap view")
-                .width(150.0)
-                .selected_text(name(view.quantity, cx))
-                .show_ui(ui, |ui| {
-                    focus::close_list(ui);
-                    for one in LightmapView::ALL {
-                        ui.selectable_value(&mut view.quantity, one, name(one, cx));
-                    }
-                })
-                .response
+            let combo = ComboBox::from_id_salt("lightmap view").width(150.0);
+            let quantity = &mut view.quantity;
+            inputs::choice(combo, ui, quantity, all(), |&one| name(one, cx))
                 .accessible_name(cx.tr("Displayed quantity"));
             let pages = result.baked.lightmap.pages.len();
             view.page = view.page.min(pages.saturating_sub(1));
             if pages > 1 {
-                let label = ui.label(cx.tr("Page"));
                 let mut shown = view.page + 1;
-                let slider = Slider::new(&mut shown, 1..=pages);
-                ui.add(slider).labelled_by(label.id);
+                inputs::labelled(ui, cx.tr("Page"), Slider::new(&mut shown, 1..=pages));
                 view.page = shown - 1;
             }
             if view.quantity == LightmapView::Light {
-                let label = ui.label(cx.tr("Stops"));
                 let slider = Slider::new(&mut view.stops, -STOPS..=STOPS).max_decimals(1);
-                ui.add(slider).labelled_by(label.id);
+                inputs::labelled(ui, cx.tr("Stops"), slider);
             } else if view.quantity != LightmapView::Charts {
                 ui.checkbox(&mut view.is_logarithmic, cx.tr("Logarithmic"));
             }

@@ -7,6 +7,7 @@ use crate::app::App;
 use crate::command::Command;
 use crate::jobs::JobKind;
 use crate::ui::focus;
+use crate::variants::all;
 use egui::{Button, ComboBox, Event, Key, Role, Ui, WidgetInfo};
 
 /// Draws the menus; returns the chosen actions.
@@ -14,7 +15,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
     let mut targets = Vec::new();
     let requested = menu_by_key(ui, cx);
     egui::MenuBar::new().ui(ui, |ui| {
-        for menu in Menu::ALL {
+        for menu in all::<Menu>() {
             if menu == Menu::Shading {
                 continue;
             }
@@ -65,7 +66,7 @@ fn menu_by_key(ui: &Ui, cx: &PanelContext) -> Option<Menu> {
     if cx.is_covered {
         return None;
     }
-    let shown = || Menu::ALL.into_iter().filter(|&m| m != Menu::Shading);
+    let shown = || all().filter(|&m| m != Menu::Shading);
     if ui.input(|i| i.key_pressed(Key::F10) && i.modifiers.is_none()) {
         return shown().next();
     }

@@ -5,7 +5,6 @@ use super::lamps::unit;
 use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::{Edit, ItemId, SceneLight, SkySettings};
-use crate::ui::focus;
 use azulejo::scene::sky::{
     CieSky, PerezWeather, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT,
 };
@@ -31,12 +30,9 @@ fn quantity_row(
     range: RangeInclusive<f64>,
     unit: &str,
 ) -> bool {
-    let label = ui.label(name);
     let speed = 0.0025 * (range.end() - range.start()).min(100.0);
     let drag = inputs::number(value, range).speed(speed).suffix(unit);
-    let changed = ui.add(drag).labelled_by(label.id).changed();
-    ui.end_row();
-    changed
+    inputs::labelled_row(ui, name, drag).changed()
 }
 
 /// Rows for azimuth and elevation of a sun whose light travels in `direction`.
@@ -116,17 +112,10 @@ fn sky(ui: &mut Ui, cx: &PanelContext, settings: &mut SkySettings) -> bool {
 /// The choice of a distribution; that of weather is made below, from the weather.
 fn cie_type(ui: &mut Ui, cx: &PanelContext, distribution: &mut SkyDistribution) -> bool {
     let old = *distribution;
-    ComboBox::new("type of sky", "")
-        .width(ui.available_width().min(220.0))
-        .selected_text(sky_name(cx, &old))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            let cie_skies = CieSky::all().map(SkyDistribution::Cie);
-            for choice in [SkyDistribution::Uniform].into_iter().chain(cie_skies) {
-                ui.selectable_value(distribution, choice, sky_name(cx, &choice));
-            }
-        })
-        .response
+    let combo = ComboBox::new("type of sky", "").width(ui.available_width().min(220.0));
+    let cie_skies = CieSky::all().map(SkyDistribution::Cie);
+    let skies = [SkyDistribution::Uniform].into_iter().chain(cie_skies);
+    inputs::choice(combo, ui, distribution, skies, |sky| sky_name(cx, sky))
         .accessible_name(cx.tr("Type of sky"));
     *distribution != old
 }
@@ -228,10 +217,8 @@ fn weather(ui: &mut Ui, cx: &mut PanelContext, lamp: ItemId, around: &Environmen
             -60.0..=40.0,
             " °C",
         );
-        let label = ui.label(cx.tr("Day of the year"));
         let day = DragValue::new(&mut typed.day_of_year).range(1..=366);
-        ui.add(day).labelled_by(label.id);
-        ui.end_row();
+        inputs::labelled_row(ui, cx.tr("Day of the year"), day);
     });
     ui.data_mut(|d| d.insert_temp(draft, typed));
     if ui.button(cx.tr("Create sky from weather")).clicked() {

@@ -7,10 +7,9 @@ use super::panel_context::PanelContext;
 use crate::app::light_unit::{EFFICACY, ShownUnit};
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
-use crate::ui::focus;
+use crate::variants::all;
 use crate::view::{
-    Backdrop, COLORS, ColorMap, Comparison, LightUnit, ModelView, SectionPlane, Shading,
-    linear_from_srgb,
+    Backdrop, COLORS, Comparison, LightUnit, ModelView, SectionPlane, Shading, linear_from_srgb,
 };
 use azulejo::scene::{Backplate, BackplateFit, Fog, SceneBackground};
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
@@ -35,11 +34,10 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
     comparison(ui, cx, &mut view);
     let mut degrees = view.camera.vertical_fov.to_degrees();
     ui.horizontal_wrapped(|ui| {
-        let label = ui.label(cx.tr("Field of view"));
         let slider = Slider::new(&mut degrees, 5.0..=120.0)
             .suffix("°")
             .clamping(egui::SliderClamping::Edits);
-        if ui.add(slider).labelled_by(label.id).changed() {
+        if inputs::labelled(ui, cx.tr("Field of view"), slider).changed() {
             view.camera.vertical_fov = degrees.to_radians();
         }
     });
@@ -55,14 +53,8 @@ fn light_unit(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         LightUnit::Radiometric => "W/m²",
         LightUnit::Photometric => "lx",
     };
-    ComboBox::new("light unit", cx.tr("Show light in"))
-        .selected_text(name(view.light_unit))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for unit in LightUnit::ALL {
-                ui.selectable_value(&mut view.light_unit, unit, name(unit));
-            }
-        });
+    let combo = ComboBox::new("light unit", cx.tr("Show light in"));
+    inputs::choice(combo, ui, &mut view.light_unit, all(), |&u| name(u));
     if ShownUnit::of(cx.app).factor != 1.0 {
         let words = cx.tr("Converted by a luminous efficacy of");
         ui.weak(format!("{words} {EFFICACY} lm/W."));
@@ -88,14 +80,8 @@ fn exposure(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
 fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     ui.strong(cx.tr("False colours"));
     let colors = &mut view.false_color;
-    ComboBox::new("false map", cx.tr("Colour map"))
-        .selected_text(map_name(colors.map, cx))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for map in ColorMap::ALL {
-                ui.selectable_value(&mut colors.map, map, map_name(map, cx));
-            }
-        });
+    let combo = ComboBox::new("false map", cx.tr("Colour map"));
+    inputs::choice(combo, ui, &mut colors.map, all(), |&m| map_name(m, cx));
     let range = cx.app.shown_range();
     let mut auto = colors.range.is_none();
     if ui.checkbox(&mut auto, cx.tr("Auto range")).changed() {
@@ -110,9 +96,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         ui.horizontal_wrapped(|ui| {
             let speed = (0.01 * (shown[1] - shown[0]).abs()).max(1e-6);
             for (value, name) in shown.iter_mut().zip([cx.tr("From"), cx.tr("To")]) {
-                let label = ui.label(name);
-                ui.add(inputs::number(value, 0.0..=1e12).speed(speed))
-                    .labelled_by(label.id);
+                inputs::labelled(ui, name, inputs::number(value, 0.0..=1e12).speed(speed));
             }
             ui.label(unit.irradiance());
         });
@@ -122,9 +106,8 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
     }
     ui.checkbox(&mut colors.logarithmic, cx.tr("Logarithmic"));
     ui.horizontal_wrapped(|ui| {
-        let label = ui.label(cx.tr("Bands between isolines"));
-        ui.add(DragValue::new(&mut colors.isolines).range(0..=64))
-            .labelled_by(label.id);
+        let drag = DragValue::new(&mut colors.isolines).range(0..=64);
+        inputs::labelled(ui, cx.tr("Bands between isolines"), drag);
     });
 }
 
@@ -162,15 +145,9 @@ fn comparison(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
         Some(shading) => shading_action(cx.app, shading).map_or("", |a| cx.tr(a.label)),
     };
     let mut chosen = with;
-    ComboBox::new("compare", cx.tr("Compare with"))
-        .selected_text(name(with))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            ui.selectable_value(&mut chosen, None, name(None));
-            for shading in Shading::ALL {
-                ui.selectable_value(&mut chosen, Some(shading), name(Some(shading)));
-            }
-        });
+    let combo = ComboBox::new("compare", cx.tr("Compare with"));
+    let entries = [None].into_iter().chain(all().map(Some));
+    inputs::choice(combo, ui, &mut chosen, entries, |&s| name(s));
     if chosen != with {
         let at = view.comparison.map_or(0.5, |c| c.at);
         view.comparison = chosen.map(|with| Comparison { with, at });
@@ -301,9 +278,8 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     let before = fog;
     ui.horizontal_wrapped(|ui| {
         inputs::picked(ui, cx.tr("Fog"), &mut fog.color, Some);
-        let label = ui.label(cx.tr("Visibility range"));
-        let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12);
-        ui.add(drag.speed(0.01 * reach)).labelled_by(label.id);
+        let drag = inputs::number(&mut fog.visibility, 1e-6..=1e12).speed(0.01 * reach);
+        inputs::labelled(ui, cx.tr("Visibility range"), drag);
     });
     ui.checkbox(&mut fog.exponential, cx.tr("Exponential, as in real fog"));
     ui.checkbox(&mut view.shows_fog, cx.tr("Show in viewport"));

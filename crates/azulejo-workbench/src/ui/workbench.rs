@@ -20,9 +20,11 @@ use crate::command::Command;
 use crate::document::{Edit, SurfacePick};
 use crate::ending::EndRequest;
 use crate::preferences::{Theme, WindowPlace};
+use crate::variants::all;
 use azulejo::output::Output;
 use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
+use clap::ValueEnum;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use panels::{PanelWidths, SidePanel};
 use std::path::Path;
@@ -31,7 +33,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 /// The tabs of the right panel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PanelTab {
     /// Properties of the selection.
     #[default]
@@ -42,16 +44,6 @@ pub enum PanelTab {
     Light,
     /// Display settings.
     View,
-}
-
-impl PanelTab {
-    /// All tabs, from left to right.
-    pub const ALL: [PanelTab; 4] = [
-        PanelTab::Object,
-        PanelTab::Material,
-        PanelTab::Light,
-        PanelTab::View,
-    ];
 }
 
 /// The window.
@@ -559,7 +551,7 @@ fn tab_of_choice(cx: &PanelContext, sent: &[Command], open: PanelTab) -> Option<
 /// The tabs, in as many rows as they need.
 fn tabs(ui: &mut Ui, chosen: &mut PanelTab, cx: &PanelContext) {
     ui.horizontal_wrapped(|ui| {
-        for tab in PanelTab::ALL {
+        for tab in all() {
             ui.selectable_value(chosen, tab, tab_name(tab, cx));
         }
     });

@@ -7,7 +7,7 @@ use azulejo_workbench::bake::{BakeSettings, LightmapFile};
 use azulejo_workbench::command::{Command, FileRequest};
 use azulejo_workbench::document::Edit;
 use azulejo_workbench::script::{ScriptPlayer, parse};
-use azulejo_workbench::ui::lightmap::LightmapView;
+use azulejo_workbench::variants::all;
 use azulejo_workbench::view::Shading;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -55,7 +55,7 @@ fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
     assert!(says(&window, "Texels per metre") && says(&window, "64 × 64"));
     assert_eq!(app.view.shading, Shading::Irradiance);
     assert!(app.lightmap.shown_in(Shading::Irradiance).is_some());
-    for view in LightmapView::ALL {
+    for view in all() {
         window.state_mut().lightmap.view.quantity = view;
         window.run();
     }

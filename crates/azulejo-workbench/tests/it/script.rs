@@ -22,10 +22,7 @@ fn play_in(app: App, text: &str) -> (Result<(), String>, TestWindow) {
         if let Some(result) = outcome.lock().unwrap().clone() {
             return (result, window);
         }
-        assert!(
-            begin.elapsed() < Duration::from_secs(60),
-            "the script does not end"
-        );
+        assert!(begin.elapsed() < PATIENCE, "the script does not end");
         std::thread::sleep(Duration::from_millis(1));
     }
 }

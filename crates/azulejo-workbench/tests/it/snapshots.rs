@@ -10,6 +10,7 @@ use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
 use azulejo_workbench::gpu::HeadlessDevice;
 use azulejo_workbench::ui::lightmap::LightmapView;
 use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
+use azulejo_workbench::variants::script_name;
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
@@ -112,7 +113,7 @@ fn a_lightmap_is_shown_beside_the_model() {
         for view in [LightmapView::Charts, LightmapView::Error] {
             window.state_mut().lightmap.view.quantity = view;
             window.run();
-            let name = format!("lightmap-{}", view.script_name());
+            let name = format!("lightmap-{}", script_name(view));
             window.snapshot_options(name, &tolerance());
         }
         window.state_mut().lightmap.is_open = false;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 pub type TestWindow = Harness<'static, Workbench>;
 
 /// A job that takes longer than this has stalled.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A window around an app.
 pub fn window(app: App) -> TestWindow {

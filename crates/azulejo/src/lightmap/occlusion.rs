@@ -3,10 +3,8 @@
 //! Weighted by the cosine, as irradiance of an even sky that ends at a distance. No light is solved, so that models
 //! without lamps have it, too.
 
-use super::{
-    BakeError, BakeOptions, Baked, BakedSides, DEFAULT_ERROR, agreed_samples, arranged,
-    receivers_of,
-};
+use super::charts::{agreed_samples, arranged, receivers_of};
+use super::{BakeError, BakeOptions, Baked, BakedSides};
 use azulejo_bake::{
     Hemispheres, IndirectGoal, NodePair, PairRequest, SampleDirect, Samples, ShownSamples,
     TexelLight, TexelStatistics,
@@ -68,10 +66,7 @@ pub fn bake_occlusion<'r>(
     };
     let (light, texels) = match options.fixed_rays(progress) {
         Some(rays) => everywhere(&hemispheres, (&samples, &none), rays)?,
-        None => {
-            let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
-            to_error(&hemispheres, (&samples, &none), error)?
-        }
+        None => to_error(&hemispheres, (&samples, &none), options.error())?,
     };
     let surfaces = Surfaces::new(scene, tracer);
     let shown = ShownSamples::new(&samples, &light, &surfaces);

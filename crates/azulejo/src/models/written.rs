@@ -6,10 +6,12 @@ use super::written_formats::{
     ModelWriter, NamedFiles, PLAIN_GRF, WrittenFormat, by_extension, extensions, is_gzip,
 };
 use crate::output::{self, Draft, Output, OutputError};
-use azulejo_scene::Scene;
+use azulejo_formats::divide_into_triangles;
+use azulejo_scene::{Mesh, Object, Scene};
 use azulejo_trace::Progress;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -96,6 +98,8 @@ pub fn write_copy(
 pub struct ModelOutput {
     format: &'static WrittenFormat,
     model: Output,
+    /// Whether polygons are divided into triangles; without it, where most readers want them.
+    triangles: Option<bool>,
 }
 
 impl ModelOutput {
@@ -113,6 +117,7 @@ impl ModelOutput {
         Ok(ModelOutput {
             format,
             model: Output::check(path)?,
+            triangles: None,
         })
     }
 
@@ -145,6 +150,11 @@ impl ModelOutput {
                 format: output.format.name,
             })
         }
+    }
+
+    /// The same with polygons divided into triangles, or not; PLY is divided by default.
+    pub fn with_triangles(self, triangles: Option<bool>) -> ModelOutput {
+        ModelOutput { triangles, ..self }
     }
 
     /// The chosen format.
@@ -183,7 +193,11 @@ impl ModelOutput {
             let error = io::Error::new(io::ErrorKind::InvalidData, problem);
             return Err(self.model.error(error));
         }
-        let mut losses = self.format.losses(scene);
+        let mut scene = Cow::Borrowed(scene);
+        self.smooth(&mut scene);
+        let mut losses = self.format.losses(&scene);
+        self.divide(&mut scene);
+        let scene = &*scene;
         let keeps = self.format.keeps_surface_pictures();
         let even = (!keeps).then(|| scene.with_even_emission()).flatten();
         let scene = even.as_ref().unwrap_or(scene);
@@ -215,6 +229,28 @@ impl ModelOutput {
             }
         }
         Ok(losses)
+    }
+
+    /// Gives meshes with smoothing groups their normals, for formats that have normals, since few programs know groups.
+    fn smooth(&self, scene: &mut Cow<'_, Scene>) {
+        let is_grouped = |o: &Object| o.shape.mesh().is_some_and(Mesh::is_grouped);
+        if self.format.has_normals() && scene.objects.iter().any(is_grouped) {
+            scene.to_mut().for_each_mesh(Mesh::take_group_normals);
+        }
+    }
+
+    /// Divides polygons into triangles, if that is wished.
+    fn divide(&self, scene: &mut Cow<'_, Scene>) {
+        let is_polygonal = |mesh: &Mesh| mesh.faces.corners.len() != 3 * mesh.faces.len();
+        let has_polygons = |o: &Object| o.shape.mesh().is_none_or(is_polygonal);
+        let is_wished = self.triangles.unwrap_or(self.format.extension == "ply");
+        if is_wished && scene.objects.iter().any(has_polygons) {
+            if self.format.has_exact_shapes() {
+                scene.to_mut().divide_into_triangles();
+            } else {
+                divide_into_triangles(scene.to_mut());
+            }
+        }
     }
 
     /// Compresses what is written, if the path asks for it.

@@ -113,6 +113,19 @@ impl WrittenFormat {
         !matches!(self.extension, "glb" | "gltf" | "ply" | "stl" | "3mf")
     }
 
+    /// Whether meshes have normals that other programs use.
+    pub(super) fn has_normals(&self) -> bool {
+        matches!(
+            self.extension,
+            "obj" | "glb" | "gltf" | "ply" | "wrl" | "x3d"
+        )
+    }
+
+    /// Whether spheres and other exact shapes stay what they are.
+    pub(super) fn has_exact_shapes(&self) -> bool {
+        !matches!(self.extension, "obj" | "ply" | "dxf")
+    }
+
     /// Whether a model is one file, which may be compressed.
     fn is_alone(&self) -> bool {
         matches!(self.writer, One(_) | Pictured(_))

@@ -132,7 +132,8 @@ fn light_among_walls_by_he_and_torrance_is_that_of_brute_force() {
         let own = mean(&truth.error) * (PI / TILE / 16.0);
         for k in 0..3 {
             let margin = 4.0 * a.error[k].hypot(own[k]) + 0.005 * b[k];
-            assert!(margin < 0.1 * b[k], "{model}: {a:?}, {own:?}");
+            // Four estimates say what a lone point's error is, with a margin for their own doubt.
+            assert!(margin < 0.15 * b[k], "{model}: {a:?}, {own:?}");
             assert!(
                 (a.value[k] - b[k]).abs() < margin,
                 "{model}: {a:?}, expected {b:?}"

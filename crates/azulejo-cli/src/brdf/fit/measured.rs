@@ -39,13 +39,13 @@ pub fn entries(target: &Brdf, most_angle: f64) -> Vec<FitSample> {
         (!value.is_black()).then_some(value)
     };
     let turns = if is_isotropic(target) { 1 } else { TURNS };
-    let mut found = Vec::new();
+    let mut samples = Vec::new();
     for turn in 0..turns {
         let phi_h = PI * turn as f64 / turns as f64;
         for (half, measure) in halves() {
             let (wo, wi) = pair(phi_h, half);
             if let Some(value) = value(wo, wi) {
-                found.push(FitSample {
+                samples.push(FitSample {
                     wo,
                     wi,
                     value,
@@ -54,14 +54,14 @@ pub fn entries(target: &Brdf, most_angle: f64) -> Vec<FitSample> {
             }
         }
     }
-    found
+    samples
 }
 
 /// The angles at the centres of their bins, with the solid angles of the bins.
 fn halves() -> impl Iterator<Item = ([f64; 3], f64)> {
     let [a, b, c] = STEPS;
-    let all = (0..a).flat_map(move |i| (0..b).flat_map(move |j| (0..c).map(move |k| [i, j, k])));
-    all.map(move |[i, j, k]| {
+    let bins = (0..a).flat_map(move |i| (0..b).flat_map(move |j| (0..c).map(move |k| [i, j, k])));
+    bins.map(move |[i, j, k]| {
         let edge = |i: usize| (i as f64 / a as f64).powi(2) * FRAC_PI_2;
         let theta_h = ((i as f64 + 0.5) / a as f64).powi(2) * FRAC_PI_2;
         let theta_d = (j as f64 + 0.5) / b as f64 * FRAC_PI_2;

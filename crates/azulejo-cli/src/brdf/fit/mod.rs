@@ -38,8 +38,10 @@ pub fn run(args: &FitArgs, session: &mut Session) -> Result<Report, Failure> {
         Ok::<_, Failure>((answer, lambert))
     })?;
     if let Some(output) = &output {
-        let found = answer.brdf.description();
-        output.write(session.progress(), |out| brdf::text::write(found, out))?;
+        let description = answer.brdf.description();
+        output.write(session.progress(), |out| {
+            brdf::text::write(description, out)
+        })?;
     }
     let mut report = Report::default();
     let errors = [&answer.brdf, &lambert.brdf].map(|b| measured::errors(&entries, b));
@@ -105,8 +107,8 @@ fn describe(
         format!("{} pairs of directions", count(question.entries.len())),
     );
     let mut parameters = Vec::new();
-    for (variable, found) in question.variables.iter().zip(&answer.found) {
-        parameters.push(parameter(variable, *found, report));
+    for (variable, value) in question.variables.iter().zip(&answer.values) {
+        parameters.push(parameter(variable, *value, report));
     }
     report.value("parameters", Value::Array(parameters));
     let [fit, lambert] = errors;

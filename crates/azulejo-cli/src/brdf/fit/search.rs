@@ -38,7 +38,7 @@ pub struct FitResult {
     /// The fitted model.
     pub brdf: Brdf,
     /// Value and standard error of each variable, and whether it is at a limit of its range.
-    pub found: Vec<(f64, f64, bool)>,
+    pub values: Vec<(f64, f64, bool)>,
     /// Number of starting points that reached the same error within 1%.
     pub agreeing: usize,
 }
@@ -155,7 +155,7 @@ fn answer(
     };
     Ok(FitResult {
         brdf,
-        found: question.variables.iter().enumerate().map(value).collect(),
+        values: question.variables.iter().enumerate().map(value).collect(),
         agreeing,
     })
 }
@@ -225,15 +225,15 @@ impl FitResiduals<'_> {
         self.progress.advance(0).ok()?;
         let (brdf, excess) = self.question.brdf(place).ok()?;
         let channels = if self.question.is_colored { 3 } else { 1 };
-        let mut found = Vec::with_capacity(channels * self.entries.len() + 1);
+        let mut residuals = Vec::with_capacity(channels * self.entries.len() + 1);
         for entry in self.entries {
             let value = brdf.eval(entry.wo, entry.wi);
             let off = entry.compressed(value) - entry.compressed(entry.value);
-            found.extend(&off.to_array()[..channels]);
+            residuals.extend(&off.to_array()[..channels]);
         }
         // Weighted like the data, so that scaling colours down is penalized.
-        found.push(excess * (self.entries.len() as f64).sqrt());
-        Some(DVector::from_vec(found))
+        residuals.push(excess * (self.entries.len() as f64).sqrt());
+        Some(DVector::from_vec(residuals))
     }
 
     /// Heteroscedasticity-consistent standard errors of the variables (White, Econometrica 48,
@@ -248,8 +248,8 @@ impl FitResiduals<'_> {
             row *= *residual;
         }
         let spare = residuals.len().saturating_sub(self.place.len()).max(1);
-        let all = residuals.len() as f64 / spare as f64;
-        let covariance = &inverse * (scattered.transpose() * scattered) * &inverse * all;
+        let scale = residuals.len() as f64 / spare as f64;
+        let covariance = &inverse * (scattered.transpose() * scattered) * &inverse * scale;
         let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
         Some((0..self.place.len()).map(error).collect())
     }
@@ -318,7 +318,7 @@ mod tests {
     fn a_model_is_found_again() {
         let check = |name: &str, text: &str, expected: &[f64]| {
             let (answer, _) = fit(name, &entries(&brdf(text), 1.4), text.contains('('));
-            for ((found, ..), expected) in answer.found.iter().zip(expected) {
+            for ((found, ..), expected) in answer.values.iter().zip(expected) {
                 assert!(
                     (found - expected).abs() < 0.01 * expected.max(0.01),
                     "{text}: {found}"
@@ -346,7 +346,7 @@ mod tests {
             entry.value *= 1.0 + 0.1 * random;
         }
         let (answer, _) = fit("lewis", &data, false);
-        for ((found, error, _), expected) in answer.found.iter().zip([0.2, 0.5, 40.0]) {
+        for ((found, error, _), expected) in answer.values.iter().zip([0.2, 0.5, 40.0]) {
             assert!((found - expected).abs() < 4.0 * error, "{found} ± {error}");
             assert!(
                 (1e-4..0.03).contains(&(error / expected)),
@@ -365,7 +365,7 @@ mod tests {
             &entries(&brdf("lewis kd = 0.5 ks = 0.5 n = 5"), 1.4),
             false,
         );
-        let sum = answer.found[0].0 + answer.found[1].0;
+        let sum = answer.values[0].0 + answer.values[1].0;
         assert!((sum - 1.0).abs() < 0.01, "{sum}");
     }
 }

@@ -122,15 +122,15 @@ pub fn variables(info: &'static ModelInfo, given: &Model, is_colored: bool) -> V
         let is_fitted = p.name == FITTED_FRESNEL && !has_fresnel;
         p.kind != ParameterKind::Word && !is_given(p) && (!is_fresnel || is_fitted)
     });
-    let mut found = Vec::new();
+    let mut variables = Vec::new();
     for (_, parameter) in fitted {
         if is_colored && parameter.kind == ParameterKind::Color {
-            found.extend([0, 1, 2].map(|c| FitVariable::new(parameter, Some(c))));
+            variables.extend([0, 1, 2].map(|c| FitVariable::new(parameter, Some(c))));
         } else {
-            found.push(FitVariable::new(parameter, None));
+            variables.push(FitVariable::new(parameter, None));
         }
     }
-    found
+    variables
 }
 
 /// The model with values for its variables; colours are multiplied by `dimmed`.

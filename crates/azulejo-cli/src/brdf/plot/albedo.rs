@@ -64,8 +64,8 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
     };
     let first = rows(subject.models[0])?;
     let second = subject.models.get(1).map(|brdf| rows(brdf)).transpose()?;
-    let all = first.iter().chain(second.iter().flatten());
-    let most = all.map(|r| r.all.max_channel()).fold(1.0, f64::max);
+    let rows = first.iter().chain(second.iter().flatten());
+    let most = rows.map(|r| r.all.max_channel()).fold(1.0, f64::max);
     let chart = AlbedoChart {
         origin: panel.at + DVec2::new(38.0, panel.size.y - 38.0),
         size: DVec2::new(panel.size.x - 52.0, panel.size.y - 92.0),
@@ -152,8 +152,8 @@ impl AlbedoChart {
             sheet.text(at, TextAnchor::End, 11.0, FAINT, &label(value));
             value += step;
         }
-        let all = [self.at(0.0, 1.0), self.at(90.0, 1.0)];
-        sheet.dashed(all.to_vec(), [213, 94, 0], 1.2, &[2.0, 3.0]);
+        let ends = [self.at(0.0, 1.0), self.at(90.0, 1.0)];
+        sheet.dashed(ends.to_vec(), [213, 94, 0], 1.2, &[2.0, 3.0]);
         for degrees in [0, 15, 30, 45, 60, 75, 90] {
             let foot = self.at(degrees.into(), 0.0);
             sheet.line(vec![foot, foot + DVec2::new(0.0, 4.0)], INK, 1.0);

@@ -69,7 +69,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) {
 
 fn lobes(subject: &PlotSubject) -> Vec<PolarLobe> {
     let models = std::iter::zip(&subject.models, DASHES);
-    let of = |(brdf, dashes): (&&Brdf, &'static [f64])| -> Vec<PolarLobe> {
+    let model_lobes = |(brdf, dashes): (&&Brdf, &'static [f64])| -> Vec<PolarLobe> {
         let angles = subject.angles.iter().zip(COLORS.iter().cycle());
         let lobe = |(&angle, &color): (&f64, &Color)| PolarLobe {
             points: points(brdf, angle, subject.phi),
@@ -80,7 +80,7 @@ fn lobes(subject: &PlotSubject) -> Vec<PolarLobe> {
         };
         angles.map(lobe).collect()
     };
-    models.flat_map(of).collect()
+    models.flat_map(model_lobes).collect()
 }
 
 /// A direction in the plane of incidence; its angle to the normal is negative on the light's side.

@@ -33,9 +33,9 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
         .iter()
         .map(|brdf| values(subject, brdf, light));
     let bodies = bodies.collect::<Result<Vec<_>, _>>()?;
-    let all = || bodies.iter().flatten().flatten().map(|(_, f)| *f);
-    let power = power(all().collect());
-    let most = all().fold(0.0, f64::max);
+    let lobe_values = || bodies.iter().flatten().flatten().map(|(_, f)| *f);
+    let power = power(lobe_values().collect());
+    let most = lobe_values().fold(0.0, f64::max);
     let about = if most > 0.0 {
         format!(
             "radius: {}, 1/sr; up to {}",

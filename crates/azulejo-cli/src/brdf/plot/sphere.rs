@@ -208,9 +208,9 @@ impl SphereScene<'_> {
     fn scattered(&self, spot: &SpherePoint, key: [u32; 2]) -> Rgb {
         let (mut sum, mut squares) = (Rgb::BLACK, 0.0);
         for round in 1..=ROUNDS {
-            let found = self.round(spot, key, round - 1);
-            sum += found;
-            squares += found.mean().powi(2);
+            let radiance = self.round(spot, key, round - 1);
+            sum += radiance;
+            squares += radiance.mean().powi(2);
             let n = round as f64;
             let mean = sum.mean() / n;
             let error = ((squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0)).sqrt();

@@ -12,53 +12,37 @@ struct PlotQuantity {
     of: fn(&RunRecord) -> Option<f64>,
 }
 
-const fn logarithmic(label: &'static str) -> ChartAxis {
-    ChartAxis {
+/// A quantity on a logarithmic axis.
+const fn plotted(
+    name: &'static str,
+    label: &'static str,
+    of: fn(&RunRecord) -> Option<f64>,
+) -> PlotQuantity {
+    let axis = ChartAxis {
         label,
         is_logarithmic: true,
-    }
+    };
+    PlotQuantity { name, axis, of }
 }
 
-const SECONDS: PlotQuantity = PlotQuantity {
-    name: "time",
-    axis: logarithmic("time for all form factors, s"),
-    of: |r| Some(r.seconds),
-};
-const CPU: PlotQuantity = PlotQuantity {
-    name: "cpu-time",
-    axis: logarithmic("CPU time of all threads, s"),
-    of: |r| Some(r.cpu_seconds),
-};
-const SAMPLES: PlotQuantity = PlotQuantity {
-    name: "samples",
-    axis: logarithmic("rays or pixels per row"),
-    of: |r| (r.samples > 0.0).then_some(r.samples),
-};
-const ROW_ERROR: PlotQuantity = PlotQuantity {
-    name: "row-error",
-    axis: logarithmic("mean relative error of a row"),
-    of: |r| r.row_error_mean,
-};
-const B_ERROR: PlotQuantity = PlotQuantity {
-    name: "b-error",
-    axis: logarithmic("mean relative error of B"),
-    of: |r| r.b_error_mean,
-};
-const CLOSURE: PlotQuantity = PlotQuantity {
-    name: "closure",
-    axis: logarithmic("row sums' error, RMS"),
-    of: |r| (r.closure_rms > 0.0).then_some(r.closure_rms),
-};
-const FACETS: PlotQuantity = PlotQuantity {
-    name: "facets",
-    axis: logarithmic("facets"),
-    of: |r| Some(r.facets as f64),
-};
-const MEMORY: PlotQuantity = PlotQuantity {
-    name: "memory",
-    axis: logarithmic("peak memory, MiB"),
-    of: |r| r.peak_bytes.map(|b| b as f64 / f64::from(1 << 20)),
-};
+const SECONDS: PlotQuantity = plotted("time", "time for all form factors, s", |r| Some(r.seconds));
+const CPU: PlotQuantity = plotted("cpu-time", "CPU time of all threads, s", |r| {
+    Some(r.cpu_seconds)
+});
+const SAMPLES: PlotQuantity = plotted("samples", "rays or pixels per row", |r| {
+    (r.samples > 0.0).then_some(r.samples)
+});
+const ROW_ERROR: PlotQuantity = plotted("row-error", "mean relative error of a row", |r| {
+    r.row_error_mean
+});
+const B_ERROR: PlotQuantity = plotted("b-error", "mean relative error of B", |r| r.b_error_mean);
+const CLOSURE: PlotQuantity = plotted("closure", "row sums' error, RMS", |r| {
+    (r.closure_rms > 0.0).then_some(r.closure_rms)
+});
+const FACETS: PlotQuantity = plotted("facets", "facets", |r| Some(r.facets as f64));
+const MEMORY: PlotQuantity = plotted("memory", "peak memory, MiB", |r| {
+    r.peak_bytes.map(|b| b as f64 / f64::from(1 << 20))
+});
 const MIRRORS: PlotQuantity = PlotQuantity {
     name: "mirrors",
     axis: ChartAxis {

@@ -1,75 +1,47 @@
 //! Numbers in rows: CSV, and the mean over repetitions.
 
 use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
+use crate::report::csv_cell;
+use serde::Serialize;
+use serde_json::Value;
 use std::fmt::Write;
 
-/// One column of the CSV of runs.
-type Column<T> = (&'static str, fn(&T) -> String);
+/// The columns of the CSV of runs before the last: fields of [`RunRecord`].
+const RUN_COLUMNS: &str = "scene,mirrors,engine,setting,seed,ran,device,facets,entries,samples,seconds,\
+     cpu_seconds,solve_seconds,peak_bytes,row_error_mean,row_error_max,row_error_stated,b_error_mean,b_error_max,\
+     closure_rms,closure_max,moved,reciprocity,energy,notes";
 
-const RUN_COLUMNS: [Column<RunRecord>; 26] = [
-    ("scene", |r| r.scene.clone()),
-    ("mirrors", |r| {
-        r.mirrors.map_or(String::new(), |m| m.to_string())
-    }),
-    ("engine", |r| r.engine.clone()),
-    ("setting", |r| r.setting.clone()),
-    ("seed", |r| r.seed.to_string()),
-    ("ran", |r| r.ran.clone()),
-    ("device", |r| r.device.clone()),
-    ("facets", |r| r.facets.to_string()),
-    ("entries", |r| r.entries.to_string()),
-    ("samples", |r| r.samples.to_string()),
-    ("seconds", |r| r.seconds.to_string()),
-    ("cpu_seconds", |r| r.cpu_seconds.to_string()),
-    ("solve_seconds", |r| r.solve_seconds.to_string()),
-    ("peak_bytes", |r| {
-        r.peak_bytes.map_or(String::new(), |b| b.to_string())
-    }),
-    ("row_error_mean", |r| optional(r.row_error_mean)),
-    ("row_error_max", |r| optional(r.row_error_max)),
-    ("row_error_stated", |r| optional(r.row_error_stated)),
-    ("b_error_mean", |r| optional(r.b_error_mean)),
-    ("b_error_max", |r| optional(r.b_error_max)),
-    ("closure_rms", |r| r.closure_rms.to_string()),
-    ("closure_max", |r| r.closure_max.to_string()),
-    ("moved", |r| r.moved.to_string()),
-    ("reciprocity", |r| r.reciprocity.to_string()),
-    ("energy", |r| optional(r.energy)),
-    ("notes", |r| r.notes.join("; ")),
-    ("role", |_| String::new()),
-];
+/// The columns of the CSV of answers: fields of [`TruthRecord`].
+const TRUTH_COLUMNS: &str = "engine,setting,ran,case,words,source,kind,value,truth,truth_error,standard_error,\
+     standard_errors,seconds";
 
-const TRUTH_COLUMNS: [Column<TruthRecord>; 13] = [
-    ("engine", |t| t.engine.clone()),
-    ("setting", |t| t.setting.clone()),
-    ("ran", |t| t.ran.clone()),
-    ("case", |t| t.case.clone()),
-    ("words", |t| t.words.clone()),
-    ("source", |t| t.source.clone()),
-    ("kind", |t| t.kind.clone()),
-    ("value", |t| t.value.to_string()),
-    ("truth", |t| t.truth.to_string()),
-    ("truth_error", |t| t.truth_error.to_string()),
-    ("standard_error", |t| optional(t.standard_error)),
-    ("standard_errors", |t| optional(t.standard_errors)),
-    ("seconds", |t| t.seconds.to_string()),
-];
+/// The text of a field.
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Array(list) => list.iter().map(cell).collect::<Vec<_>>().join("; "),
+        Value::Number(n) if n.is_f64() => n.as_f64().unwrap_or_default().to_string(),
+        other => other.to_string(),
+    }
+}
 
-fn optional(x: Option<f64>) -> String {
-    x.map_or(String::new(), |x| x.to_string())
+/// The texts of some fields of a record.
+fn cells(record: &impl Serialize, columns: &str) -> Vec<String> {
+    let fields = serde_json::to_value(record).unwrap_or_default();
+    columns.split(',').map(|name| cell(&fields[name])).collect()
 }
 
 /// All runs and references.
 pub fn runs_csv(records: &[&TaskRecord]) -> String {
-    let last = RUN_COLUMNS.len() - 1;
-    let mut text = header(RUN_COLUMNS.iter().map(|c| c.0));
+    let mut text = format!("{RUN_COLUMNS},role\n");
     for record in records {
         let (run, role) = match &record.outcome {
             TaskOutcome::Run(run) => (run, "run"),
             TaskOutcome::Reference(run) => (run, "reference"),
             _ => continue,
         };
-        let cells = RUN_COLUMNS[..last].iter().map(|c| (c.1)(run));
+        let cells = cells(run, RUN_COLUMNS).into_iter();
         text += &line(cells.chain([role.to_owned()]));
     }
     text
@@ -77,9 +49,9 @@ pub fn runs_csv(records: &[&TaskRecord]) -> String {
 
 /// All answers of engines.
 pub fn truths_csv(records: &[&TaskRecord]) -> String {
-    let mut text = header(TRUTH_COLUMNS.iter().map(|c| c.0));
+    let mut text = format!("{TRUTH_COLUMNS}\n");
     for truth in truths(records) {
-        text += &line(TRUTH_COLUMNS.iter().map(|c| (c.1)(truth)));
+        text += &line(cells(truth, TRUTH_COLUMNS).into_iter());
     }
     text
 }
@@ -93,22 +65,9 @@ pub fn truths<'a>(records: &[&'a TaskRecord]) -> Vec<&'a TruthRecord> {
     records.iter().filter_map(truth).collect()
 }
 
-fn header<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    line(names.map(str::to_owned))
-}
-
 fn line(cells: impl Iterator<Item = String>) -> String {
-    let mut text = cells.map(|c| quoted(&c)).collect::<Vec<_>>().join(",");
-    text.push('\n');
-    text
-}
-
-/// RFC 4180: quotation marks around what holds commas, quotes or ends of lines.
-fn quoted(cell: &str) -> String {
-    if !cell.contains([',', '"', '\n', '\r']) {
-        return cell.to_owned();
-    }
-    format!("\"{}\"", cell.replace('"', "\"\""))
+    let cells: Vec<String> = cells.map(|c| csv_cell(&c).into_owned()).collect();
+    cells.join(",") + "\n"
 }
 
 /// Repetitions of one setting on one scene.

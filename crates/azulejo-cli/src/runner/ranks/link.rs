@@ -3,8 +3,9 @@
 
 use crate::runner::journal::FileJournal;
 use crate::runner::record_file::{number_of, stage_of};
-use azulejo_trace::run::{Division, Record, RecordReader, write_list};
+use azulejo_trace::run::Division;
 use azulejo_trace::{Cancelled, RunStage};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -257,11 +258,12 @@ impl Request {
 }
 
 /// From another rank to rank 0.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToRoot {
     /// Is done with its blocks, and asks for at most so many of a stage, of `items` in blocks of `size`, not
     /// before block `from`.
     Next {
+        #[serde(with = "stage_number")]
         stage: RunStage,
         items: usize,
         size: usize,
@@ -270,6 +272,7 @@ pub enum ToRoot {
     },
     /// A finished block.
     Block {
+        #[serde(with = "stage_number")]
         stage: RunStage,
         block: usize,
         bytes: Vec<u8>,
@@ -283,7 +286,7 @@ pub enum ToRoot {
 }
 
 /// From rank 0 to another.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromRoot {
     /// Blocks to be computed, or known already; none if there are no more.
     Handed(Vec<HandedBlock>),
@@ -295,112 +298,54 @@ pub enum FromRoot {
     Finish(u8),
 }
 
+/// The bytes of a message.
+fn bytes_of(message: &impl Serialize) -> Vec<u8> {
+    // Writing to memory does not fail.
+    postcard::to_allocvec(message).unwrap_or_default()
+}
+
+/// The message that has these bytes, all of them.
+fn message_of<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<T> {
+    let (message, rest) = postcard::take_from_bytes(bytes).ok()?;
+    rest.is_empty().then_some(message)
+}
+
 impl ToRoot {
     /// Its bytes.
     pub fn bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        match self {
-            ToRoot::Next {
-                stage,
-                items,
-                size,
-                from,
-                most,
-            } => {
-                0u8.write(&mut bytes);
-                number_of(*stage).write(&mut bytes);
-                [items, size, from, most]
-                    .map(|n| *n as u64)
-                    .write(&mut bytes);
-            }
-            ToRoot::Block {
-                stage,
-                block,
-                bytes: content,
-            } => {
-                1u8.write(&mut bytes);
-                number_of(*stage).write(&mut bytes);
-                (*block as u64).write(&mut bytes);
-                bytes.extend(content);
-            }
-            ToRoot::Ready => 2u8.write(&mut bytes),
-            ToRoot::Stopping => 3u8.write(&mut bytes),
-            ToRoot::Ended(why) => {
-                4u8.write(&mut bytes);
-                u8::from(why.is_some()).write(&mut bytes);
-                bytes.extend(why.as_deref().unwrap_or_default().as_bytes());
-            }
-        }
-        bytes
+        bytes_of(self)
     }
 
     /// The inverse of [`bytes`](ToRoot::bytes).
     pub fn read(bytes: &[u8]) -> Option<ToRoot> {
-        let mut reader = RecordReader::new(bytes);
-        let message = match u8::read(&mut reader)? {
-            0 => {
-                let stage = stage_of(reader.u32()?)?;
-                let [items, size, from, most] = <[u64; 4]>::read(&mut reader)?.map(|n| n as usize);
-                ToRoot::Next {
-                    stage,
-                    items,
-                    size,
-                    from,
-                    most,
-                }
-            }
-            1 => ToRoot::Block {
-                stage: stage_of(reader.u32()?)?,
-                block: reader.u64()? as usize,
-                bytes: reader.rest().to_vec(),
-            },
-            2 => ToRoot::Ready,
-            3 => ToRoot::Stopping,
-            4 => {
-                let has_failed = u8::read(&mut reader)? == 1;
-                let why = String::from_utf8_lossy(reader.rest()).into_owned();
-                ToRoot::Ended(has_failed.then_some(why))
-            }
-            _ => return None,
-        };
-        Some(message)
+        message_of(bytes)
     }
 }
 
 impl FromRoot {
     /// Its bytes.
     pub fn bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        match self {
-            FromRoot::Handed(blocks) => {
-                0u8.write(&mut bytes);
-                write_list(blocks, &mut bytes, |(block, known), bytes| {
-                    (*block as u64).write(bytes);
-                    known.write(bytes);
-                });
-            }
-            FromRoot::Go => 1u8.write(&mut bytes),
-            FromRoot::Stop => 2u8.write(&mut bytes),
-            FromRoot::Finish(status) => [3u8, *status].write(&mut bytes),
-        }
-        bytes
+        bytes_of(self)
     }
 
     /// The inverse of [`bytes`](FromRoot::bytes).
     pub fn read(bytes: &[u8]) -> Option<FromRoot> {
-        let mut reader = RecordReader::new(bytes);
-        let message = match u8::read(&mut reader)? {
-            0 => {
-                let handed = |reader: &mut RecordReader| {
-                    Some((reader.u64()? as usize, Option::<Vec<u8>>::read(reader)?))
-                };
-                FromRoot::Handed(reader.list(handed)?)
-            }
-            1 => FromRoot::Go,
-            2 => FromRoot::Stop,
-            3 => FromRoot::Finish(u8::read(&mut reader)?),
-            _ => return None,
-        };
-        Some(message)
+        message_of(bytes)
+    }
+}
+
+/// Stages in messages, as numbers.
+mod stage_number {
+    use super::{RunStage, number_of, stage_of};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(stage: &RunStage, to: S) -> Result<S::Ok, S::Error> {
+        number_of(*stage).serialize(to)
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<RunStage, D::Error> {
+        let stage = stage_of(u32::deserialize(from)?);
+        stage.ok_or_else(|| D::Error::custom("a stage that does not exist"))
     }
 }

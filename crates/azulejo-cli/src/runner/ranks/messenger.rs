@@ -425,8 +425,8 @@ impl<'a> Root<'a> {
             }
             match self.pending.take() {
                 Some(Pending::AllGather(own)) => {
-                    let all = self.transport.all_gather(&own);
-                    self.reply(Reply::Gathered(all));
+                    let gathered = self.transport.all_gather(&own);
+                    self.reply(Reply::Gathered(gathered));
                 }
                 Some(Pending::Broadcast(own)) => {
                     let bytes = self.transport.broadcast(own);
@@ -437,9 +437,9 @@ impl<'a> Root<'a> {
             return;
         }
         if let Some(Pending::Collect(stage)) = self.pending {
-            let found = self.stages.entry(stage).or_default();
-            if found.out.values().all(Vec::is_empty) {
-                let delivered = std::mem::take(&mut found.delivered);
+            let queue = self.stages.entry(stage).or_default();
+            if queue.out.values().all(Vec::is_empty) {
+                let delivered = std::mem::take(&mut queue.delivered);
                 self.pending = None;
                 self.reply(Reply::Collected(delivered));
             }

@@ -93,14 +93,6 @@ impl Pose {
         self.map = map * self.map;
     }
 
-    fn for_each_mesh(&mut self, mut change: impl FnMut(&mut Mesh)) {
-        for object in &mut self.scene.objects {
-            if let Shape::Mesh(mesh) = &mut object.shape {
-                change(mesh);
-            }
-        }
-    }
-
     /// Changes each coordinate by a function.
     fn round(&mut self, round: impl Fn(f64) -> f64) {
         let mut moved = 0.0f64;
@@ -123,13 +115,13 @@ impl Pose {
 
 /// Polygons become triangles.
 fn triangles(pose: &mut Pose, _: &mut Dice) {
-    pose.for_each_mesh(Mesh::divide_into_triangles);
+    pose.scene.for_each_mesh(Mesh::divide_into_triangles);
     pose.words.push("faces become triangles".into());
 }
 
 /// Each triangle becomes four, so that edges stay whole on both of their sides.
 fn quarters(pose: &mut Pose, _: &mut Dice) {
-    pose.for_each_mesh(|mesh| {
+    pose.scene.for_each_mesh(|mesh| {
         let faces = faces_of(&mesh.in_triangles(|_| true));
         *mesh = assembled(faces.iter().flat_map(quartered), true);
     });
@@ -137,14 +129,15 @@ fn quarters(pose: &mut Pose, _: &mut Dice) {
 }
 
 fn weld(pose: &mut Pose, is_welded: bool) {
-    pose.for_each_mesh(|mesh| *mesh = assembled(faces_of(mesh).into_iter(), is_welded));
+    pose.scene
+        .for_each_mesh(|mesh| *mesh = assembled(faces_of(mesh).into_iter(), is_welded));
     let words = ["each face has its own vertices", "vertices are welded"];
     pose.words.push(words[usize::from(is_welded)].into());
 }
 
 /// Objects, faces, vertices and the first corner of each face in another order.
 fn order(pose: &mut Pose, dice: &mut Dice) {
-    pose.for_each_mesh(|mesh| {
+    pose.scene.for_each_mesh(|mesh| {
         let mut faces = faces_of(mesh);
         dice.shuffle(&mut faces);
         for face in &mut faces {

@@ -61,6 +61,30 @@ const INSIDE_OUT: &str = "inside out";
 
 type Parsed<T> = Result<T, String>;
 
+/// The entries of a matrix between two groups, weighted by area.
+struct FactorSum<'a> {
+    /// The group and the side from which light leaves.
+    row: (usize, &'a str),
+    factor: f64,
+    square: f64,
+    entries: usize,
+}
+
+impl FactorSum<'_> {
+    fn quantity(&self, name: String, area: f64) -> Quantity {
+        // Errors of entries that stand for one pair are the same.
+        let joint = if self.entries > 1 { 2.0 } else { 1.0 };
+        Quantity {
+            name,
+            value: self.factor / area,
+            error: (joint * self.square).sqrt() / area,
+            bias: 0.0,
+            span: 1.0,
+            family: Some(2 * self.row.0 + usize::from(self.row.1 == "back")),
+        }
+    }
+}
+
 impl Inquiry<'_> {
     /// The arguments of the command; writes the files that it needs.
     pub fn arguments(&self) -> Parsed<Vec<String>> {
@@ -227,7 +251,7 @@ impl Inquiry<'_> {
             }
         }
         let areas = self.group_areas();
-        let mut sums: BTreeMap<String, ((usize, &str), [f64; 3])> = BTreeMap::new();
+        let mut sums: BTreeMap<String, FactorSum> = BTreeMap::new();
         let mut reported: BTreeMap<(usize, &str), BTreeMap<&str, f64>> = BTreeMap::new();
         let is_analytic =
             self.command.name.contains("analytic") || self.command.name.contains("auto");
@@ -256,27 +280,21 @@ impl Inquiry<'_> {
                 error
             };
             let entry = sums.entry(format!("F {from}{side} to {to}"));
-            let (_, sum) = entry.or_insert(((from, side), [0.0; 3]));
-            sum[0] += area * factor;
-            sum[1] += (area * stated).powi(2);
-            sum[2] += 1.0;
+            let sum = entry.or_insert(FactorSum {
+                row: (from, side),
+                factor: 0.0,
+                square: 0.0,
+                entries: 0,
+            });
+            sum.factor += area * factor;
+            sum.square += (area * stated).powi(2);
+            sum.entries += 1;
         }
-        let quantity =
-            |(name, (row, [factor, square, count])): (String, ((usize, &str), [f64; 3]))| {
-                let stated: f64 = reported[&row].values().sum();
-                let known = areas.get(&row.0).copied().unwrap_or(0.0);
-                let area = if known > 0.0 { known } else { stated };
-                // Errors of entries that stand for one pair are the same.
-                let joint = if count > 1.0 { 2.0 } else { 1.0 };
-                Quantity {
-                    name,
-                    value: factor / area,
-                    error: (joint * square).sqrt() / area,
-                    bias: 0.0,
-                    span: 1.0,
-                    family: Some(2 * row.0 + usize::from(row.1 == "back")),
-                }
-            };
+        let quantity = |(name, sum): (String, FactorSum)| {
+            let stated: f64 = reported[&sum.row].values().sum();
+            let known = areas.get(&sum.row.0).copied().unwrap_or(0.0);
+            sum.quantity(name, if known > 0.0 { known } else { stated })
+        };
         Ok(sums.into_iter().map(quantity).collect())
     }
 
@@ -311,7 +329,12 @@ impl Inquiry<'_> {
             let Some(from) = self.group_of_name(words[0]) else {
                 continue;
             };
-            if let Some(to) = self.group_of_name(words[1]) {
+            let to = self.group_of_name(words[1]);
+            // Parts of an object exchange heat only where a format made them objects.
+            if to == Some(from) {
+                continue;
+            }
+            if let Some(to) = to {
                 quantities.push(Quantity {
                     name: format!("GR {} {}", from.min(to), from.max(to)),
                     value,
@@ -548,6 +571,10 @@ impl Inquiry<'_> {
             names.len() == 1 && parts.len() == 1
         });
         let is_whole = single.clone().count() == objects.len();
+        // Not all formats keep the lamps and cameras without which an empty room looks like a body that is inside out.
+        let has_cameras = report["cameras"].as_array().is_some_and(|c| !c.is_empty());
+        let has = |kind: &str| report["lights"][kind].as_u64() > Some(0);
+        let is_furnished = has_cameras || has("point") || has("spot");
         let verdict = |(group, names): (&usize, &Vec<&str>)| Quantity {
             span: 0.0,
             ..Quantity::exact(
@@ -555,7 +582,7 @@ impl Inquiry<'_> {
                 f64::from(u8::from(names.iter().any(|n| inverted.contains(n)))),
             )
         };
-        if is_whole {
+        if is_whole && is_furnished == self.original.is_furnished {
             quantities.extend(single.by_ref().map(verdict));
             quantities.extend(volumes);
         }

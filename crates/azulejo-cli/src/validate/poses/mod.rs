@@ -123,12 +123,13 @@ pub fn run(
         Failure::Cancelled => Ok(()),
         failure => Err(failure),
     })?;
-    if args.pose.is_empty() {
-        std::fs::remove_dir_all(&folder).map_err(|e| Failure::file("remove", &folder, &e))?;
-    }
     write(&args.output, "poses.csv", &table::csv(&records))?;
     let json = serde_json::to_string_pretty(&records).map_err(Failure::failed)?;
     write(&args.output, "poses.json", &json)?;
+    // Those of thousands of poses take longer than a cancelled program has.
+    if args.pose.is_empty() {
+        std::fs::remove_dir_all(&folder).map_err(|e| Failure::file("remove", &folder, &e))?;
+    }
     let counts = PoseCounts::of(&records);
     let expected = records.iter().map(|r| r.quantities as f64).sum::<f64>() * CHANCE;
     let is_good = counts.failures() as f64 <= expected + 3.0 * expected.sqrt();

@@ -5,7 +5,7 @@
 
 use super::scenes::PosedScene;
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{Mesh, Scene, Shape, TriangleTree};
+use azulejo_scene::{Light, LightKind, Mesh, Scene, Shape, TriangleTree};
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
@@ -33,6 +33,8 @@ pub struct Original {
     pub bent: f64,
     /// The largest of these distances: triangles of a divided face lie as far from those of the original.
     uneven: f64,
+    /// Whether lamps at points or cameras may show what is a room.
+    pub is_furnished: bool,
     /// All meshes as one, for its faces as elements.
     mesh: Mesh,
 }
@@ -99,6 +101,8 @@ impl Original {
             sensitivity,
             bent,
             uneven,
+            is_furnished: !posed.scene.cameras.is_empty()
+                || posed.scene.lights.iter().any(is_at_a_point),
             mesh,
         }
     }
@@ -174,7 +178,8 @@ impl Original {
         FaceElements { faces, has_added }
     }
 
-    /// The elements at a polygon in the coordinates of the original; `None` if it has no area.
+    /// The elements at a polygon in the coordinates of the original; `None` if it has no area, or so little that rounding
+    /// may have turned it anywhere.
     fn elements_at(&self, corners: &[DVec3], mirrors: bool, reach: f64) -> Option<Vec<usize>> {
         let (point, normal) = middle(corners)?;
         let normal = if mirrors { -normal } else { normal };
@@ -193,8 +198,12 @@ impl Original {
         });
         elements.sort_unstable();
         elements.dedup();
-        Some(elements)
+        (!elements.is_empty() || !is_sliver(corners, reach)).then_some(elements)
     }
+}
+
+fn is_at_a_point(light: &Light) -> bool {
+    matches!(light.kind, LightKind::Point { .. } | LightKind::Spot { .. })
 }
 
 /// Distance between the lowest and the highest of some points along a unit vector; 0 for rounding alone.
@@ -208,6 +217,15 @@ fn height(points: &[DVec3], along: DVec3) -> f64 {
     } else {
         0.0
     }
+}
+
+/// Whether a polygon is no wider than `reach`.
+fn is_sliver(corners: &[DVec3], reach: f64) -> bool {
+    let from_first = corners.iter().map(|p| *p - corners[0]);
+    let longest = from_first.max_by(|a, b| a.length().total_cmp(&b.length()));
+    let along = longest.unwrap_or_default().normalize_or_zero();
+    let mut across = corners.iter().map(|p| (*p - corners[0]).cross(along));
+    across.all(|distance| distance.length() <= reach)
 }
 
 /// A point within a polygon, and its unit normal: the middle of its largest triangle, which is part of it.
@@ -324,6 +342,23 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A part of a face without width, which rounding has turned, is not taken for a face that was added.
+    #[test]
+    fn slivers_are_not_added() {
+        let posed = &families()[0][0];
+        let original = Original::new(posed);
+        let (point, normal) = original.point_on(0, [0.3, 0.3]).unwrap();
+        let along = 1e-3 * original.size() * normal.any_orthonormal_vector();
+        let sliver = [
+            point,
+            point + along,
+            point + 0.5 * along + 1e-6 * original.size() * normal,
+        ];
+        let turned = |reach: f64| original.elements_at(&sliver, false, reach * original.size());
+        assert_eq!(turned(1e-5), None);
+        assert_eq!(turned(1e-7), Some(Vec::new()));
     }
 
     #[test]

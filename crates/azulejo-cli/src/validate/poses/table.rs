@@ -148,19 +148,19 @@ pub fn csv(records: &[PoseRecord]) -> String {
 
 /// Counts by change and by command, in aligned columns.
 pub fn tables(records: &[PoseRecord]) -> Vec<String> {
-    let of_change = |name: &'static str| {
+    let change_counts = |name: &'static str| {
         let own = records.iter().filter(move |r| r.changes.contains(&name));
         (name.to_owned(), PoseCounts::of(own))
     };
-    let of_command = |name: String| {
+    let command_counts = |name: String| {
         let own = records.iter().filter(|r| r.command == name);
         (name.clone(), PoseCounts::of(own))
     };
-    let mut lines = table("change", CHANGES.iter().map(|c| of_change(c.name)));
+    let mut lines = table("change", CHANGES.iter().map(|c| change_counts(c.name)));
     lines.push(String::new());
     lines.extend(table(
         "command",
-        commands().into_iter().map(|c| of_command(c.name)),
+        commands().into_iter().map(|c| command_counts(c.name)),
     ));
     lines
 }

@@ -10,6 +10,7 @@ use super::record::CheckRecord;
 use crate::charts::write_report;
 use crate::failure::Failure;
 use crate::machine_info::MachineInfo;
+use crate::report::csv_cell;
 use azulejo_trace::Progress;
 
 /// File name of the page.
@@ -74,16 +75,11 @@ const COLUMNS: [CsvColumn; 14] = [
 
 fn csv(records: &[CheckRecord]) -> String {
     let head = COLUMNS.map(|c| c.0).join(",");
-    let row = |r: &CheckRecord| COLUMNS.map(|(_, of)| quoted(&of(r))).join(",");
+    let row = |r: &CheckRecord| {
+        COLUMNS
+            .map(|(_, of)| csv_cell(&of(r)).into_owned())
+            .join(",")
+    };
     let lines = std::iter::once(head).chain(records.iter().map(row));
     lines.map(|line| line + "\n").collect()
-}
-
-/// As RFC 4180 has it.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
 }

@@ -19,13 +19,13 @@ const FEW: usize = 30;
 
 /// The plots that the results have something for.
 pub fn of(results: &ValidationResults) -> Vec<ChartSpec> {
-    let all = [
+    let plots = [
         errors(results),
         histogram(results),
         convergence(results),
         coverage(results),
     ];
-    all.into_iter().filter(|f| !f.series.is_empty()).collect()
+    plots.into_iter().filter(|f| !f.series.is_empty()).collect()
 }
 
 const fn axis(label: &'static str, is_logarithmic: bool) -> ChartAxis {
@@ -149,8 +149,8 @@ fn coverage(results: &ValidationResults) -> ChartSpec {
         style,
         points: points(of),
     };
-    let found = results.coverage.iter();
-    let mut series: Vec<ChartSeries> = found
+    let coverages = results.coverage.iter();
+    let mut series: Vec<ChartSeries> = coverages
         .map(|c| curve(&c.name, SeriesStyle::Marked, c.points.clone()))
         .collect();
     if !series.is_empty() {

@@ -1,6 +1,7 @@
 //! The case that files are for.
 
 use super::boundary::{BoundaryPatch, read_boundary};
+use super::rows::GROUP;
 use azulejo_formats::ReadError;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,6 +44,19 @@ impl OpenFoamVersion {
     }
 }
 
+/// The folders of regions beside a mesh, of which patches take part, in order.
+fn regions(constant: &Path) -> Vec<String> {
+    let entries = fs::read_dir(constant).into_iter().flatten().flatten();
+    let takes_part = |folder: &PathBuf| {
+        let boundary = fs::read_to_string(folder.join("polyMesh").join("boundary"));
+        boundary.is_ok_and(|text| text.contains(GROUP))
+    };
+    let folders = entries.map(|entry| entry.path()).filter(takes_part);
+    let mut names: Vec<String> = folders.map(|folder| folder.display().to_string()).collect();
+    names.sort();
+    names
+}
+
 /// A case: its folder, its patches, and the version that it is for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OpenFoamCase {
@@ -59,7 +73,8 @@ impl OpenFoamCase {
     /// folder of a region or time. Without a version, that of the file is taken.
     ///
     /// # Errors
-    /// [`ReadError`]: there is no such file, it is damaged, or its version is not known.
+    /// [`ReadError`]: there is no such file, it is damaged, its version is not known, or none of its patches takes
+    /// part, as where the patches of a region do.
     pub fn open(
         folder: &Path,
         version: Option<OpenFoamVersion>,
@@ -78,7 +93,20 @@ impl OpenFoamCase {
         let name = path.display().to_string();
         let bytes = fs::read(&path)
             .map_err(|e| ReadError::whole(&name, e.to_string(), "a readable file"))?;
-        OpenFoamCase::read(&bytes, &name, place, version)
+        let case = OpenFoamCase::read(&bytes, &name, place, version)?;
+        let takes_part = |p: &BoundaryPatch| p.groups.iter().any(|group| group == GROUP);
+        if case.version != OpenFoamVersion::Org && !case.patches.iter().any(takes_part) {
+            let found = format!("no patch with inGroups ({GROUP})");
+            let expected = match regions(&case.folder).as_slice() {
+                [] => "a patch that takes part".to_owned(),
+                regions => format!(
+                    "the folder of a region that has one: {}",
+                    regions.join(", ")
+                ),
+            };
+            return Err(ReadError::whole(&name, found, expected));
+        }
+        Ok(case)
     }
 
     fn read(

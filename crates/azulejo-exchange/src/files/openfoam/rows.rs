@@ -7,7 +7,7 @@ use azulejo_factors::FaceId;
 use std::collections::{HashMap, HashSet};
 
 /// The group of the patches that take part, at openfoam.com.
-const GROUP: &str = "viewFactorWall";
+pub(super) const GROUP: &str = "viewFactorWall";
 
 /// The rows of a matrix in the order of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -165,7 +165,7 @@ fn energyplus_as_idf_and_json() {
     };
     let mut out = Vec::new();
     let notes = write(&enclosure, FactorFormat::EnergyPlus, &options, &mut out).unwrap();
-    assert!(notes[0].starts_with("1 of 2 rows lose light to sky or ground, at most 80% (hot/0)"));
+    assert!(notes[0].starts_with("1 of 2 rows lose light to sky or ground, at most 80% (hot)"));
     assert!(
         notes[1].starts_with("row sums are off by up to 0.65, which EnergyPlus takes as they are")
     );

@@ -38,7 +38,7 @@ fn udales() {
         .flat_map(|f| f.to_be_bytes())
         .collect();
     assert_eq!(matrix[matrix.len() - 16..], expected[..]);
-    assert_eq!(text(2), "# sky view factors\n0.80000000\n0.00000000\n");
+    assert_eq!(text(2), "# sky view factors\n0.80000000\n0.65000000\n");
     assert_eq!(text(3), "# area of facets\n4\n8\n");
     assert_eq!(
         text(4),
@@ -47,8 +47,8 @@ fn udales() {
     assert_eq!(
         notes,
         [
-            "1 of 2 rows lose light downwards, at most 65% (cold/0): uDALES expects the ground among \
-             the facets",
+            "1 of 2 rows lose light downwards, at most 65% (cold/0): uDALES takes it for sky, and expects the ground \
+             among the facets",
             "for &ENERGYBALANCE: lvfsparse=.true., nnz=3, and for &WALLS: nfcts=2"
         ]
     );
@@ -64,14 +64,14 @@ fn udales_refuses_rows_that_are_no_facets() {
     enclosure.factors.faces[1] = enclosure.factors.faces[0];
     let message = refusal(&enclosure, FactorFormat::Udales, &experiment());
     assert!(
-        message.contains("found 2 rows, several of a facet"),
+        message.contains("found 2 rows, several of a face"),
         "{message}"
     );
     let mut enclosure = plates();
     enclosure.factors.faces[1].face = 1;
     let message = refusal(&enclosure, FactorFormat::Udales, &experiment());
     assert!(
-        message.contains("facet 0 of \"cold\" has no row"),
+        message.contains("face 0 of \"cold\" has no row"),
         "{message}"
     );
     let message = refusal(&plates(), FactorFormat::Udales, &FileOptions::default());

@@ -6,8 +6,9 @@ mod figures;
 mod files;
 
 use super::read;
+use crate::reader_tests::mesh;
 use crate::{Files, Loaded, Memory, ReadError, ReadOptions};
-use azulejo_scene::{Mesh, Shape};
+use azulejo_scene::Mesh;
 use glam::DVec3;
 
 /// The lines of groups written as `code value; code value`. `@10 1 2 3` is a point: its
@@ -61,13 +62,6 @@ fn load_with(text: impl AsRef<[u8]>, files: &dyn Files) -> Loaded {
 
 fn load(text: impl AsRef<[u8]>) -> Loaded {
     load_with(text, &Memory::new())
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => panic!("DXF has meshes only"),
-    }
 }
 
 /// The only mesh of a drawing that is read without a warning.

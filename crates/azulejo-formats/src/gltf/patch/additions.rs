@@ -33,7 +33,7 @@ pub struct Additions<'s> {
 /// Where new bytes go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum NewBytes {
-    /// After the numbers of a GLB, of which there are so many bytes.
+    /// After the binary chunk of a GLB, which has this number of bytes.
     Bin(usize),
     /// Into a buffer of their own: a file beside a JSON file, else embedded.
     Own,
@@ -49,9 +49,9 @@ impl<'s> Additions<'s> {
     /// Nothing yet. Files beside the file begin with `stem`, and say `what` they are for.
     pub fn new(source: &'s Source<'s>, stem: &'s str, what: &'static str) -> Additions<'s> {
         let buffers = &source.data.root.buffers;
-        let of_bin = buffers.first().is_none_or(|b| b.uri.is_none()) && !reaches_beyond(source);
+        let can_extend = buffers.first().is_none_or(|b| b.uri.is_none()) && !reaches_beyond(source);
         let place = match (&source.parts.chunks, source.parts.bin()) {
-            (Some(_), Some(bin)) if of_bin => NewBytes::Bin(bin.len()),
+            (Some(_), Some(bin)) if can_extend => NewBytes::Bin(bin.len()),
             (Some(_), None) if buffers.is_empty() => NewBytes::Bin(0),
             _ => NewBytes::Own,
         };
@@ -74,7 +74,7 @@ impl<'s> Additions<'s> {
         self.json.key(list).push(entry)
     }
 
-    /// Whether there is room for so many bytes more; if not, the edit fails at its end ([`Additions::finish`]).
+    /// Whether there is room for `bytes` more bytes; if not, the edit fails at its end ([`Additions::finish`]).
     fn spend(&mut self, bytes: usize) -> bool {
         self.left = self.left.and_then(|left| left.checked_sub(bytes as u64));
         self.left.is_some()

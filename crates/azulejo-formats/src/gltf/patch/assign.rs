@@ -66,7 +66,41 @@ pub fn assignments<'l>(
         );
         return Err(source.refused(found));
     }
-    let mut chosen = Vec::new();
+    let (mut receivers, nodes) = receivers(source, origins, edit, notes)?;
+    let kept = meshes_of_nodes_without(source, &nodes);
+    let is_copied = edit.instances == InstanceMode::Copy;
+    let mut first_of: HashMap<usize, usize> = HashMap::new();
+    for i in 0..receivers.len() {
+        let mesh = receivers[i].mesh;
+        let first = *first_of.entry(mesh).or_insert(i);
+        let base = (first < i && !is_copied).then(|| &receivers[first]);
+        let moved = base.and_then(|base| moved(&base.parts, &receivers[i].parts));
+        receivers[i].entry = match (moved, edit.instances) {
+            (Some(placement), InstanceMode::Node) => Entry::Shared(first, placement),
+            (Some(placement), _) => Entry::Moved(first, placement),
+            (None, _) if first == i && !kept.contains(&mesh) => Entry::Own,
+            (None, _) => {
+                if !is_copied && first != i {
+                    notes.add(
+                        "instance whose coordinates are not moved and scaled ones: gets a copy",
+                    );
+                }
+                Entry::Copy
+            }
+        };
+    }
+    Ok(receivers)
+}
+
+/// The objects with a layout and faces, without those whose nodes cannot have a lightmap of their own, and the nodes that
+/// can. Entries are still to be found.
+fn receivers<'l>(
+    source: &Source,
+    origins: &'l [ObjectOrigin],
+    edit: &LightmapEdit<'l>,
+    notes: &mut Notes,
+) -> Result<(Vec<Assignment<'l>>, HashSet<usize>), PatchError> {
+    let mut receivers = Vec::new();
     let mut nodes = HashSet::new();
     for (object, (origin, layout)) in origins.iter().zip(edit.objects).enumerate() {
         let Some(layout) = layout else { continue };
@@ -81,40 +115,16 @@ pub fn assignments<'l>(
         } else if !nodes.insert(origin.node) {
             notes.add("node that occurs twice in the scene: has the lightmap of its first place");
         } else if !parts.is_empty() {
-            chosen.push((object, origin, mesh, parts));
+            receivers.push(Assignment {
+                object,
+                node: origin.node,
+                mesh,
+                entry: Entry::Own,
+                parts,
+            });
         }
     }
-    let kept = meshes_of_nodes_without(source, &nodes);
-    let mut first_of: HashMap<usize, usize> = HashMap::new();
-    let mut list: Vec<Assignment> = Vec::new();
-    for (object, origin, mesh, parts) in chosen {
-        let first = *first_of.entry(mesh).or_insert(list.len());
-        let base = list
-            .get(first)
-            .filter(|_| edit.instances != InstanceMode::Copy);
-        let moved = base.and_then(|base| moved(&base.parts, &parts));
-        let entry = match (moved, edit.instances) {
-            (Some(placement), InstanceMode::Node) => Entry::Shared(first, placement),
-            (Some(placement), _) => Entry::Moved(first, placement),
-            (None, _) if first == list.len() && !kept.contains(&mesh) => Entry::Own,
-            (None, _) => {
-                if edit.instances != InstanceMode::Copy && first != list.len() {
-                    notes.add(
-                        "instance whose coordinates are not moved and scaled ones: gets a copy",
-                    );
-                }
-                Entry::Copy
-            }
-        };
-        list.push(Assignment {
-            object,
-            node: origin.node,
-            mesh,
-            entry,
-            parts,
-        });
-    }
-    Ok(list)
+    Ok((receivers, nodes))
 }
 
 /// The meshes of nodes that receive nothing.
@@ -225,7 +235,8 @@ fn axis(base: &[PrimitiveFaces], other: &[PrimitiveFaces], k: usize) -> Option<(
 fn corners<'p>(parts: &'p [PrimitiveFaces], k: usize) -> impl Iterator<Item = f64> + 'p {
     parts.iter().flat_map(move |part| {
         let mirrored = part.mirrored;
-        let of_face = move |uvs: &[[f32; 2]; 3]| turned(*uvs, mirrored).map(|uv| f64::from(uv[k]));
-        part.uvs.iter().flat_map(of_face)
+        let coordinate =
+            move |uvs: &[[f32; 2]; 3]| turned(*uvs, mirrored).map(|uv| f64::from(uv[k]));
+        part.uvs.iter().flat_map(coordinate)
     })
 }

@@ -86,7 +86,7 @@ fn read(
     })
 }
 
-/// Reads what materials and nodes say of lightmaps.
+/// Reads the lightmaps of materials and nodes.
 struct LightmapReader<'r, 's> {
     source: &'r Source<'s>,
     meshes: Vec<Vec<Primitive>>,
@@ -138,19 +138,19 @@ impl LightmapReader<'_, '_> {
                 None => [u, v],
             };
             for face in faces {
-                let of_face = uvs.as_ref().and_then(|all| all.get(face.triangle as usize));
-                let turned = turned(of_face.copied().unwrap_or_default(), origin.mirrored);
+                let corners = uvs.as_ref().and_then(|all| all.get(face.triangle as usize));
+                let turned = turned(corners.copied().unwrap_or_default(), origin.mirrored);
                 layout.uvs.push(turned.map(placed));
                 layout
                     .pages
-                    .push(page.filter(|_| of_face.is_some()).unwrap_or(NO_PAGE));
+                    .push(page.filter(|_| corners.is_some()).unwrap_or(NO_PAGE));
             }
         }
         let has_page = layout.pages.iter().any(|p| *p != NO_PAGE);
         has_page.then_some(layout)
     }
 
-    /// What is said of the lightmap of a primitive.
+    /// The lightmap of a primitive, as its node or its material names it.
     fn named(&self, mesh: usize, primitive: usize, node: usize) -> Option<NamedLightmap> {
         if !self.follows_lightmaps {
             return None;

@@ -1,6 +1,6 @@
 //! The parts of a file, and files of parts. Unlike the reader's container they keep chunks that glTF does not know.
 
-use super::super::container::{chunk, without_padding};
+use super::super::container::{BIN, Chunk, chunk, without_padding, write_glb};
 use super::error::PatchError;
 use super::json::Json;
 use crate::reading::bytes::Bytes;
@@ -13,12 +13,6 @@ pub struct Parts<'a> {
     /// All chunks of a GLB after the JSON: their types and contents. `None` if the file is text.
     pub chunks: Option<Vec<Chunk<'a>>>,
 }
-
-/// A chunk of a GLB: its type and its content.
-pub type Chunk<'a> = ([u8; 4], &'a [u8]);
-
-/// The type of the chunk with the numbers.
-pub const BIN: [u8; 4] = *b"BIN\0";
 
 impl<'a> Parts<'a> {
     /// Takes a file apart.
@@ -68,20 +62,11 @@ impl<'a> Parts<'a> {
         let json = (*b"JSON", &text[..]);
         let bin = bin.map(|bytes| (BIN, bytes));
         let all = [json].into_iter().chain(bin).chain(others).chain(old);
-        glb(all).ok_or_else(|| PatchError::of(name, "a GLB of more than 4 GiB"))
+        let mut file = Vec::new();
+        write_glb(&all.collect::<Vec<_>>(), &mut file)
+            .map_err(|_| PatchError::of(name, "a GLB of more than 4 GiB"))?;
+        Ok(file)
     }
-}
-
-fn glb<'a>(chunks: impl Iterator<Item = Chunk<'a>>) -> Option<Vec<u8>> {
-    let mut file = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-    for (kind, bytes) in chunks {
-        file.extend(u32::try_from(bytes.len()).ok()?.to_le_bytes());
-        file.extend(kind);
-        file.extend_from_slice(bytes);
-    }
-    let length = u32::try_from(file.len()).ok()?;
-    file[8..12].copy_from_slice(&length.to_le_bytes());
-    Some(file)
 }
 
 /// The JSON of a GLB, and its other chunks. What follows the last one is padding of some writers.

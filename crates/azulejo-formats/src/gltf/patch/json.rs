@@ -27,10 +27,10 @@ impl<'a> Json<'a> {
     /// Parses a text.
     ///
     /// # Errors
-    /// What is no JSON, and values nested more than so many levels deep.
+    /// Text that is not JSON, and values nested too deeply.
     pub fn parse(text: &'a str, levels: usize) -> Result<Json<'a>, String> {
         let checked: &RawValue =
-            serde_json::from_str(text).map_err(|e| format!("what is no JSON: {e}"))?;
+            serde_json::from_str(text).map_err(|e| format!("invalid JSON: {e}"))?;
         let (text, at) = (checked.get(), 0);
         let value = Parser { text, at }.value(levels);
         value.ok_or_else(|| format!("JSON nested more than {levels} deep"))
@@ -92,7 +92,7 @@ impl<'a> Json<'a> {
         self.number().filter(is_index).map(|n| n as usize)
     }
 
-    /// The place of a member, which is `null` if it is new. What is no object becomes one.
+    /// The place of a member, which is `null` if it is new. What is not an object becomes one.
     pub fn key(&mut self, key: &str) -> &mut Json<'a> {
         if !matches!(self, Json::Object(_)) {
             *self = Json::Object(Vec::new());
@@ -108,7 +108,7 @@ impl<'a> Json<'a> {
         &mut members[place].1
     }
 
-    /// The place of an element, a new one at the end if there are not so many. What is no list becomes one.
+    /// The place of an element, a new one at the end if the list is shorter. What is not a list becomes one.
     pub fn at(&mut self, place: usize) -> &mut Json<'a> {
         if place >= self.list().len() {
             self.push(Value::Null);
@@ -122,7 +122,7 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// Adds an element, and returns its index. What is no list becomes one.
+    /// Adds an element, and returns its index. What is not a list becomes one.
     pub fn push(&mut self, value: impl Into<Json<'a>>) -> usize {
         match self {
             Json::List(list) => list.push(value.into()),
@@ -229,7 +229,7 @@ struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    /// The next byte that is no blank, nor a mark between values.
+    /// The next byte that is neither a blank nor a mark between values.
     fn peek(&mut self) -> Option<u8> {
         let rest = self.text.as_bytes().get(self.at..)?;
         let is_between = |b: &u8| matches!(b, b' ' | b'\t' | b'\r' | b'\n' | b',' | b':');

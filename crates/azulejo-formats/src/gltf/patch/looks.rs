@@ -184,7 +184,7 @@ fn alpha<'a>(material: &Json<'a>) -> Json<'a> {
 /// Refuses materials whose look is not that of diffusely reflected light.
 fn check_shown(material: &Json) -> Result<(), String> {
     let number = |steps: &[&str]| material.find(steps).and_then(Json::number);
-    // Nothing is reflected diffusely by metals, which are what glTF has where nothing is said.
+    // Nothing is reflected diffusely by metals, which are the default in glTF.
     let picture = material.find(&[SURFACE, "metallicRoughnessTexture"]);
     let metallic = number(&[SURFACE, "metallicFactor"]).unwrap_or(1.0);
     let is_metal = picture.is_none() && metallic >= 1.0 && !has_extension(material, UNLIT);

@@ -65,7 +65,7 @@ pub fn finished<'s>(
     })
 }
 
-/// The place of a member of `azulejo` in the extras of an entry, whatever they are: what is no object is kept as
+/// The place of a member of `azulejo` in the extras of an entry, whatever they are: what is not an object is kept as
 /// `value`.
 pub fn extra<'e, 's>(entry: &'e mut Json<'s>, key: &str) -> &'e mut Json<'s> {
     let mut place = entry;

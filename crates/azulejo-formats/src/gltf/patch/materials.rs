@@ -3,6 +3,7 @@
 
 use super::additions::Additions;
 use super::assign::Placement;
+use super::json::Json;
 use super::looks::{MOVED, MaterialLightmap};
 use super::notes::Notes;
 use super::primitives::Primitive;
@@ -197,8 +198,7 @@ impl MaterialUses {
                         continue;
                     }
                 };
-                let has_occlusion = old.is_some_and(|m| m.get("occlusionTexture").is_some());
-                if edit.convention == Convention::Moz && has_occlusion {
+                if edit.convention == Convention::Moz && has_occlusion(old) {
                     notes.add(
                         "material with a picture of occlusion: viewers darken the lightmap by it, which has that \
                          shade already",
@@ -211,22 +211,23 @@ impl MaterialUses {
                     // Without the transform the coordinates are those of another place.
                     additions.use_extension("extensionsRequired", MOVED);
                 }
-                let new = match place.take() {
-                    Some(place) => {
-                        additions.json.key("materials").at(place).set(new);
-                        place
-                    }
-                    None => {
-                        notes.add(match old {
-                            Some(_) => "material whose users have different light: copied",
-                            None => "primitive without material: gets a grey one, as it was lit",
-                        });
-                        additions.append("materials", new)
-                    }
+                let index = if let Some(place) = place.take() {
+                    additions.json.key("materials").at(place).set(new);
+                    place
+                } else {
+                    notes.add(match old {
+                        Some(_) => "material whose users have different light: copied",
+                        None => "primitive without material: gets a grey one, as it was lit",
+                    });
+                    additions.append("materials", new)
                 };
-                replaced.of.insert((material, *lit), new);
+                replaced.of.insert((material, *lit), index);
             }
         }
         replaced
     }
+}
+
+fn has_occlusion(material: Option<&Json>) -> bool {
+    material.is_some_and(|m| m.get("occlusionTexture").is_some())
 }

@@ -38,11 +38,11 @@ pub const MAPPINGS: [&str; 3] = ["extensions", "KHR_materials_variants", "mappin
 /// The primitives of all meshes.
 pub fn of_meshes(json: &Json) -> Vec<Vec<Primitive>> {
     let mut known = HashMap::new();
-    let mut of_mesh = |mesh: &Json| {
+    let mut primitives = |mesh: &Json| {
         let list = mesh.entries("primitives").iter();
         list.map(|p| Primitive::of(p, &mut known)).collect()
     };
-    json.entries("meshes").iter().map(&mut of_mesh).collect()
+    json.entries("meshes").iter().map(&mut primitives).collect()
 }
 
 impl Primitive {

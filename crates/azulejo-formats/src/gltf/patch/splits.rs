@@ -63,7 +63,7 @@ pub struct Splits {
 }
 
 /// A primitive with the triangles that receive something.
-struct Wanted<'l> {
+struct MappedFaces<'l> {
     faces: PrimitiveFaces<'l>,
     mode: Mode,
     corners: Vec<u32>,
@@ -83,10 +83,10 @@ impl Splits {
         parts: &[PrimitiveFaces],
         is_shared: bool,
     ) -> Result<Vec<(usize, SplitPrimitive)>, String> {
-        let mut users: BTreeMap<usize, Vec<Wanted>> = BTreeMap::new();
+        let mut users: BTreeMap<usize, Vec<MappedFaces>> = BTreeMap::new();
         for &part in parts {
             let primitive = mesh.get(part.primitive).ok_or("a primitive out of range")?;
-            let own = Wanted::of(source, primitive, part)?;
+            let own = MappedFaces::of(source, primitive, part)?;
             users.entry(primitive.vertices).or_default().push(own);
         }
         let mut list = Vec::new();
@@ -114,12 +114,12 @@ impl Splits {
     }
 }
 
-impl<'l> Wanted<'l> {
+impl<'l> MappedFaces<'l> {
     fn of(
         source: &Source,
         primitive: &Primitive,
         faces: PrimitiveFaces<'l>,
-    ) -> Result<Wanted<'l>, String> {
+    ) -> Result<MappedFaces<'l>, String> {
         let mode = primitive
             .mode
             .ok_or("faces of a primitive without triangles")?;
@@ -130,23 +130,23 @@ impl<'l> Wanted<'l> {
         if !faces.faces.iter().all(is_there) {
             return Err("a triangle out of range".to_owned());
         }
-        let wanted = Wanted {
+        let mapped = MappedFaces {
             faces,
             mode,
             corners,
             count,
         };
-        if wanted.triangles().flatten().any(|v| v as usize >= count) {
+        if mapped.triangles().flatten().any(|v| v as usize >= count) {
             return Err("a vertex out of range".to_owned());
         }
-        Ok(wanted)
+        Ok(mapped)
     }
 
     /// The vertices of the faces.
     fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
-        let all = topology::triangles(self.mode, &self.corners);
+        let triangles = topology::triangles(self.mode, &self.corners);
         let faces = self.faces.faces.iter();
-        faces.map(move |face| all.get(face.triangle as usize))
+        faces.map(move |face| triangles.get(face.triangle as usize))
     }
 
     /// Whether a list has coordinates for one of the vertices already.
@@ -162,7 +162,7 @@ pub fn turned<T>([a, b, c]: [T; 3], mirrored: bool) -> [T; 3] {
 }
 
 impl VertexGroup {
-    /// So many vertices, without copies.
+    /// A group of `count` vertices, without copies.
     pub fn new(count: usize) -> VertexGroup {
         VertexGroup {
             count,
@@ -172,12 +172,12 @@ impl VertexGroup {
     }
 
     /// Gives the corners of faces their coordinates; the new corners of the primitive if some changed.
-    fn place(&mut self, wanted: &Wanted) -> Result<Option<Vec<u32>>, String> {
+    fn place(&mut self, mapped: &MappedFaces) -> Result<Option<Vec<u32>>, String> {
         let mut changed: Vec<(usize, [u32; 3])> = Vec::new();
-        let faces = wanted.faces.faces.iter().zip(wanted.faces.uvs);
-        for ((face, uvs), vertices) in faces.zip(wanted.triangles()) {
+        let faces = mapped.faces.faces.iter().zip(mapped.faces.uvs);
+        for ((face, uvs), vertices) in faces.zip(mapped.triangles()) {
             let mut placed = vertices;
-            for (vertex, uv) in placed.iter_mut().zip(turned(*uvs, wanted.faces.mirrored)) {
+            for (vertex, uv) in placed.iter_mut().zip(turned(*uvs, mapped.faces.mirrored)) {
                 *vertex = self.vertex(*vertex, uv)?;
             }
             if placed != vertices {
@@ -187,10 +187,10 @@ impl VertexGroup {
         if changed.is_empty() {
             return Ok(None);
         }
-        let all = topology::triangles(wanted.mode, &wanted.corners);
-        let is_there = |v: &u32| (*v as usize) < wanted.count;
+        let triangles = topology::triangles(mapped.mode, &mapped.corners);
+        let is_there = |v: &u32| (*v as usize) < mapped.count;
         let there = |v: u32| Some(v).filter(is_there).unwrap_or(MISSING);
-        let corners = (0..all.count()).flat_map(|i| all.get(i).map(there));
+        let corners = (0..triangles.count()).flat_map(|i| triangles.get(i).map(there));
         let mut corners: Vec<u32> = corners.collect();
         for (triangle, placed) in changed {
             corners[3 * triangle..][..3].copy_from_slice(&placed);

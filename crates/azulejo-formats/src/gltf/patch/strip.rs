@@ -7,11 +7,12 @@ use super::lights::brighten;
 use super::mark::{self, MARK, OF_VERTICES};
 use super::meshes::drop_extension;
 use super::types::StrippedFile;
+use crate::reading::text::shortened;
 
 /// Extensions with a lightmap, by the list of the entries that have them.
 const LIGHTMAPS: [(&str, &str); 2] = [("materials", "MOZ_lightmap"), ("nodes", "MX_lightmap")];
 
-/// Removes the lightmap of azulejo's from a file, or light that was put on its vertices. `name` is used in
+/// Removes azulejo's lightmap from a file, or light that was put on its vertices. `name` is used in
 /// messages.
 ///
 /// The file is again what it was: the same JSON, with its order and the spelling of its numbers, but for blanks,
@@ -61,6 +62,59 @@ pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
         unused_files: Vec::new(),
         notes,
     })
+}
+
+/// What another program has taken from a file that azulejo has baked, as a sentence; `None` if all is there.
+///
+/// # Errors
+/// Files that are not glTF.
+pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
+    let parts = Parts::of(bytes, name)?;
+    let json = Json::parse(parts.text, 2 * MOST_LEVELS);
+    let json = json.map_err(|found| PatchError::of(name, found))?;
+    let Some(mark) = json.find(&MARK) else {
+        return Ok(None);
+    };
+    let convention = mark.get("convention").and_then(Json::text);
+    let has =
+        |list: &str, steps: &[&str]| json.entries(list).iter().any(|e| e.find(steps).is_some());
+    let primitives = || (json.entries("meshes").iter()).flat_map(|m| m.entries("primitives"));
+    let mut gone = Vec::new();
+    let of_vertices = ["extras", "azulejo", "irradiance"];
+    let what = match convention.as_deref().unwrap_or_default() {
+        "moz" if !has("materials", &["extensions", "MOZ_lightmap"]) => "MOZ_lightmap of materials",
+        "mx" if !has("nodes", &["extensions", "MX_lightmap"]) => "MX_lightmap of nodes",
+        "occlusion" if !has("materials", &["occlusionTexture"]) => "occlusionTexture of materials",
+        OF_VERTICES
+            if !has("meshes", &of_vertices)
+                && primitives().all(|p| p.find(&of_vertices).is_none()) =>
+        {
+            "the scale of the light on vertices"
+        }
+        _ => "",
+    };
+    if !what.is_empty() {
+        gone.push(what.to_owned());
+    }
+    if let Some(set) = mark.get("texCoord").and_then(Json::index) {
+        let set = format!("TEXCOORD_{set}");
+        if primitives().all(|p| p.find(&["attributes", &set]).is_none()) {
+            gone.push(set);
+        }
+    }
+    if gone.is_empty() {
+        return Ok(None);
+    }
+    let writer = json.find(&["asset", "generator"]).and_then(Json::text);
+    let mut said = format!(
+        "{name}: {} has written the file since it was baked, and lost {}",
+        shortened(writer.as_deref().unwrap_or("another program")),
+        gone.join(" and ")
+    );
+    if !mark.entries("baked").is_empty() {
+        said += "; the lamps that were baked stay dark";
+    }
+    Ok(Some(said + ": compress first, then bake"))
 }
 
 /// Whether a mark is that of light on vertices.

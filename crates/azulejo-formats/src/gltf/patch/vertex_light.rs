@@ -116,16 +116,17 @@ impl<'s> VertexLight<'_, 's> {
         };
         let mesh = self.assignment.mesh;
         let mut json = self.source.json.entries("meshes")[mesh].clone();
+        let mut extras = stored.extras(self.scene.units.photometric);
+        let irradiance = extras["azulejo"]["irradiance"].take();
         for part in &self.assignment.parts {
             let own = &self.own[part.primitive];
             let primitive = json.key("primitives").at(part.primitive);
+            mark::extra(primitive, "irradiance").set(irradiance.clone());
             let colours = &colours[&own.vertices];
             if let Err(fault) = self.give(primitive, own, colours, stored.set, additions, notes) {
                 notes.add(&format!("primitive without its light: {fault}"));
             }
         }
-        let mut extras = stored.extras(self.scene.units.photometric);
-        let irradiance = extras["azulejo"]["irradiance"].take();
         mark::extra(&mut json, "irradiance").set(irradiance);
         Ok(json)
     }
@@ -160,16 +161,16 @@ impl<'s> VertexLight<'_, 's> {
             let count = own.count(self.source)?;
             let corners = own.corners(self.source, count)?;
             let mode = own.mode.ok_or("faces of a primitive without triangles")?;
-            let all = topology::triangles(mode, &corners);
+            let triangles = topology::triangles(mode, &corners);
             let list = lists
                 .entry(own.vertices)
                 .or_insert_with(|| vec![[0.0; 3]; count]);
             for origin in part.faces {
                 let triangle = origin.triangle as usize;
-                if triangle >= all.count() {
+                if triangle >= triangles.count() {
                     return Err("a triangle out of range".to_owned());
                 }
-                let order = turned(all.get(triangle), part.mirrored);
+                let order = turned(triangles.get(triangle), part.mirrored);
                 for (vertex, own) in order.iter().zip(placed.mesh.faces.get(face)) {
                     let light = placed.irradiance.get(*own as usize);
                     let slot = list.get_mut(*vertex as usize);

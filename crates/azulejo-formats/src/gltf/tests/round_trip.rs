@@ -28,8 +28,18 @@ pub(super) fn read_back(scene: &Scene) -> Scene {
     unsaid(loaded.scene)
 }
 
-/// glTF always says from which sides a surface is visible; the scenes here do not.
+/// glTF always says from which sides a surface is visible, and that meshes without normals are flat; the scenes here
+/// do not.
 fn unsaid(mut scene: Scene) -> Scene {
+    scene.for_each_mesh(|mesh| {
+        let flat = if mesh.normals.is_none() {
+            mesh.faces.len()
+        } else {
+            0
+        };
+        assert_eq!(mesh.smoothing, vec![0; flat]);
+        mesh.smoothing.clear();
+    });
     for m in &mut scene.materials {
         assert_ne!(m.sidedness, Sidedness::Unsaid);
         m.sidedness = Sidedness::Unsaid;

@@ -214,8 +214,8 @@ fn image_based_light() {
         panic!("the same from everywhere")
     };
     assert!((radiance - Rgb::grey(2.0)).map(f64::abs).max_channel() < 1e-12);
-    // Brighter above, by bands: L = c₀ Y₀₀ / π + c₁ Y₁₋₁ 3 / 2π.
-    let smooth = format!("{{\"irradianceCoefficients\":{}}}", coefficients(9.0, 3.0));
+    // Brighter above, by bands: L = c₀ Y₀₀ / π + c₁ Y₁₋₁ 3 / 2π, where Y₁₋₁ = −y for Babylon.js.
+    let smooth = format!("{{\"irradianceCoefficients\":{}}}", coefficients(9.0, -3.0));
     let found = scene(&smooth, "");
     let LightKind::Environment(sky) = found.lights[0].kind else {
         panic!("it is brighter above")

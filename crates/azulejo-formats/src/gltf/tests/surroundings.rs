@@ -2,13 +2,14 @@
 
 use super::round_trip::read_back;
 use crate::gltf;
+use crate::gltf::cube_map::unpacked;
 use crate::gltf::image_based::harmonics;
 use azulejo_scene::sky::Sky;
 use azulejo_scene::{
     Environment, Image, Light, LightKind, Projection, Rgb, Scene, Texture, Units, Up,
 };
 use glam::DVec3;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
 /// A room under the given lights.
@@ -106,6 +107,99 @@ fn check(given: &Scene, tolerance: f64) {
             );
         }
     }
+}
+
+/// What Babylon.js 9.35 shows in a scene of right-handed axes (seen in Chromium: mirrors that face the six axes,
+/// and a floor): of a sky that is white above and black below, with red toward +x and green toward +z.
+#[test]
+fn babylon_shows_where_light_comes_from() {
+    let mut image = Image::new(256, 128);
+    for (k, pixel) in image.pixels.iter_mut().enumerate() {
+        let (x, y) = ((k % 256) as f64, (k / 256) as f64);
+        let d = Projection::Equirectangular.direction((x + 0.5) / 256.0, (y + 0.5) / 128.0);
+        let d =
+            Environment::picture(0, Projection::Equirectangular, Up::Y).world_from_environment * d;
+        *pixel = [d.x, d.z, d.y].map(|c| f32::from(u8::from(c > 0.0)));
+    }
+    let around = Environment::picture(0, Projection::Equirectangular, Up::Y);
+    let given = scene(Up::Y, vec![LightKind::Environment(around)], Some(image));
+    let light = described(&given);
+    // The basis of its shaders has −y, −z and −x: light from +x, +y and +z has negative coefficients.
+    let coefficients: [[f64; 3]; 9] =
+        serde_json::from_value(light["irradianceCoefficients"].clone()).unwrap();
+    for (number, channel) in [(1, 2), (2, 1), (3, 0)] {
+        let own = coefficients[number];
+        assert!(own[channel] < -0.5, "{number}: {own:?}");
+        assert!(
+            (0..3).all(|c| c == channel || own[c].abs() < 0.05),
+            "{own:?}"
+        );
+    }
+    // Halves of the faces, right and lower, in which a channel is bright.
+    let faces: [usize; 6] = serde_json::from_value(light["specularImages"][0].clone()).unwrap();
+    let pictures = pictures_of(&given);
+    let at = |face: usize, right: bool, lower: bool| {
+        let image = &pictures[faces[face]];
+        let place = |is_far: bool| if is_far { 100 } else { 20 };
+        let pixel = image.pixel(place(right), place(lower));
+        pixel.map(|c| c > 0.5)
+    };
+    for (right, lower) in [(false, false), (true, false), (false, true), (true, true)] {
+        // [red, green, blue] is [x > 0, z > 0, y > 0].
+        assert_eq!(at(0, right, lower), [true, right, lower], "+x");
+        assert_eq!(at(1, right, lower), [false, !right, lower], "-x");
+        assert_eq!(at(2, right, lower), [right, lower, true], "+y");
+        assert_eq!(at(3, right, lower), [right, !lower, false], "-y");
+        assert_eq!(at(4, right, lower), [right, false, lower], "-z");
+        assert_eq!(at(5, right, lower), [!right, true, lower], "+z");
+    }
+}
+
+/// Files that azulejo wrote before have the signs of the paper and the faces of OpenGL: read so.
+#[test]
+fn earlier_files_keep_their_sky() {
+    let sky = |generator: &str, coefficient: f64| {
+        let mut coefficients = [[0.0; 3]; 9];
+        (coefficients[0], coefficients[1]) = ([9.0; 3], [coefficient; 3]);
+        let root = json!({
+            "asset": { "version": "2.0", "generator": generator },
+            "extensionsUsed": ["EXT_lights_image_based"],
+            "extensions": { "EXT_lights_image_based": {
+                "lights": [{ "irradianceCoefficients": coefficients }] } },
+            "scenes": [{ "nodes": [], "extensions": { "EXT_lights_image_based": { "light": 0 } } }],
+        });
+        let files = crate::Memory::new();
+        let text = root.to_string();
+        let loaded = gltf::read(
+            text.as_bytes(),
+            "a.gltf",
+            &files,
+            &crate::ReadOptions::default(),
+        );
+        let scene = loaded.unwrap().scene;
+        radiance(&scene, DVec3::Y).g > radiance(&scene, DVec3::NEG_Y).g
+    };
+    assert!(sky("azulejo 0.1.0", 3.0) && !sky("azulejo 0.1.0", -3.0));
+    assert!(sky("glTF-Transform v4.5.1", -3.0) && !sky("another", 3.0));
+}
+
+/// The pictures in a written file.
+fn pictures_of(scene: &Scene) -> Vec<Image> {
+    let (mut json, mut bin) = (Vec::new(), Vec::new());
+    gltf::write_json(scene, "a.bin", &mut json, &mut bin).unwrap();
+    let root: Value = serde_json::from_slice(&json).unwrap();
+    let view = |image: &Value| {
+        let view = &root["bufferViews"][image["bufferView"].as_u64().unwrap() as usize];
+        let [at, length] =
+            ["byteOffset", "byteLength"].map(|key| view[key].as_u64().unwrap_or(0) as usize);
+        unpacked(crate::picture::decode(&bin[at..at + length]).unwrap())
+    };
+    root["images"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(view)
+        .collect()
 }
 
 /// The light in the JSON of a written file.

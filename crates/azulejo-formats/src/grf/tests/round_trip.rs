@@ -572,7 +572,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
             }
             let objects = objects
                 .into_iter()
-                .map(|(name, shape)| Object { name, shape })
+                .map(|(name, shape)| Object::new(name, shape))
                 .collect();
             Scene {
                 objects,

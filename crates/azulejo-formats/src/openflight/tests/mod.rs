@@ -7,8 +7,9 @@ mod surfaces;
 mod writer;
 
 use super::read;
+use crate::reader_tests::mesh;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{Mesh, Shape};
+use azulejo_scene::Mesh;
 use glam::DVec3;
 use writer::Flt;
 
@@ -20,13 +21,6 @@ fn load_with(flt: Flt, files: &Memory, options: &ReadOptions) -> Loaded {
     let loaded = read(&flt.0, "a.flt", files, options).unwrap_or_else(|e| panic!("{e}"));
     loaded.scene.validate().unwrap_or_else(|e| panic!("{e}"));
     loaded
-}
-
-fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
-    match &loaded.scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => panic!("OpenFlight has meshes only"),
-    }
 }
 
 /// The single mesh of a file, which must be read without warnings.

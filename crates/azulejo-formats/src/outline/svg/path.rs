@@ -1,9 +1,10 @@
 //! Path data: the `d` attribute of a path.
 
-use super::values::SvgScanner;
+use super::values::LARGEST;
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
+use svgtypes::{PathParser, PathSegment};
 
 /// The problems found in path data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,12 +19,12 @@ pub(super) struct PathProblems {
 pub(super) fn draw(data: &str, pen: &mut Pen) -> PathProblems {
     let mut path = Path {
         pen,
-        data: SvgScanner::new(data),
         last: PreviousCurve::Other,
         open: 0,
-        has_moved: false,
     };
-    let is_whole = path.commands().is_some();
+    let is_whole = PathParser::from(data)
+        .try_for_each(|segment| path.segment(segment.ok()?))
+        .is_some();
     path.end_contour();
     PathProblems {
         open: path.open,
@@ -31,12 +32,10 @@ pub(super) fn draw(data: &str, pen: &mut Pen) -> PathProblems {
     }
 }
 
-struct Path<'a, 'p> {
+struct Path<'p> {
     pen: &'p mut Pen,
-    data: SvgScanner<'a>,
     last: PreviousCurve,
     open: usize,
-    has_moved: bool,
 }
 
 /// The control point that a following smooth curve mirrors.
@@ -65,78 +64,71 @@ impl PreviousCurve {
     }
 }
 
-impl Path<'_, '_> {
-    /// All commands; `None` at an error.
-    fn commands(&mut self) -> Option<()> {
-        let mut command = 0;
-        while let Some(next) = self.data.peek() {
-            if next.is_ascii_alphabetic() {
-                command = self.data.byte()?;
-            } else {
-                // Numbers alone repeat the command; after a move they are lines.
-                command = match command {
-                    b'M' => b'L',
-                    b'm' => b'l',
-                    0 | b'Z' | b'z' => return None,
-                    other => other,
-                };
-            }
-            self.command(command)?;
-        }
-        Some(())
-    }
-
-    fn command(&mut self, command: u8) -> Option<()> {
-        let upper = command.to_ascii_uppercase();
-        if !self.has_moved && upper != b'M' {
-            return None;
-        }
-        let base = if command.is_ascii_lowercase() {
-            self.pen.at()
-        } else {
-            DVec2::ZERO
+impl Path<'_> {
+    /// Draws a segment; `None` if a coordinate is too large.
+    fn segment(&mut self, segment: PathSegment) -> Option<()> {
+        let at = self.pen.at();
+        let base = if segment.is_abs() { DVec2::ZERO } else { at };
+        let point = |x: f64, y: f64| {
+            let offset = DVec2::new(x, y);
+            (offset.abs().max_element() <= LARGEST).then_some(base + offset)
         };
         let last = std::mem::replace(&mut self.last, PreviousCurve::Other);
-        match upper {
-            b'M' => self.move_to(base)?,
-            b'Z' => {
+        match segment {
+            PathSegment::MoveTo { x, y, .. } => {
+                let to = point(x, y)?;
+                self.end_contour();
+                self.pen.move_to(to);
+            }
+            PathSegment::ClosePath { .. } => {
                 self.pen.close();
             }
-            b'L' | b'H' | b'V' => {
-                let to = self.line_end(upper, base)?;
-                self.pen.line_to(to);
+            PathSegment::LineTo { x, y, .. } => self.pen.line_to(point(x, y)?),
+            PathSegment::HorizontalLineTo { x, .. } => {
+                self.pen.line_to(DVec2::new(point(x, 0.0)?.x, at.y));
             }
-            b'C' => {
-                let control = base + self.data.point()?;
-                self.cubic(base, control)?;
+            PathSegment::VerticalLineTo { y, .. } => {
+                self.pen.line_to(DVec2::new(at.x, point(0.0, y)?.y));
             }
-            b'S' => self.cubic(base, last.cubic(self.pen.at()))?,
-            b'Q' => {
-                let control = base + self.data.point()?;
-                self.quadratic(base, control)?;
+            PathSegment::CurveTo {
+                x1,
+                y1,
+                x2,
+                y2,
+                x,
+                y,
+                ..
+            } => {
+                self.cubic(point(x1, y1)?, point(x2, y2)?, point(x, y)?);
             }
-            b'T' => self.quadratic(base, last.quadratic(self.pen.at()))?,
-            b'A' => self.arc(base)?,
-            _ => return None,
+            PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => {
+                self.cubic(last.cubic(at), point(x2, y2)?, point(x, y)?);
+            }
+            PathSegment::Quadratic { x1, y1, x, y, .. } => {
+                self.quadratic(point(x1, y1)?, point(x, y)?);
+            }
+            PathSegment::SmoothQuadratic { x, y, .. } => {
+                self.quadratic(last.quadratic(at), point(x, y)?);
+            }
+            PathSegment::EllipticalArc {
+                rx,
+                ry,
+                x_axis_rotation,
+                large_arc,
+                sweep,
+                x,
+                y,
+                ..
+            } => {
+                let radii = DVec2::new(rx, ry).abs().min(DVec2::splat(LARGEST));
+                let turned = x_axis_rotation.to_radians();
+                let to = point(x, y)?;
+                match Arc::new(at, to, radii, turned, large_arc, sweep) {
+                    Some(arc) => self.pen.arc_to(arc.ellipse, arc.start, arc.angle, to),
+                    None => self.pen.line_to(to),
+                }
+            }
         }
-        Some(())
-    }
-
-    /// The end of a general, horizontal or vertical line.
-    fn line_end(&mut self, command: u8, base: DVec2) -> Option<DVec2> {
-        let at = self.pen.at();
-        Some(match command {
-            b'H' => DVec2::new(base.x + self.data.number()?, at.y),
-            b'V' => DVec2::new(at.x, base.y + self.data.number()?),
-            _ => base + self.data.point()?,
-        })
-    }
-
-    fn move_to(&mut self, base: DVec2) -> Option<()> {
-        let to = base + self.data.point()?;
-        self.end_contour();
-        self.pen.move_to(to);
-        self.has_moved = true;
         Some(())
     }
 
@@ -147,31 +139,14 @@ impl Path<'_, '_> {
         self.open += usize::from(from.distance(to) > 1e-5 * size);
     }
 
-    fn cubic(&mut self, base: DVec2, control1: DVec2) -> Option<()> {
-        let control2 = base + self.data.point()?;
-        let to = base + self.data.point()?;
+    fn cubic(&mut self, control1: DVec2, control2: DVec2, to: DVec2) {
         self.pen.cubic_to(control1, control2, to);
         self.last = PreviousCurve::Cubic(control2);
-        Some(())
     }
 
-    fn quadratic(&mut self, base: DVec2, control: DVec2) -> Option<()> {
-        let to = base + self.data.point()?;
+    fn quadratic(&mut self, control: DVec2, to: DVec2) {
         self.pen.quadratic_to(control, to);
         self.last = PreviousCurve::Quadratic(control);
-        Some(())
-    }
-
-    fn arc(&mut self, base: DVec2) -> Option<()> {
-        let radii = self.data.point()?.abs();
-        let turned = self.data.number()?.to_radians();
-        let (is_large, is_positive) = (self.data.flag()?, self.data.flag()?);
-        let to = base + self.data.point()?;
-        match Arc::new(self.pen.at(), to, radii, turned, is_large, is_positive) {
-            Some(arc) => self.pen.arc_to(arc.ellipse, arc.start, arc.angle, to),
-            None => self.pen.line_to(to),
-        }
-        Some(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! Basic shapes: rectangles, circles, ellipses, polygons.
 
 use super::path::{self, PathProblems};
-use super::values::{SvgScanner, length};
+use super::values::{length, numbers};
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use roxmltree::Node;
@@ -83,23 +83,17 @@ fn rectangle(corner: DVec2, size: DVec2, radii: DVec2, pen: &mut Pen) {
 
 /// Lines through points; an odd number at the end is an error.
 fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> PathProblems {
-    let mut points = SvgScanner::new(element.attribute("points").unwrap_or(""));
-    let mut is_cut = false;
-    let mut count = 0;
-    while points.peek().is_some() {
-        let Some(point) = points.point() else {
-            is_cut = true;
-            break;
-        };
-        match count {
-            0 => pen.move_to(point),
-            _ => pen.line_to(point),
+    let (coordinates, is_cut) = numbers(element.attribute("points").unwrap_or(""));
+    let (points, odd) = coordinates.as_chunks();
+    for (k, &[x, y]) in points.iter().enumerate() {
+        match k {
+            0 => pen.move_to(DVec2::new(x, y)),
+            _ => pen.line_to(DVec2::new(x, y)),
         }
-        count += 1;
     }
     let comes_back = pen.close();
     PathProblems {
-        open: usize::from(!is_closed && !comes_back && count > 0),
-        is_cut,
+        open: usize::from(!is_closed && !comes_back && !points.is_empty()),
+        is_cut: is_cut || !odd.is_empty(),
     }
 }

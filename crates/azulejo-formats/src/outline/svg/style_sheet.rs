@@ -65,8 +65,8 @@ impl StyleSheet {
         let id = element.attribute("id").map(|id| format!("#{id}"));
         let tag = ["*".to_owned(), element.tag_name().name().to_owned()];
         let selectors = tag.into_iter().chain(classes).chain(id);
-        let found = selectors.filter_map(|selector| self.rules.get(&selector));
-        found.flatten().map(|(name, value)| (&**name, &**value))
+        let rules = selectors.filter_map(|selector| self.rules.get(&selector));
+        rules.flatten().map(|(name, value)| (&**name, &**value))
     }
 }
 

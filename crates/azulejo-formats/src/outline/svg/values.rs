@@ -1,216 +1,74 @@
 //! Numbers, lengths, transforms and colours in SVG syntax.
 
-use crate::reading::number;
+use crate::picture::srgb::linear_from_srgb_f64;
 use azulejo_scene::Rgb;
-use glam::{DAffine2, DMat2, DVec2};
-
-/// Reads values separated by blanks and commas.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SvgScanner<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> SvgScanner<'a> {
-    /// A scanner at the start of a text.
-    pub fn new(text: &'a str) -> SvgScanner<'a> {
-        SvgScanner {
-            rest: text.as_bytes(),
-        }
-    }
-
-    /// The next byte after blanks and commas, which is not consumed.
-    pub fn peek(&mut self) -> Option<u8> {
-        let is_blank = |b: &u8| b.is_ascii_whitespace() || *b == b',';
-        let blanks = self.rest.iter().take_while(|b| is_blank(b)).count();
-        self.rest = &self.rest[blanks..];
-        self.rest.first().copied()
-    }
-
-    /// The next byte.
-    pub fn byte(&mut self) -> Option<u8> {
-        let byte = self.peek()?;
-        self.rest = &self.rest[1..];
-        Some(byte)
-    }
-
-    /// The next number, which ends where it cannot continue: `1.5.5-3` is three numbers.
-    pub fn number(&mut self) -> Option<f64> {
-        self.peek()?;
-        let found = number::parse(self.rest)?;
-        let is_good = found.value.abs() <= LARGEST && !found.misplaced_sign;
-        self.rest = &self.rest[found.length..];
-        is_good.then_some(found.value)
-    }
-
-    /// Two numbers.
-    pub fn point(&mut self) -> Option<DVec2> {
-        Some(DVec2::new(self.number()?, self.number()?))
-    }
-
-    /// One digit, 0 or 1, with or without a following blank.
-    pub fn flag(&mut self) -> Option<bool> {
-        let flag = match self.peek()? {
-            b'0' => false,
-            b'1' => true,
-            _ => return None,
-        };
-        self.rest = &self.rest[1..];
-        Some(flag)
-    }
-
-    /// All remaining numbers.
-    pub fn numbers(mut self) -> Option<Vec<f64>> {
-        let mut numbers = Vec::new();
-        while self.peek().is_some() {
-            numbers.push(self.number()?);
-        }
-        Some(numbers)
-    }
-}
+use glam::DAffine2;
+use svgtypes::{Color, Length, LengthUnit, NumberListParser, Transform};
 
 /// Larger numbers are damage, and their squares could overflow.
-const LARGEST: f64 = 1e30;
+pub(super) const LARGEST: f64 = 1e30;
 
-/// The length of a CSS unit in SVG's user units, of which there are 96 to the inch.
-fn unit(name: &str) -> Option<f64> {
-    const PER_INCH: f64 = 96.0;
-    Some(match name {
-        "" | "px" => 1.0,
-        "pt" => PER_INCH / 72.0,
-        "pc" => PER_INCH / 6.0,
-        "mm" => PER_INCH / 25.4,
-        "cm" => PER_INCH / 2.54,
-        "in" => PER_INCH,
-        _ => return None,
-    })
+/// Numbers separated by blanks and commas up to the first error, and whether there is one.
+pub(super) fn numbers(text: &str) -> (Vec<f64>, bool) {
+    let mut numbers = Vec::new();
+    for number in NumberListParser::from(text) {
+        match number {
+            Ok(number) if number.abs() <= LARGEST => numbers.push(number),
+            _ => return (numbers, true),
+        }
+    }
+    (numbers, false)
 }
 
-/// A length in SVG's user units, and whether its unit is a physical one.
+/// A length in SVG's user units, of which there are 96 to the inch, and whether its unit is a physical
+/// one.
 pub(super) fn length(text: &str) -> Option<(f64, bool)> {
-    let text = text.trim();
-    let found = number::parse(text.as_bytes())?;
-    let name = text[found.length..].trim();
-    let value = found.value * unit(name)?;
-    (value.abs() <= LARGEST).then_some((value, !matches!(name, "" | "px")))
+    const PER_INCH: f64 = 96.0;
+    let length: Length = text.trim().parse().ok()?;
+    let unit = match length.unit {
+        LengthUnit::None | LengthUnit::Px => 1.0,
+        LengthUnit::Pt => PER_INCH / 72.0,
+        LengthUnit::Pc => PER_INCH / 6.0,
+        LengthUnit::Mm => PER_INCH / 25.4,
+        LengthUnit::Cm => PER_INCH / 2.54,
+        LengthUnit::In => PER_INCH,
+        LengthUnit::Em | LengthUnit::Ex | LengthUnit::Percent => return None,
+    };
+    let value = length.number * unit;
+    let is_physical = !matches!(length.unit, LengthUnit::None | LengthUnit::Px);
+    (value.abs() <= LARGEST).then_some((value, is_physical))
 }
 
 /// A list of transforms as one; `None` if it is malformed.
 pub(super) fn transform(text: &str) -> Option<DAffine2> {
-    let mut map = DAffine2::IDENTITY;
-    let mut rest = text.trim_matches(is_separator);
-    while !rest.is_empty() {
-        let (name, behind) = rest.split_once('(')?;
-        let (numbers, behind) = behind.split_once(')')?;
-        let numbers = SvgScanner::new(numbers).numbers()?;
-        map *= one_transform(name.trim(), &numbers)?;
-        rest = behind.trim_start_matches(is_separator);
-    }
+    let Transform { a, b, c, d, e, f } = text.parse().ok()?;
+    let map = DAffine2::from_cols_array(&[a, b, c, d, e, f]);
     map.is_finite().then_some(map)
 }
 
-fn is_separator(c: char) -> bool {
-    c.is_whitespace() || c == ','
-}
-
-fn one_transform(name: &str, numbers: &[f64]) -> Option<DAffine2> {
-    let shear = |x: f64, y: f64| {
-        let tan = |degrees: f64| degrees.to_radians().tan();
-        DAffine2::from_mat2(DMat2::from_cols_array(&[1.0, tan(y), tan(x), 1.0]))
-    };
-    Some(match (name, numbers) {
-        ("matrix", &[a, b, c, d, e, f]) => DAffine2::from_cols_array(&[a, b, c, d, e, f]),
-        ("translate", &[x]) => DAffine2::from_translation(DVec2::new(x, 0.0)),
-        ("translate", &[x, y]) => DAffine2::from_translation(DVec2::new(x, y)),
-        ("scale", &[s]) => DAffine2::from_scale(DVec2::splat(s)),
-        ("scale", &[x, y]) => DAffine2::from_scale(DVec2::new(x, y)),
-        ("rotate", &[degrees]) => DAffine2::from_angle(degrees.to_radians()),
-        ("rotate", &[degrees, x, y]) => {
-            let centre = DVec2::new(x, y);
-            DAffine2::from_translation(centre)
-                * DAffine2::from_angle(degrees.to_radians())
-                * DAffine2::from_translation(-centre)
-        }
-        ("skewX", &[degrees]) => shear(degrees, 0.0),
-        ("skewY", &[degrees]) => shear(0.0, degrees),
-        _ => return None,
-    })
-}
-
-/// A colour, linear: `#rgb`, `#rrggbb`, `rgb(…)`, and the sixteen names of HTML.
+/// An opaque colour of CSS, linear.
 pub(super) fn color(text: &str) -> Option<Rgb> {
-    const NAMES: [(&str, [u8; 3]); 18] = [
-        ("black", [0, 0, 0]),
-        ("silver", [192, 192, 192]),
-        ("gray", [128, 128, 128]),
-        ("grey", [128, 128, 128]),
-        ("white", [255, 255, 255]),
-        ("maroon", [128, 0, 0]),
-        ("red", [255, 0, 0]),
-        ("purple", [128, 0, 128]),
-        ("fuchsia", [255, 0, 255]),
-        ("green", [0, 128, 0]),
-        ("lime", [0, 255, 0]),
-        ("olive", [128, 128, 0]),
-        ("yellow", [255, 255, 0]),
-        ("navy", [0, 0, 128]),
-        ("blue", [0, 0, 255]),
-        ("teal", [0, 128, 128]),
-        ("aqua", [0, 255, 255]),
-        ("orange", [255, 165, 0]),
-    ];
-    let text = text.trim().to_ascii_lowercase();
-    if let Some((_, bytes)) = NAMES.iter().find(|(name, _)| *name == text) {
-        return Some(linear(bytes.map(f64::from)));
-    }
-    if let Some(digits) = text.strip_prefix('#') {
-        return hexadecimal(digits);
-    }
-    let inner = text.strip_prefix("rgb(")?.strip_suffix(')')?;
-    let part = |part: &str| match part.trim().strip_suffix('%') {
-        Some(percent) => Some(2.55 * percent.trim().parse::<f64>().ok()?),
-        None => part.trim().parse::<f64>().ok(),
-    };
-    let parts: Option<Vec<f64>> = inner.split(',').map(part).collect();
-    match parts?[..] {
-        [r, g, b] if (r + g + b).is_finite() => Some(linear([r, g, b])),
-        _ => None,
-    }
-}
-
-fn hexadecimal(digits: &str) -> Option<Rgb> {
-    let code = u32::from_str_radix(digits, 16).ok()?;
-    let part = |shift: u32, mask: u32| f64::from(code >> shift & mask);
-    match digits.len() {
-        3 => Some(linear([8, 4, 0].map(|s| 17.0 * part(s, 15)))),
-        6 => Some(linear([16, 8, 0].map(|s| part(s, 255)))),
-        _ => None,
-    }
-}
-
-/// sRGB from 0 to 255 as linear light, IEC 61966-2-1.
-fn linear(parts: [f64; 3]) -> Rgb {
-    let [r, g, b] = parts.map(|part| match (part / 255.0).clamp(0.0, 1.0) {
-        c if c <= 0.04045 => c / 12.92,
-        c => ((c + 0.055) / 1.055).powf(2.4),
-    });
-    Rgb::new(r, g, b)
+    let color: Color = text.parse().ok()?;
+    let parts = [color.red, color.green, color.blue].map(f64::from);
+    let linear = parts.map(|part| linear_from_srgb_f64(part / 255.0));
+    (color.alpha == 255).then(|| linear.into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec2;
 
     #[test]
     fn numbers_run_into_each_other() {
-        let check = |text: &str, expected: Option<&[f64]>| {
-            let found = SvgScanner::new(text).numbers();
-            assert_eq!(found.as_deref(), expected, "{text}");
+        let check = |text: &str, expected: &[f64], is_cut: bool| {
+            assert_eq!(numbers(text), (expected.to_vec(), is_cut), "{text}");
         };
-        check(" 1,-2 \n+3e1", Some(&[1.0, -2.0, 30.0]));
-        check("1.5.5-3-.25e-1", Some(&[1.5, 0.5, -3.0, -0.025]));
-        check("", Some(&[]));
-        check("1 x", None);
-        check("1e99", None);
+        check(" 1,-2 \n+3e1", &[1.0, -2.0, 30.0], false);
+        check("1.5.5-3-.25e-1", &[1.5, 0.5, -3.0, -0.025], false);
+        check("", &[], false);
+        check("1 x", &[1.0], true);
+        check("1e99", &[], true);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::path::PathProblems;
 use super::shapes;
 use super::style::{Paint, Style};
 use super::style_sheet::StyleSheet;
-use super::values::{SvgScanner, length, transform};
+use super::values::{length, numbers, transform};
 use crate::outline::drawing::{Drawing, Filled};
 use crate::outline::pen::Pen;
 use crate::reading::options::Budget;
@@ -57,11 +57,9 @@ pub(super) fn read(
 fn viewport(root: Node) -> (DAffine2, Option<f64>) {
     const METRES: f64 = 0.0254 / 96.0;
     let side = |name: &str| root.attribute(name).and_then(length);
-    let view = root
-        .attribute("viewBox")
-        .and_then(|v| SvgScanner::new(v).numbers());
-    let (left, bottom, view_width) = match view.as_deref() {
-        Some(&[x, y, width, height]) if width > 0.0 => (x, y + height, Some(width)),
+    let (view, _) = numbers(root.attribute("viewBox").unwrap_or_default());
+    let (left, bottom, view_width) = match view[..] {
+        [x, y, width, height] if width > 0.0 => (x, y + height, Some(width)),
         _ => (0.0, side("height").map_or(0.0, |(height, _)| height), None),
     };
     let metres = match (side("width"), view_width) {

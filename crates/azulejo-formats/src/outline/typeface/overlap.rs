@@ -152,9 +152,9 @@ fn pieces(segment: &Segment, mut cuts: Vec<Cut>) -> Vec<Segment> {
     // Both curves at a corner cut there.
     cuts.dedup_by(|a, b| a.0 - b.0 < AT_END);
     let mut from = (0.0, segment.start());
-    let mut found = Vec::new();
+    let mut pieces = Vec::new();
     for to in cuts.into_iter().chain([(1.0, segment.end())]) {
-        found.push(match part(segment, from.0, to.0) {
+        pieces.push(match part(segment, from.0, to.0) {
             Segment::Line(_) => Segment::Line([from.1, to.1]),
             Segment::Cubic([_, control1, control2, _]) => {
                 Segment::Cubic([from.1, control1, control2, to.1])
@@ -162,7 +162,7 @@ fn pieces(segment: &Segment, mut cuts: Vec<Cut>) -> Vec<Segment> {
         });
         from = to;
     }
-    found
+    pieces
 }
 
 /// A piece oriented with the inside on its left; `Some(None)` if both sides are the same, and `None`

@@ -149,11 +149,11 @@ fn visual_runs(text: &str) -> Vec<Run> {
         let (levels, level_runs) = bidi.visual_runs(paragraph, paragraph.range.clone());
         for bytes in level_runs {
             let is_rtl = levels[bytes.start].is_rtl();
-            let mut of_one_level = script_runs(text, bytes, is_rtl);
+            let mut scripts = script_runs(text, bytes, is_rtl);
             if is_rtl {
-                of_one_level.reverse();
+                scripts.reverse();
             }
-            runs.extend(of_one_level);
+            runs.extend(scripts);
         }
     }
     runs

@@ -64,35 +64,6 @@ pub enum Format {
     EnergyPlus,
 }
 
-impl Format {
-    /// The name of the format as users know it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Format::Grf => "GRF",
-            Format::Obj => "Wavefront OBJ",
-            Format::Studio3ds => "3DS",
-            Format::Dxf => "DXF",
-            Format::OpenFlight => "OpenFlight",
-            Format::Vrml => "VRML or X3D",
-            Format::Mgf => "MGF",
-            Format::Gltf => "glTF",
-            Format::Ply => "PLY",
-            Format::Stl => "STL",
-            Format::Sff => "SFF",
-            Format::Scn => "SCN",
-            Format::View3d => "View3D",
-            Format::Gmsh => "gmsh",
-            Format::Off => "OFF",
-            Format::Vtk => "VTK",
-            Format::Nastran => "NASTRAN bulk data",
-            Format::Abaqus => "Abaqus or CalculiX input",
-            Format::OpenFoam => "OpenFOAM",
-            Format::CityJson => "CityJSON",
-            Format::EnergyPlus => "EnergyPlus",
-        }
-    }
-}
-
 /// The error for bytes in none of the supported formats.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unrecognized {

@@ -7,6 +7,7 @@ use azulejo::scene::brdf::{
     Description, FRESNEL, MODELS, Model, ModelInfo, Parameter, ParameterInfo, Value, WAVELENGTHS,
     find,
 };
+use clap::ValueEnum;
 
 /// A group of similar models.
 pub(super) struct ModelGroup {
@@ -145,7 +146,7 @@ pub(super) fn default_value(model: &Model, info: &ParameterInfo) -> Value {
 }
 
 /// The kinds of Fresnel terms in a description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum FresnelChoice {
     /// None: all light is reflected.
     None,
@@ -159,14 +160,6 @@ pub(super) enum FresnelChoice {
 }
 
 impl FresnelChoice {
-    pub const ALL: [FresnelChoice; 5] = [
-        FresnelChoice::None,
-        FresnelChoice::Metal,
-        FresnelChoice::Index,
-        FresnelChoice::Schlick,
-        FresnelChoice::Constant,
-    ];
-
     /// The kind that a model uses; none in models whose parameters only have such names.
     pub fn of(model: &Model) -> FresnelChoice {
         if find(&model.name).is_ok_and(|info| !info.has_fresnel) {
@@ -222,6 +215,7 @@ pub(super) fn as_color(value: &Value) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::variants::all;
     use azulejo::scene::Brdf;
 
     #[test]
@@ -280,7 +274,7 @@ mod tests {
     fn terms_replace_each_other() {
         let mut model = example(find("ggx_smith").unwrap(), 0).unwrap();
         assert_eq!(FresnelChoice::of(&model), FresnelChoice::Metal);
-        for term in FresnelChoice::ALL {
+        for term in all::<FresnelChoice>() {
             term.choose(&mut model);
             assert_eq!(FresnelChoice::of(&model), term);
             assert!(Brdf::new(Description::Model(model.clone())).is_ok());

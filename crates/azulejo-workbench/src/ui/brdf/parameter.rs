@@ -4,7 +4,8 @@ use super::catalog::{self, FresnelChoice, as_color, default_value, set};
 use super::fields::{NumberRange, color, number};
 use super::parameter_name::label;
 use super::theme::{named, row};
-use crate::ui::focus;
+use crate::ui::{focus, inputs};
+use crate::variants::all;
 use crate::words::Language;
 use azulejo::scene::brdf::{
     METALS, Model, ModelInfo, ParameterInfo, ParameterKind, Value, find, find_metal,
@@ -136,15 +137,8 @@ fn fresnel(ui: &mut Ui, language: Language, of: &ModelInfo, model: &mut Model) {
     row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
         let combo = ComboBox::from_id_salt(("fresnel", of.name))
-            .selected_text(words(term))
             .width((ui.available_width() - 8.0).min(210.0));
-        let shown = combo.show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for t in FresnelChoice::ALL {
-                ui.selectable_value(&mut chosen, t, words(t));
-            }
-        });
-        shown.response.accessible_name(name);
+        inputs::choice(combo, ui, &mut chosen, all(), |&t| words(t)).accessible_name(name);
     });
     if chosen != term {
         return chosen.choose(model);

@@ -4,14 +4,15 @@ use super::super::inputs;
 use super::color;
 use super::fields::{NumberRange, SHARE, color_row, number_row};
 use super::theme::row;
-use crate::ui::focus;
+use crate::variants::all;
 use crate::words::Language;
 use azulejo::scene::brdf::{Description, Value};
 use azulejo::scene::{Brdf, Dielectric, Material, Rgb};
+use clap::ValueEnum;
 use egui::{ComboBox, Ui};
 use glam::DVec3;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum SurfaceKind {
     Matt,
     Mirror,
@@ -21,14 +22,6 @@ pub(super) enum SurfaceKind {
 }
 
 impl SurfaceKind {
-    const ALL: [SurfaceKind; 5] = [
-        SurfaceKind::Matt,
-        SurfaceKind::Mirror,
-        SurfaceKind::MattAndMirror,
-        SurfaceKind::Glass,
-        SurfaceKind::Model,
-    ];
-
     /// The kind of a material.
     pub fn of(material: &Material) -> SurfaceKind {
         match (&material.dielectric, &material.brdf) {
@@ -92,16 +85,11 @@ impl SurfaceKind {
             language.tr("Surface"),
             language.tr("How the surface reflects light."),
             |ui, name| {
-                let combo = ComboBox::from_id_salt("kind")
-                    .selected_text(self.words(language))
-                    .width(170.0);
-                let shown = combo.show_ui(ui, |ui| {
-                    focus::close_list(ui);
-                    for kind in SurfaceKind::ALL {
-                        ui.selectable_value(&mut chosen, kind, kind.words(language));
-                    }
-                });
-                shown.response.accessible_name(name);
+                let combo = ComboBox::from_id_salt("kind").width(170.0);
+                inputs::choice(combo, ui, &mut chosen, all(), |k: &SurfaceKind| {
+                    k.words(language)
+                })
+                .accessible_name(name);
             },
         );
         chosen

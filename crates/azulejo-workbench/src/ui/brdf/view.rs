@@ -1,7 +1,7 @@
 //! Display settings of the lobes, kept while the editor exists.
 
 use super::theme;
-use crate::ui::focus;
+use crate::ui::inputs;
 use crate::words::Language;
 use egui::{ComboBox, Slider, Ui};
 
@@ -112,32 +112,16 @@ impl LobeView {
 
     /// Draws the settings.
     pub fn ui(&mut self, ui: &mut Ui, language: Language) {
-        theme::row(
-            ui,
-            language.tr("Incidence"),
-            language.tr("Angle between the light and the normal."),
-            |ui, name| {
-                ui.add(
-                    Slider::new(&mut self.incidence, 0.0..=89.0)
-                        .suffix("°")
-                        .step_by(1.0),
-                )
-                .accessible_name(name);
-            },
-        );
-        theme::row(
-            ui,
-            language.tr("Azimuth"),
-            language.tr("Angle between the plane of incidence and the tangent."),
-            |ui, name| {
-                ui.add(
-                    Slider::new(&mut self.azimuth, 0.0..=180.0)
-                        .suffix("°")
-                        .step_by(1.0),
-                )
-                .accessible_name(name);
-            },
-        );
+        let mut degrees = |name: &str, about: &str, value: &mut f64, most: f64| {
+            theme::row(ui, name, about, |ui, name| {
+                let slider = Slider::new(value, 0.0..=most).suffix("°").step_by(1.0);
+                ui.add(slider).accessible_name(name);
+            });
+        };
+        let about = language.tr("Angle between the light and the normal.");
+        degrees(language.tr("Incidence"), about, &mut self.incidence, 89.0);
+        let about = language.tr("Angle between the plane of incidence and the tangent.");
+        degrees(language.tr("Azimuth"), about, &mut self.azimuth, 180.0);
         theme::row(
             ui,
             language.tr("Radius"),
@@ -147,31 +131,18 @@ impl LobeView {
                     LobeQuantity::WithCosine => "f·cos θ",
                     LobeQuantity::Alone => "f",
                 };
-                let chosen = quantity(self.quantity);
-                let combo = ComboBox::from_id_salt("quantity")
-                    .selected_text(chosen)
-                    .width(70.0);
-                let shown = combo.show_ui(ui, |ui| {
-                    focus::close_list(ui);
-                    for q in [LobeQuantity::WithCosine, LobeQuantity::Alone] {
-                        ui.selectable_value(&mut self.quantity, q, quantity(q));
-                    }
-                });
-                shown.response.accessible_name(name);
+                let combo = ComboBox::from_id_salt("quantity").width(70.0);
+                let quantities = [LobeQuantity::WithCosine, LobeQuantity::Alone];
+                inputs::choice(combo, ui, &mut self.quantity, quantities, |&q| quantity(q))
+                    .accessible_name(name);
                 let scale = |s| match s {
                     RadialScale::Linear => language.tr("Linear"),
                     RadialScale::Logarithmic => language.tr("Logarithmic"),
                 };
-                let combo = ComboBox::from_id_salt("scale")
-                    .selected_text(scale(self.scale))
-                    .width(96.0);
-                let shown = combo.show_ui(ui, |ui| {
-                    focus::close_list(ui);
-                    for s in [RadialScale::Linear, RadialScale::Logarithmic] {
-                        ui.selectable_value(&mut self.scale, s, scale(s));
-                    }
-                });
-                shown.response.accessible_name(language.tr("Scale"));
+                let combo = ComboBox::from_id_salt("scale").width(96.0);
+                let scales = [RadialScale::Linear, RadialScale::Logarithmic];
+                inputs::choice(combo, ui, &mut self.scale, scales, |&s| scale(s))
+                    .accessible_name(language.tr("Scale"));
                 ui.checkbox(&mut self.has_others, language.tr("More angles"));
             },
         );

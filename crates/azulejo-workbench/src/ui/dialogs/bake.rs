@@ -2,7 +2,7 @@
 
 use crate::bake::BakeSettings;
 use crate::command::Command;
-use crate::ui::focus;
+use crate::ui::inputs;
 use crate::ui::panel_context::PanelContext;
 use azulejo::formats::gltf::patch::Convention;
 use azulejo::lightmap::{BakedLight, BakedSides};
@@ -84,19 +84,8 @@ impl BakeDialog {
         let about = cx.tr(
             "Estimated error of all texels relative to their mean. Half the error takes up to four times as long.",
         );
-        let name = ui.label(cx.tr("Target error")).on_hover_text(about);
-        let mut percent = 100.0 * self.settings.error;
-        let drag = DragValue::new(&mut percent)
-            .range(0.1..=100.0)
-            .speed(0.05)
-            .max_decimals(2)
-            .suffix(" %")
-            .update_while_editing(false);
-        let field = ui.add(drag).labelled_by(name.id).on_hover_text(about);
-        if field.changed() {
-            self.settings.error = percent / 100.0;
-        }
-        ui.end_row();
+        let name = cx.tr("Target error");
+        inputs::error_row(ui, name, about, &mut self.settings.error);
     }
 
     fn light(&mut self, ui: &mut Ui, cx: &PanelContext) {
@@ -160,18 +149,16 @@ fn choice<T: Copy + PartialEq>(
     value: &mut T,
 ) {
     let title = ui.label(name).on_hover_text(about);
-    let current = all.iter().find(|(one, _)| one == value);
-    ComboBox::from_id_salt(name)
-        .width(220.0)
-        .selected_text(current.map_or("", |(_, name)| name))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for (one, name) in all {
-                ui.selectable_value(value, *one, *name);
-            }
-        })
-        .response
-        .labelled_by(title.id)
-        .on_hover_text(about);
+    let entries = all.iter().map(|(value, _)| *value);
+    let name_of = |value: &T| all.iter().find(|a| a.0 == *value).map_or("", |a| a.1);
+    inputs::choice(
+        ComboBox::from_id_salt(name).width(220.0),
+        ui,
+        value,
+        entries,
+        name_of,
+    )
+    .labelled_by(title.id)
+    .on_hover_text(about);
     ui.end_row();
 }

@@ -2,11 +2,12 @@
 
 use crate::command::Command;
 use crate::preferences::{MAX_GATHER, Preferences, Theme};
-use crate::ui::focus;
+use crate::ui::inputs::{self, labelled_row};
 use crate::ui::panel_context::PanelContext;
+use crate::variants::all;
 use crate::view::ColorMap;
 use crate::words::Language;
-use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
+use egui::{ComboBox, DragValue, Grid, Id, Modal, Slider, Ui};
 
 /// Draws the preferences while they are open.
 pub(super) fn show(ui: &Ui, cx: &mut PanelContext, is_open: &mut bool) {
@@ -34,16 +35,8 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext, is_open: &mut bool) {
 fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
     let tr = |text| cx.tr(text);
     let label = ui.label(tr("Language"));
-    egui::ComboBox::new("language", "")
-        .selected_text(new.language.name())
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for language in Language::ALL {
-                ui.selectable_value(&mut new.language, language, language.name());
-            }
-        })
-        .response
-        .labelled_by(label.id);
+    let (combo, language) = (ComboBox::new("language", ""), &mut new.language);
+    inputs::choice(combo, ui, language, Language::ALL, |l| l.name()).labelled_by(label.id);
     ui.end_row();
     ui.label(tr("Theme"));
     ui.horizontal(|ui| {
@@ -52,46 +45,23 @@ fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
         ui.selectable_value(&mut new.theme, Theme::Dark, tr("Dark theme"));
     });
     ui.end_row();
-    let label = ui.label(tr("Interface scale"));
     let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
-    ui.add(slider.update_while_editing(false))
-        .labelled_by(label.id);
-    ui.end_row();
+    let slider = slider.update_while_editing(false);
+    labelled_row(ui, tr("Interface scale"), slider);
     let label = ui.label(tr("Colour map"));
-    egui::ComboBox::new("map", "")
-        .selected_text(map_name(new.color_map, cx))
-        .show_ui(ui, |ui| {
-            focus::close_list(ui);
-            for map in ColorMap::ALL {
-                ui.selectable_value(&mut new.color_map, map, map_name(map, cx));
-            }
-        })
-        .response
-        .labelled_by(label.id);
+    let (combo, map) = (ComboBox::new("map", ""), &mut new.color_map);
+    inputs::choice(combo, ui, map, all(), |&m| map_name(m, cx)).labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(tr("Recovery copy after"));
-    let drag = DragValue::new(&mut new.autosave)
-        .range(0..=3_600)
-        .suffix(" s");
-    ui.add(drag)
-        .on_hover_text(tr("0 s: never"))
-        .labelled_by(label.id);
-    ui.end_row();
-    let label = ui.label(tr("Threads"));
+    let drag = DragValue::new(&mut new.autosave).range(0..=3_600);
+    labelled_row(ui, tr("Recovery copy after"), drag.suffix(" s")).on_hover_text(tr("0 s: never"));
     let drag = DragValue::new(&mut new.threads).range(0..=256);
-    ui.add(drag)
-        .on_hover_text(tr("0: all but one, which is reserved for the window"))
-        .labelled_by(label.id);
-    ui.end_row();
-    let label = ui.label(tr("Paths per pixel of a render"));
+    labelled_row(ui, tr("Threads"), drag)
+        .on_hover_text(tr("0: all but one, which is reserved for the window"));
     let drag = DragValue::new(&mut new.picture_samples).range(1..=65_536);
-    ui.add(drag).labelled_by(label.id);
-    ui.end_row();
-    let label = ui.label(tr("Final gather rays"));
+    labelled_row(ui, tr("Paths per pixel of a render"), drag);
     let drag = DragValue::new(&mut new.picture_gather).range(0..=MAX_GATHER);
     let about = tr("More rays give less noise and take longer; 0 for the usual 8.");
-    ui.add(drag).labelled_by(label.id).on_hover_text(about);
-    ui.end_row();
+    labelled_row(ui, tr("Final gather rays"), drag).on_hover_text(about);
 }
 
 /// The name of a colour map.

@@ -67,10 +67,8 @@ impl PrismDialog {
         });
         ui.end_row();
         if self.drawing.is_none() {
-            let label = ui.label(cx.tr("Sides"));
             let drag = DragValue::new(&mut self.sides).range(SIDES).speed(0.1);
-            ui.add(drag).labelled_by(label.id);
-            ui.end_row();
+            inputs::labelled_row(ui, cx.tr("Sides"), drag);
         }
     }
 
@@ -79,11 +77,8 @@ impl PrismDialog {
             (cx.tr("Larger side"), &mut self.size),
             (cx.tr("Height"), &mut self.height),
         ] {
-            let label = ui.label(name);
             let speed = 0.01 * *length;
-            let drag = inputs::number(length, 1e-9..=1e9).speed(speed);
-            ui.add(drag).labelled_by(label.id);
-            ui.end_row();
+            inputs::labelled_row(ui, name, inputs::number(length, 1e-9..=1e9).speed(speed));
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::ui::actions::{ACTIONS, Menu, key_text};
 use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
+use clap::ValueEnum;
 use egui::{Grid, Id, Modal, Ui};
 
 /// Draws the list of shortcuts while it is open.
@@ -74,12 +75,9 @@ fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
 
 /// Two columns of menus with their shortcuts.
 fn key_help(ui: &mut Ui, cx: &PanelContext) {
-    let half = Menu::ALL.len() / 2;
+    let (left, right) = Menu::value_variants().split_at(Menu::value_variants().len() / 2);
     ui.columns(2, |columns| {
-        for (column, menus) in columns
-            .iter_mut()
-            .zip([&Menu::ALL[..half], &Menu::ALL[half..]])
-        {
+        for (column, menus) in columns.iter_mut().zip([left, right]) {
             key_column(column, cx, menus);
         }
     });

@@ -1,8 +1,8 @@
 //! The dialog for solid text.
 
 use crate::command::{Command, FileRequest};
-use crate::ui::focus;
 use crate::ui::panel_context::PanelContext;
+use crate::ui::{focus, inputs};
 use egui::{DragValue, Grid, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
 
@@ -42,15 +42,11 @@ impl TextDialog {
             );
             focus::at_first(&field.labelled_by(label.id));
             Grid::new("letters").num_columns(2).show(ui, |ui| {
-                let label = ui.label(cx.tr("Font size (em)"));
                 let speed = 0.01 * self.size;
                 let drag = DragValue::new(&mut self.size).range(1e-9..=1e9);
-                ui.add(drag.speed(speed)).labelled_by(label.id);
-                ui.end_row();
-                let label = ui.label(cx.tr("Depth (em)"));
+                inputs::labelled_row(ui, cx.tr("Font size (em)"), drag.speed(speed));
                 let drag = DragValue::new(&mut self.depth).range(1e-3..=1e3);
-                ui.add(drag.speed(0.01)).labelled_by(label.id);
-                ui.end_row();
+                inputs::labelled_row(ui, cx.tr("Depth (em)"), drag.speed(0.01));
                 ui.label(cx.tr("Font"));
                 let name = self.font.as_deref().and_then(Path::file_name);
                 let name = name.map(|n| n.to_string_lossy().into_owned());

@@ -3,8 +3,9 @@
 use super::super::panel_context::PanelContext;
 use crate::command::Command;
 use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
-use crate::ui::focus;
 use crate::ui::help::{self, HelpTerm};
+use crate::ui::{focus, inputs};
+use crate::variants::all;
 use egui::{ComboBox, DragValue, Grid, Ui};
 
 /// Number of bounces when the limit is switched on.
@@ -40,7 +41,7 @@ fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
         .selected_text(name(settings.engine, cx))
         .show_ui(ui, |ui| {
             focus::close_list(ui);
-            for engine in EngineChoice::ALL {
+            for engine in all() {
                 let value = &mut settings.engine;
                 ui.selectable_value(value, engine, name(engine, cx))
                     .on_hover_text(what(engine, cx));
@@ -97,66 +98,60 @@ fn error(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
     let about = cx.tr(
         "Estimated relative error at which the solver stops. Half the error takes about four times as long.",
     );
-    let label = ui.label(cx.tr("Target error")).on_hover_text(about);
-    let mut percent = 100.0 * settings.error;
-    let drag = DragValue::new(&mut percent)
-        .range(0.1..=100.0)
-        .speed(0.05)
-        .max_decimals(2)
-        .suffix(" %")
-        .update_while_editing(false);
-    let field = ui.add(drag).labelled_by(label.id).on_hover_text(about);
-    if field.changed() {
-        settings.error = percent / 100.0;
-    }
-    ui.end_row();
+    inputs::error_row(ui, cx.tr("Target error"), about, &mut settings.error);
 }
 
 fn time(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    fn field(seconds: &mut f64) -> DragValue<'_> {
+        let drag = DragValue::new(seconds).range(0.1..=1e6).speed(0.5);
+        drag.max_decimals(1).suffix(" s")
+    }
     let about = cx
         .tr("The solver stops after this time and reports the error reached. Pauses do not count.");
-    let mut limited = settings.time.is_some();
-    let words = cx.tr("Time limit");
-    let check = ui.checkbox(&mut limited, words).on_hover_text(about);
-    if check.changed() {
-        settings.time = limited.then_some(DEFAULT_TIME);
-    }
-    match &mut settings.time {
-        None => {
-            ui.weak(cx.tr("No limit"));
-        }
-        Some(seconds) => {
-            let drag = DragValue::new(seconds)
-                .range(0.1..=1e6)
-                .speed(0.5)
-                .max_decimals(1)
-                .suffix(" s")
-                .update_while_editing(false);
-            ui.add(drag).labelled_by(check.id).on_hover_text(about);
-        }
-    }
-    ui.end_row();
+    let name = cx.tr("Time limit");
+    limit(
+        ui,
+        cx,
+        [name, about],
+        &mut settings.time,
+        (DEFAULT_TIME, field),
+    );
 }
 
 fn bounces(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    fn field(bounces: &mut u32) -> DragValue<'_> {
+        DragValue::new(bounces).range(0..=1_000).speed(0.1)
+    }
     let about = cx.tr(
         "Maximum number of diffuse bounces; without a limit, until the remaining light is negligible. 0 is direct light only.",
     );
-    let mut counted = settings.bounces.is_some();
-    let words = cx.tr("Limit bounces");
-    let check = ui.checkbox(&mut counted, words).on_hover_text(about);
+    let name = cx.tr("Limit bounces");
+    limit(
+        ui,
+        cx,
+        [name, about],
+        &mut settings.bounces,
+        (DEFAULT_BOUNCES, field),
+    );
+}
+
+/// A row with a limit that may be off; `usual` is its value when it is switched on.
+fn limit<T: Copy>(
+    ui: &mut Ui,
+    cx: &PanelContext,
+    [name, about]: [&str; 2],
+    limit: &mut Option<T>,
+    (usual, field): (T, fn(&mut T) -> DragValue<'_>),
+) {
+    let mut is_on = limit.is_some();
+    let check = ui.checkbox(&mut is_on, name).on_hover_text(about);
     if check.changed() {
-        settings.bounces = counted.then_some(DEFAULT_BOUNCES);
+        *limit = is_on.then_some(usual);
     }
-    match &mut settings.bounces {
-        None => {
-            ui.weak(cx.tr("No limit"));
-        }
-        Some(bounces) => {
-            let drag = DragValue::new(bounces)
-                .range(0..=1_000)
-                .speed(0.1)
-                .update_while_editing(false);
+    match limit {
+        None => drop(ui.weak(cx.tr("No limit"))),
+        Some(value) => {
+            let drag = field(value).update_while_editing(false);
             ui.add(drag).labelled_by(check.id).on_hover_text(about);
         }
     }

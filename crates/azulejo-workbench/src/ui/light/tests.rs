@@ -79,6 +79,7 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         balance,
         balance_error: 0.0,
         error: 0.027,
+        error_each: 0.12,
         error_parts: ErrorParts {
             noise: 0.025,
             discretization: 0.01,

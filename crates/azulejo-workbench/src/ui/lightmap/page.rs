@@ -7,6 +7,7 @@ use azulejo::bake::LightmapPage;
 use azulejo::bake::layout::NO_CHART;
 use azulejo::render::{Tone, auto_exposure, srgb_from_linear};
 use azulejo::scene::{Image, Rgb};
+use clap::ValueEnum;
 use egui::{Color32, ColorImage};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -23,7 +24,7 @@ const DYNAMICS: f64 = 1e-4;
 const EMPTY: Color32 = Color32::from_gray(28);
 
 /// What is shown of a lightmap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum LightmapView {
     /// The light as on white surfaces.
     #[default]
@@ -36,28 +37,6 @@ pub enum LightmapView {
     Charts,
     /// Texels per metre of each chart.
     Density,
-}
-
-impl LightmapView {
-    /// All views, in the order of the window.
-    pub const ALL: [LightmapView; 5] = [
-        LightmapView::Light,
-        LightmapView::FalseColor,
-        LightmapView::Error,
-        LightmapView::Charts,
-        LightmapView::Density,
-    ];
-
-    /// Its name in scripts.
-    pub fn script_name(self) -> &'static str {
-        match self {
-            LightmapView::Light => "light",
-            LightmapView::FalseColor => "false-color",
-            LightmapView::Error => "error",
-            LightmapView::Charts => "charts",
-            LightmapView::Density => "density",
-        }
-    }
 }
 
 /// A page, and how it is shown.

@@ -1,6 +1,6 @@
 //! Steps that bake lightmaps, save and show them.
 
-use super::fields::{number, one_of, path, percent, split, unless, whole};
+use super::fields::{number, one_of, path, percent, split, unless, variant, whole};
 use super::step::{ScriptStep, StepResult, command, commands};
 use crate::bake::{BakeSettings, LightmapFile};
 use crate::command::Command;
@@ -93,9 +93,7 @@ fn one<T: Copy>(key: &str, value: &str, words: &[(&str, T)]) -> Result<T, String
 /// `VIEW`, `VIEW PAGE`: what the window with the lightmap shows.
 fn page(text: &str) -> Result<(LightmapView, u32), String> {
     let (view, page) = split(text);
-    let view = one_of("lightmap view", view, &LightmapView::ALL, |view| {
-        view.script_name().to_owned()
-    })?;
+    let view = variant("lightmap view", view)?;
     let page = if page.is_empty() {
         1
     } else {

@@ -1,5 +1,7 @@
 //! The words of a step, as numbers, names and switches.
 
+use crate::variants::script_name;
+use clap::ValueEnum;
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -84,6 +86,11 @@ pub(super) fn one_of<T: Copy>(
         let names: Vec<String> = choices.iter().map(|&c| name(c)).collect();
         format!("no {what} \"{text}\", expected one of {}", names.join(", "))
     })
+}
+
+/// The variant of a name.
+pub(super) fn variant<T: ValueEnum + Copy + 'static>(what: &str, text: &str) -> Result<T, String> {
+    one_of(what, text, T::value_variants(), script_name)
 }
 
 /// A percentage from `least` to 100, as a fraction.

@@ -1,13 +1,12 @@
 //! The text of a script, read into steps.
 
-use super::fields::{name, number, numbers, one_of, path, split, two_points, whole};
+use super::fields::{name, number, numbers, one_of, path, split, two_points, variant, whole};
 use super::selected::{material_named, selected_one};
 use super::step::{ScriptStep, StepResult, command, commands};
 use super::{bake, light, material, scene, solver, view};
 use crate::app::App;
 use crate::command::{Command, Selection};
-use crate::document::{Example, ItemId, MAX_POINTS, TaskPlaneSettings};
-use crate::ui::PanelTab;
+use crate::document::{ItemId, MAX_POINTS, TaskPlaneSettings};
 use std::path::PathBuf;
 
 /// Parses a script.
@@ -45,11 +44,7 @@ fn step(line: &str) -> StepResult {
         }
         "open" => file(|path| Command::Open(vec![path])),
         "add" => file(|path| Command::Add(vec![path])),
-        "example" => {
-            let name = |example: Example| example.script_name().to_owned();
-            let example = one_of("example", rest, &Example::ALL, name)?;
-            Ok(command(Command::OpenExample(example)))
-        }
+        "example" => Ok(command(Command::OpenExample(variant(word, rest)?))),
         "recipe" => file(Command::ApplyRecipe),
         "environment" => file(|path| Command::LoadEnvironment(path, None)),
         "action" => action(rest).map(ScriptStep::Action),
@@ -75,10 +70,7 @@ fn step(line: &str) -> StepResult {
         }
         "material" => material::parse(rest),
         "light" => light::parse(rest),
-        "tab" => {
-            let name = |tab: PanelTab| format!("{tab:?}").to_ascii_lowercase();
-            one_of("tab", rest, &PanelTab::ALL, name).map(ScriptStep::Tab)
-        }
+        "tab" => variant(word, rest).map(ScriptStep::Tab),
         "probe" => two_points(rest).map(ScriptStep::Probe),
         "form-factors" => two_points(rest).map(ScriptStep::FormFactors),
         "remove-probe" => {
@@ -217,7 +209,8 @@ fn action(name: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::Edit;
+    use crate::document::{Edit, Example};
+    use crate::ui::PanelTab;
     use crate::view::Shading;
     use glam::DVec3;
 

@@ -1,18 +1,14 @@
 //! Steps that set and start the solver, by their first word.
 
-use super::fields::{number, one_of, percent, switch, unless, whole};
+use super::fields::{number, percent, switch, unless, variant, whole};
 use super::step::{StepResult, commands};
 use crate::command::Command;
-use crate::first_pass::{EngineChoice, LightSettings};
+use crate::first_pass::LightSettings;
 
 /// The step of this first word; `None` if it is not one of the solver.
 pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
     Some(match word {
-        "engine" => {
-            let name = |engine: EngineChoice| format!("{engine:?}").to_ascii_lowercase();
-            let engine = one_of("engine", rest, &EngineChoice::ALL, name);
-            set(engine, |settings, engine| settings.engine = engine)
-        }
+        "engine" => set(variant("engine", rest), |s, engine| s.engine = engine),
         "patches" => set(whole(rest, 10_000_000), |s, count| s.patches = count),
         "time" => set(unless("none", rest, seconds), |s, time| s.time = time),
         "bounces" => set(unless("none", rest, count), |s, n| s.bounces = n),

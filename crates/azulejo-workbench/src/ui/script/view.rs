@@ -1,19 +1,18 @@
 //! Steps that change how the scene is shown, by their first word.
 
 use super::fields::{
-    finite, number, numbers, one_of, path, split, switch, two_points, unless, whole,
+    finite, number, numbers, one_of, path, split, switch, two_points, unless, variant, whole,
 };
 use super::step::{StepResult, command, commands};
 use crate::app::App;
 use crate::command::Command;
-use crate::view::{
-    Backdrop, ColorMap, Comparison, LightUnit, ModelView, SectionPlane, Shading, ViewDirection,
-};
+use crate::variants::{all, script_name};
+use crate::view::{Backdrop, Comparison, ModelView, SectionPlane, ViewDirection};
 
 /// The step of this first word; `None` if it is not one of the view.
 pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
     Some(match word {
-        "shading" => set(shading(rest), |view, mode| view.shading = mode),
+        "shading" => set(variant("shading", rest), |view, mode| view.shading = mode),
         "view" => direction(rest),
         "camera" => camera(rest),
         "fov" => set(field_of_view(rest), |view, angle| {
@@ -25,16 +24,16 @@ pub(super) fn parse(word: &str, rest: &str) -> Option<StepResult> {
             let range = unless("auto", rest, ends);
             set(range, |view, range| view.false_color.range = range)
         }
-        "color-map" => {
-            let name = |map: ColorMap| format!("{map:?}").to_ascii_lowercase();
-            let map = one_of("colour map", rest, &ColorMap::ALL, name);
-            set(map, |view, map| view.false_color.map = map)
-        }
+        "color-map" => set(variant("colour map", rest), |view, map| {
+            view.false_color.map = map
+        }),
         "logarithmic" => set(switch(rest), |view, is| view.false_color.logarithmic = is),
         "isolines" if rest == "0" => set(Ok(0), |view, n| view.false_color.isolines = n),
         "isolines" => set(whole(rest, 64), |view, n| view.false_color.isolines = n),
         "backdrop" => backdrop(rest),
-        "show-in" => set(light_unit(rest), |view, unit| view.light_unit = unit),
+        "show-in" => set(variant("unit of light", rest), |view, unit| {
+            view.light_unit = unit
+        }),
         "compare" => {
             let comparison = unless("none", rest, comparison);
             set(comparison, |view, comparison| view.comparison = comparison)
@@ -63,19 +62,11 @@ fn changed(change: impl FnOnce(&App, &mut ModelView) + 'static) -> super::Script
     })
 }
 
-fn shading(text: &str) -> Result<Shading, String> {
-    one_of("shading", text, &Shading::ALL, |s| s.script_name().into())
-}
-
 /// `front` and the other standard directions, or `all` for the whole model.
 fn direction(text: &str) -> StepResult {
-    let sides: Vec<_> = (ViewDirection::ALL.map(Some).into_iter())
-        .chain([None])
-        .collect();
-    let side = one_of("view", text, &sides, |side| match side {
-        Some(side) => format!("{side:?}").to_ascii_lowercase(),
-        None => "all".to_owned(),
-    })?;
+    let sides: Vec<_> = all::<ViewDirection>().map(Some).chain([None]).collect();
+    let name = |side: Option<_>| side.map_or_else(|| "all".to_owned(), script_name);
+    let side = one_of("view", text, &sides, name)?;
     Ok(changed(move |app, view| {
         let (bounds, up) = (app.document.model_bounds(), app.document.units.up);
         match side {
@@ -119,21 +110,10 @@ fn backdrop(text: &str) -> StepResult {
     }
 }
 
-fn light_unit(text: &str) -> Result<LightUnit, String> {
-    one_of("unit of light", text, &LightUnit::ALL, |unit| {
-        let name = match unit {
-            LightUnit::Document => "file",
-            LightUnit::Radiometric => "watts",
-            LightUnit::Photometric => "lumens",
-        };
-        name.to_owned()
-    })
-}
-
 /// `NAME`, or `NAME SHARE`: another shading mode at the right.
 fn comparison(text: &str) -> Result<Comparison, String> {
     let (name, at) = split(text);
-    let with = shading(name)?;
+    let with = variant("shading", name)?;
     let at = if at.is_empty() { 0.5 } else { share(at)? };
     Ok(Comparison {
         with,

@@ -5,6 +5,7 @@ use super::super::panel_context::PanelContext;
 use super::gizmo::AXIS_COLORS;
 use super::navigate::TURN;
 use crate::command::Command;
+use crate::variants::all;
 use crate::view::{ModelView, ViewDirection};
 use azulejo::scene::{Camera, Up};
 use egui::epaint::Vertex;
@@ -42,8 +43,7 @@ struct CubeFace {
 
 /// The directions that the cube has faces for.
 fn sides() -> impl Iterator<Item = ViewDirection> {
-    let directions = ViewDirection::ALL.into_iter();
-    directions.filter(|&direction| direction != ViewDirection::Corner)
+    all().filter(|&direction| direction != ViewDirection::Corner)
 }
 
 /// The normal of a face, and what is right and up in the view from there.

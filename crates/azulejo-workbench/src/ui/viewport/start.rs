@@ -5,6 +5,7 @@ use super::super::panel_context::PanelContext;
 use crate::app::THUMBNAIL;
 use crate::command::Command;
 use crate::document::Example;
+use crate::variants::{all, script_name};
 use azulejo::render::srgb_from_linear;
 use egui::{
     Align2, Button, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense,
@@ -20,7 +21,7 @@ const MAX_RECENT: usize = 6;
 #[derive(Default)]
 pub struct StartScreen {
     recent: HashMap<PathBuf, Option<TextureHandle>>,
-    examples: HashMap<&'static str, Option<TextureHandle>>,
+    examples: HashMap<String, Option<TextureHandle>>,
     /// The recent files that still exist; looked for once while the screen is shown.
     files: Option<Vec<PathBuf>>,
 }
@@ -88,12 +89,12 @@ impl StartScreen {
 
     fn examples(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         ui.horizontal_wrapped(|ui| {
-            for example in Example::ALL {
+            for example in all() {
                 let (name, about, bytes) = described(example, cx);
                 let context = ui.ctx().clone();
-                let key = example.script_name();
-                let picture = self.examples.entry(key);
-                let picture = picture.or_insert_with(|| texture(&context, key, bytes));
+                let key = script_name(example);
+                let picture = self.examples.entry(key.clone());
+                let picture = picture.or_insert_with(|| texture(&context, &key, bytes));
                 if tile(ui, picture.as_ref(), name)
                     .on_hover_text(about)
                     .clicked()

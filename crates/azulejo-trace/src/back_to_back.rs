@@ -1,0 +1,214 @@
+//! Which triangles may have another one back to back with them: those that stand alone need no second look.
+
+use crate::Tracer;
+use azulejo_scene::math::Aabb;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::RangeInclusive;
+
+/// Distance of two faces back to back, in units of the rounding of coordinates: a few for each, and for slanting
+/// rays.
+pub(crate) const BACK_TO_BACK: f32 = 16.0;
+
+/// Cells of planes: so many for each unit of slope, and along the scene. Coarse, so that rounding seldom puts a plane
+/// into several.
+const SLOPES: f64 = 32.0;
+const OFFSETS: f64 = 32_768.0;
+
+/// A triangle that rounding spreads over more cells than this is a sliver, and counts as back to back.
+const MOST_CELLS: usize = 64;
+
+/// Radians by which rounding may turn a triangle that is no sliver.
+const MOST_TURN: f64 = 0.1;
+
+/// If a cell has more pairs than this, all in it count as back to back.
+const MOST_PAIRS: usize = 1 << 12;
+
+/// Which triangles of a tracer may be back to back with another: in one plane but for rounding, with the opposite side
+/// in front, and with boxes that overlap. Some are named that are not; none is left out, but those beside slivers.
+///
+/// `None` if the scene has other shapes, instances or copies, which are not examined.
+pub(crate) fn back_to_back(tracer: &Tracer) -> Option<Vec<bool>> {
+    if !tracer.has_triangles_alone() {
+        return None;
+    }
+    let planes = Planes::new(tracer);
+    let items = 0..tracer.triangles.len() as u32;
+    let mut entries: Vec<PlaneEntry> = (items.clone().into_par_iter())
+        .flat_map_iter(|item| planes.entries(item))
+        .collect();
+    entries.par_sort_unstable_by_key(|e| (e.cell, e.item));
+    let mut found = vec![false; items.len()];
+    for entry in entries.iter().filter(|e| e.cell == SLIVER) {
+        found[entry.item as usize] = true;
+    }
+    for cell in entries.chunk_by(|a, b| a.cell == b.cell) {
+        planes.compare(cell, &mut found);
+    }
+    Some(found)
+}
+
+/// Steepest axis, slopes along the other two, and offset along the axis.
+type PlaneCell = [i32; 4];
+
+/// Where slivers are kept.
+const SLIVER: PlaneCell = [3, 0, 0, 0];
+
+/// A triangle in a cell.
+struct PlaneEntry {
+    cell: PlaneCell,
+    item: u32,
+    /// Whether its normal points along the axis of the cell, not against it.
+    is_along: bool,
+}
+
+struct Planes<'t> {
+    tracer: &'t Tracer,
+    centre: DVec3,
+    /// World units for each cell of offsets.
+    width: f64,
+    /// Distance within which planes are the same: that in which [`Surfaces::facing`](crate::Surfaces::facing) looks.
+    rounding: f64,
+    /// Distance by which rounding moves a corner.
+    corner: f64,
+}
+
+impl<'t> Planes<'t> {
+    fn new(tracer: &'t Tracer) -> Planes<'t> {
+        let bounds = tracer.bounds();
+        // The way of a ray: to its start, and on to the hit; in the kernel's coordinates and as long as √3 of these.
+        let far = |p: DVec3| 3.0 * 3f64.sqrt() * tracer.frame.distance(p);
+        let way = far(bounds.min).max(far(bounds.max)) + 2.0 * tracer.frame.reach();
+        let rounding = f64::from(BACK_TO_BACK * f32::EPSILON) * way;
+        Planes {
+            tracer,
+            centre: bounds.centre(),
+            width: (bounds.diagonal() / OFFSETS).max(4.0 * rounding),
+            rounding,
+            corner: f64::from(f32::EPSILON)
+                * tracer
+                    .frame
+                    .distance(bounds.min)
+                    .max(tracer.frame.distance(bounds.max)),
+        }
+    }
+
+    /// The cells of a triangle's plane, for each axis that may be the steepest.
+    fn entries(&self, item: u32) -> Vec<PlaneEntry> {
+        let [a, b, c] = self.tracer.triangle_corners(item).map(|p| p - self.centre);
+        let across = (b - a).cross(c - a);
+        let edges = [b - a, c - b, a - c].map(DVec3::length);
+        // By how much rounding may turn it: by itself over its height.
+        let turn = self.corner * edges.into_iter().fold(0.0, f64::max) / across.length();
+        let steepest = across.abs().max_element();
+        let away = a.length();
+        let mut entries = Vec::new();
+        for axis in 0..3 {
+            if across[axis].abs() < (1.0 - 4.0 * turn) * steepest {
+                continue;
+            }
+            let slope = across / across[axis];
+            let cells = |value: f64, doubt: f64, width: f64| -> RangeInclusive<i32> {
+                ((value - doubt) / width).floor() as i32..=((value + doubt) / width).floor() as i32
+            };
+            let [u, v] = [1, 2].map(|k| cells(slope[(axis + k) % 3], 4.0 * turn, 1.0 / SLOPES));
+            let w = cells(
+                a.dot(slope),
+                2.0 * self.rounding + 4.0 * turn * away,
+                self.width,
+            );
+            let sizes = [&u, &v, &w].map(|range| range.clone().count());
+            let is_sliver = turn.is_nan() || turn > MOST_TURN;
+            if is_sliver || sizes.into_iter().product::<usize>() > MOST_CELLS {
+                return vec![PlaneEntry {
+                    cell: SLIVER,
+                    item,
+                    is_along: true,
+                }];
+            }
+            let is_along = across[axis] > 0.0;
+            for (u, v) in u.flat_map(|u| v.clone().map(move |v| (u, v))) {
+                let entry = |w| PlaneEntry {
+                    cell: [axis as i32, u, v, w],
+                    item,
+                    is_along,
+                };
+                entries.extend(w.clone().map(entry));
+            }
+        }
+        entries
+    }
+
+    /// Marks the triangles of a cell that another one opposes.
+    fn compare(&self, cell: &[PlaneEntry], found: &mut [bool]) {
+        let (along, against): (Vec<&PlaneEntry>, Vec<&PlaneEntry>) =
+            cell.iter().partition(|entry| entry.is_along);
+        if along.len() * against.len() > MOST_PAIRS {
+            cell.iter()
+                .for_each(|entry| found[entry.item as usize] = true);
+            return;
+        }
+        let bounds = |item: u32| Aabb::around(self.tracer.triangle_corners(item));
+        for a in &along {
+            for b in &against {
+                let (first, second) = (bounds(a.item), bounds(b.item));
+                let gap = (first.min - second.max).max(second.min - first.max);
+                if gap.max_element() <= 4.0 * self.rounding {
+                    found[a.item as usize] = true;
+                    found[b.item as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
+    use glam::DQuat;
+
+    /// Triangles of a scene, and which of them are found.
+    fn found(triangles: &[[DVec3; 3]]) -> Vec<bool> {
+        let mut mesh = Mesh::default();
+        for corners in triangles {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.push_face(&[first, first + 1, first + 2], 0);
+        }
+        let mut scene = Scene::default();
+        scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        scene.objects.push(Object::new("all", Shape::Mesh(mesh)));
+        back_to_back(&Tracer::new(&scene)).unwrap()
+    }
+
+    #[test]
+    fn backs_are_found_in_any_pose_however_faces_are_divided() {
+        let [o, x, y] = [DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::Y];
+        let up = 3.0 * DVec3::Z;
+        let triangles = [
+            // A front, its back divided otherwise, and a back beside it.
+            [o, x, y],
+            [o, y, 0.5 * x],
+            [2.0 * x, 2.0 * x + y, 3.0 * x],
+            // A front in the same place, a back above, and a wall.
+            [o, x, y],
+            [o + up, y + up, x + up],
+            [o, x, up],
+        ];
+        for k in 0..50 {
+            let turn = DQuat::from_scaled_axis(0.3 * f64::from(k) * DVec3::new(1.0, 2.0, -0.5));
+            let far = f64::from(k) * DVec3::new(30.0, -20.0, 7.0);
+            let posed = triangles.map(|t| t.map(|p| (turn * p + far).as_vec3().as_dvec3()));
+            let expected = [true, true, false, true, false, false];
+            assert_eq!(found(&posed), expected, "pose {k}");
+        }
+    }
+
+    #[test]
+    fn slivers_count_as_back_to_back() {
+        let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1e-7, 0.0)];
+        let far = [DVec3::Z, DVec3::X + DVec3::Z, DVec3::Y + DVec3::Z];
+        assert_eq!(found(&[sliver, far]), [true, false]);
+    }
+}
