@@ -48,7 +48,7 @@ use crate::proxy::ProxyScene;
 use crate::rays::RayEstimator;
 use crate::row::Columns;
 use crate::samples::{RowSamples, SampleCounts};
-use azulejo_scene::{Material, MaterialId, Scene};
+use azulejo_scene::{Material, MaterialId, Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 pub use closure::NOT_RECONCILED;
@@ -460,7 +460,14 @@ impl<'a> PreparedPlan<'a> {
             ..RowTracing::new(self, &estimator)
         };
         let traced = tracing.trace(run)?;
-        let traced = traced.ok_or(FactorsError::Elsewhere)?;
+        let mut traced = traced.ok_or(FactorsError::Elsewhere)?;
+        if self
+            .materials()
+            .iter()
+            .all(|material| rows::ending(material) == Rgb::WHITE)
+        {
+            traced.fit_to_formulas(&self.sides, &exact);
+        }
         let factors = merge::merge(&self.sides, traced, &exact, run.progress)?;
         let mut engine_used = estimator.engine_used().because(why);
         let narrow = self.sides.narrow_note(self.gatherer.surfaces().tracer);

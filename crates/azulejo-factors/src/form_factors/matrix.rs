@@ -148,6 +148,11 @@ impl RowRemainder {
     pub fn sum(&self) -> f64 {
         self.escaped() + self.hidden + self.cut + self.lost
     }
+
+    /// The sum of the standard errors of all shares.
+    fn error(&self) -> f64 {
+        self.sky_error + self.ground_error + self.hidden_error
+    }
 }
 
 /// How much of the light was moved between entries to correct row sums.
@@ -189,6 +194,17 @@ pub(super) fn block_bytes(entries: f64, rows: f64) -> f64 {
 /// What the sum of a row may have too much: so many times the sum of its standard errors, and what slivers and small
 /// overlaps add.
 const FREEDOM: (f64, f64) = (2.0, 0.1);
+
+/// By how much the sum of a row may be off, of this sum of standard errors and by so many rays, if any.
+pub(super) fn row_freedom(errors: f64, rays: f64) -> f64 {
+    // A handful of rays do not know how far off they are.
+    let few = if rays > 0.0 {
+        rays.max(1.0).sqrt().recip()
+    } else {
+        0.0
+    };
+    FREEDOM.1 + FREEDOM.0 * (errors + few)
+}
 
 impl FormFactors {
     /// Number of rows.
@@ -364,12 +380,11 @@ impl FormFactors {
     /// mirrors are not judged, because they may be coloured.
     pub fn impossible_row(&self) -> Option<(usize, f64)> {
         let errors = self.exchange.sums(|_, e| [f64::from(e.error); 2]);
-        let rows = self.residuals().into_iter().zip(self.per_area(errors));
-        // A handful of rays do not know how far off they are.
+        let errors = self.per_area(errors).into_iter().zip(&self.rest);
+        let errors = errors.map(|(entries, rest)| entries + rest.error());
+        let rows = self.residuals().into_iter().zip(errors);
         let rays_per_row = self.rays as f64 / self.len().max(1) as f64;
-        let slack = FREEDOM.1 + FREEDOM.0 / rays_per_row.max(1.0).sqrt();
-        let slack = if self.rays > 0 { slack } else { FREEDOM.1 };
-        let excess = rows.map(|(residual, errors)| -residual - FREEDOM.0 * errors - slack);
+        let excess = rows.map(|(residual, errors)| -residual - row_freedom(errors, rays_per_row));
         let worst = excess.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         let worst = worst.filter(|_| self.ends.iter().all(|&ends| ends == 1.0));
         let is_negative = |&i: &usize| {

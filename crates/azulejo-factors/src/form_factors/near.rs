@@ -22,6 +22,13 @@ pub(super) struct PairEstimate {
     pub error: f64,
 }
 
+impl PairEstimate {
+    /// Whether nothing was sampled.
+    pub fn is_exact(&self) -> bool {
+        self.error <= 2.0 * FREE_ERROR * self.value
+    }
+}
+
 /// The exact estimates of one row, by column.
 pub(super) type PairEstimates = Vec<PairEstimate>;
 

@@ -2,8 +2,8 @@
 
 use super::PreparedPlan;
 use super::design_effect::{self, DesignEffect, ErrorGroup};
-use super::matrix::RowRemainder;
-use super::near::{PairEstimates, formulas};
+use super::matrix::{RowRemainder, row_freedom};
+use super::near::{PairEstimate, PairEstimates, formulas};
 use super::sides::Sides;
 use super::spread::{NoiseModel, SPREAD_FREEDOM, excess_spread, mean_and_variance};
 use crate::estimator::Estimator;
@@ -59,6 +59,47 @@ impl TracedRows {
             design_effect.add(sides, i, &row.error_groups);
         }
         design_effect
+    }
+
+    /// Post-stratification (Holt and Smith, *Post stratification*, Journal of the Royal Statistical Society A 142,
+    /// 1979): of each row the share that goes to columns with an exact formula is known, so that what its rays or
+    /// pixels found elsewhere is scaled to what that leaves. Rows stay that contradict their formulas, as those of
+    /// faces that are there twice do. For scenes in which all light ends where it arrives.
+    pub fn fit_to_formulas(&mut self, sides: &Sides, exact: &[PairEstimates]) {
+        let rows = self.rows.par_iter_mut().zip(&self.rays).zip(exact);
+        let fit = |(i, ((row, &rays), exact)): (usize, ((&mut RayRow, &u32), &PairEstimates))| {
+            row.fit_to_formulas((sides.area(i), rays), exact);
+        };
+        rows.enumerate().for_each(fit);
+    }
+}
+
+impl RayRow {
+    /// Scales the row, of a patch of this area and by so many rays, to what exact formulas leave of its light.
+    fn fit_to_formulas(&mut self, (area, rays): (f64, u32), exact: &[PairEstimate]) {
+        let is_exact = |column: u32| {
+            let place = exact.binary_search_by_key(&column, |e| e.column);
+            place.is_ok_and(|k| exact[k].is_exact())
+        };
+        let known: f64 = exact.iter().filter(|e| e.is_exact()).map(|e| e.value).sum();
+        let known = known / area;
+        let found = self.near.iter().filter(|e| is_exact(e.column));
+        let (found, error) = found.fold((0.0, 0.0), |(sum, error), e| {
+            let more: [f64; 2] = [e.mean, e.variance].map(f64::from);
+            (sum + more[0], error + more[1].sqrt())
+        });
+        let others = 1.0 - found;
+        let doubt = row_freedom(error, f64::from(rays));
+        if exact.is_empty() || others < ROUNDING || (known - found).abs() > doubt || area <= 0.0 {
+            return;
+        }
+        let scale = (1.0 - known).max(0.0) / others;
+        let near = self.near.iter_mut().filter(|e| !is_exact(e.column));
+        for entry in near.chain(self.far.iter_mut().flatten()) {
+            entry.mean *= scale as f32;
+            entry.variance *= (scale * scale) as f32;
+        }
+        self.rest = RowRemainder::from_array(self.rest.to_array().map(|share| scale * share));
     }
 }
 

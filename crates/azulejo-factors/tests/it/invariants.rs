@@ -94,3 +94,63 @@ proptest! {
         }
     }
 }
+
+/// 16 viewpoints on faces that end inside of other bodies know little of what leaves, and two of them may agree by
+/// chance.
+#[test]
+fn few_viewpoints_do_not_add_light() {
+    let open = [
+        ([-0.938, -0.0682, 0.2466], 0.7999, 0.6176, 35, 0),
+        ([-0.684, 0.2102, -0.8259], 1.4181, 0.1338, 24, 40),
+    ];
+    let closed = [
+        ([0.1321, -0.5833, 0.4481], 1.7993, 1.0542, 0, 4),
+        ([-0.8954, 0.5854, -0.3498], 1.9762, 0.6051, 0, 32),
+    ];
+    let hemicube = Engine::Hemicube(Hemicube {
+        resolution: 32,
+        ..Hemicube::default()
+    });
+    check(
+        &scene(&open),
+        hemicube.clone(),
+        PatchSize::Count(24),
+        Closure::Closed,
+        true,
+    );
+    check(
+        &scene(&closed),
+        hemicube,
+        PatchSize::Edge(0.0),
+        Closure::Closed,
+        false,
+    );
+}
+
+/// Of plates that see each other wholly, formulas know what is left for the sky and the ground.
+#[test]
+fn what_formulas_leave_goes_outside() {
+    let bodies = [([0.0, 0.0, 0.0], 1.0, 0.0, 0b001111, 0)];
+    let scene = scene(&bodies);
+    let tracer = Tracer::new(&scene);
+    for engine in [
+        Engine::Rays,
+        Engine::Hemicube(Hemicube {
+            resolution: 32,
+            ..Hemicube::default()
+        }),
+    ] {
+        let options = FormFactorOptions {
+            engine,
+            size: PatchSize::Edge(0.0),
+            rays: 64,
+            ..FormFactorOptions::default()
+        };
+        let factors = form_factors(&scene, &tracer, &options, &Progress::new()).unwrap();
+        assert_eq!(factors.len(), 2);
+        for (sum, rest) in factors.row_sums().iter().zip(&factors.rest) {
+            assert!(*sum > 0.1 && rest.escaped() > 0.1, "{sum} {rest:?}");
+            assert!((sum + rest.escaped() - 1.0).abs() < 1e-6, "{sum} {rest:?}");
+        }
+    }
+}
