@@ -24,6 +24,25 @@ pub fn auto_exposure_of_surfaces(
     if !has_background || image.pixels.is_empty() {
         return auto_exposure(image);
     }
+    let pixels = surface_pixels(image, tracer, camera);
+    if (pixels.len() as f64) < LEAST_SHARE * image.pixels.len() as f64 {
+        return auto_exposure(image);
+    }
+    auto_exposure(&Image::opaque(pixels.len() as u32, 1, pixels))
+}
+
+/// The share, 0..=1, of the pixels with a surface at their centre that are black; `None` if no pixel has one.
+pub fn black_share_of_surfaces(image: &Image, tracer: &Tracer, camera: &Camera) -> Option<f64> {
+    let pixels = surface_pixels(image, tracer, camera);
+    let black = pixels
+        .iter()
+        .filter(|pixel| pixel.iter().all(|&value| value <= 0.0));
+    let share = black.count() as f64 / pixels.len() as f64;
+    (!pixels.is_empty()).then_some(share)
+}
+
+/// The pixels at whose centre `camera` sees a surface, row by row.
+fn surface_pixels(image: &Image, tracer: &Tracer, camera: &Camera) -> Vec<[f32; 3]> {
     let (width, height) = (f64::from(image.width), f64::from(image.height));
     let lens = Lens::new(camera, width / height);
     let row = |y: usize| {
@@ -42,11 +61,7 @@ pub fn auto_exposure_of_surfaces(
         .into_par_iter()
         .map(row)
         .collect();
-    let pixels = rows.concat();
-    if (pixels.len() as f64) < LEAST_SHARE * image.pixels.len() as f64 {
-        return auto_exposure(image);
-    }
-    auto_exposure(&Image::opaque(pixels.len() as u32, 1, pixels))
+    rows.concat()
 }
 
 #[cfg(test)]
@@ -87,8 +102,11 @@ mod tests {
         for beyond in [0.0, 0.01, 50.0] {
             scene.background = Some(SceneBackground::Color(Rgb::grey(f64::from(beyond))));
             let image = view(beyond);
-            let found = auto_exposure_of_surfaces(&image, &scene, &tracer, &camera);
-            assert!((found / alone - 1.0).abs() < 1e-9, "{found} of {alone}");
+            let exposure = auto_exposure_of_surfaces(&image, &scene, &tracer, &camera);
+            assert!(
+                (exposure / alone - 1.0).abs() < 1e-9,
+                "{exposure} of {alone}"
+            );
         }
         // Looking away from it, there is only the background.
         let away = Camera {
@@ -96,7 +114,7 @@ mod tests {
             ..camera
         };
         let image = view(50.0);
-        let found = auto_exposure_of_surfaces(&image, &scene, &tracer, &away);
-        assert_eq!(found, auto_exposure(&image));
+        let exposure = auto_exposure_of_surfaces(&image, &scene, &tracer, &away);
+        assert_eq!(exposure, auto_exposure(&image));
     }
 }

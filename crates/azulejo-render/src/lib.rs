@@ -32,7 +32,7 @@ mod tone;
 
 pub use denoise::{DenoisedImage, denoise};
 pub use diffuse_reflectance::DiffuseReflectance;
-pub use exposure::auto_exposure_of_surfaces;
+pub use exposure::{auto_exposure_of_surfaces, black_share_of_surfaces};
 pub use first_view::first_view;
 pub use layers::{NO_DEPTH, PictureLayers, picture_layers};
 pub use measured::{MeasuredImage, relative_rmse};

@@ -135,10 +135,11 @@ fn deliver(
     (scene, tracer): (&Scene, &Tracer),
     (view, format): (&PictureView, ImageFormat),
     args: &RenderArgs,
-    session: &Session,
+    session: &mut Session,
     report: &mut Report,
 ) -> Result<(), Failure> {
     state_clamp(measured, args, report);
+    say_dark(&measured.image, tracer, view, session);
     let picture = &args.picture;
     let exposed = |image: &Image| {
         azulejo_render::auto_exposure_of_surfaces(image, scene, tracer, &view.camera)
@@ -199,6 +200,22 @@ fn denoised(
     report.value("denoised_change", number(change));
     report.value("denoised_bias", number(bias));
     Ok(filtered.image)
+}
+
+/// Share of black pixels among those of surfaces from which a picture is said to be black.
+const BLACK: f64 = 0.95;
+
+/// Says why a picture shows nothing.
+fn say_dark(image: &Image, tracer: &Tracer, view: &PictureView, session: &mut Session) {
+    match azulejo_render::black_share_of_surfaces(image, tracer, &view.camera) {
+        None => session.note("no surface is in view: --from, --at, --fov and --camera choose the view"),
+        Some(share) if share >= BLACK => session.note(&format!(
+            "no light reaches {} of what is in view: lamps may be inside of a closed model, or a wall between; \
+             --from and --at look from elsewhere, --sky 1 adds light from outside",
+            percent(share)
+        )),
+        Some(_) => {}
+    }
 }
 
 /// States how much light a clamp removed, which is its bias.

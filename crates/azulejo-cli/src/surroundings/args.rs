@@ -56,10 +56,11 @@ pub struct SurroundingsArgs {
     /// Take weather data and clear skies as total solar radiation in W/m², not as visible light
     #[arg(long)]
     pub solar: bool,
-    /// Add studio lighting to a scene without light sources: a floor and three lamps around the
+    /// Add studio lighting, besides light sources of the scene: a floor and three lamps around the
     /// model, or a lamp under the ceiling of a room
     ///
-    /// A model is a room if the fronts of its walls are seen all around from within.
+    /// A model is a room if the fronts of its walls are seen all around from within. Walls with two sides, whose
+    /// fronts mean nothing, are none if the camera of the file sees them from outside, or if nothing is in them.
     #[arg(long)]
     pub studio: bool,
 }
@@ -137,7 +138,7 @@ impl Site {
     }
 }
 
-/// `LAT,LON` in degrees, north and east positive; `None` if the text is no pair of numbers.
+/// `LAT,LON` in degrees, north and east positive; `None` if the text is not a pair of numbers.
 pub fn site(text: &str) -> Option<Result<Site, String>> {
     let (latitude, longitude) = text.split_once(',')?;
     let (latitude, longitude) = (number(latitude).ok()?, number(longitude).ok()?);

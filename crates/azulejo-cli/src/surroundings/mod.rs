@@ -7,7 +7,7 @@ use crate::session::Session;
 use args::{GroundArg, Site, SkyArg, SunArg, SurroundingsArgs};
 use azulejo::surroundings::{
     DaylightError, DaylightUnits, GROUND_REFLECTANCE, SurroundingPicture, extract_sun,
-    modelled_ground, studio, sun_light,
+    is_studio_part, modelled_ground, studio, sun_light,
 };
 use azulejo_scene::environment::upright;
 use azulejo_scene::sky::{
@@ -62,23 +62,37 @@ pub fn add(
         });
     }
     if args.studio {
-        if scene.has_light() || scene.has_lightmap() {
-            session.note("--studio: the scene has light of its own, nothing is added");
-        } else {
-            add_studio(scene);
-        }
+        add_studio(scene, session)?;
     }
     Ok(())
 }
 
 /// Puts the scene into a studio; its camera is for scenes that have none.
-fn add_studio(scene: &mut Scene) {
-    if let Some(mut around) = studio(&Tracer::new(scene), scene.units) {
+fn add_studio(scene: &mut Scene, session: &mut Session) -> Result<(), Failure> {
+    if scene.has_lightmap() {
+        return Err(Failure::misuse(
+            "--studio: the model shows the light of its lightmap, which lamps would not change: leave out \
+             --studio, or remove the lightmap with bake --strip",
+        ));
+    }
+    if scene
+        .objects
+        .iter()
+        .any(|object| is_studio_part(&object.name))
+    {
+        session.note("--studio: the scene is in a studio already");
+        return Ok(());
+    }
+    if scene.has_light() {
+        session.note("--studio: the scene has light of its own, which shines too");
+    }
+    if let Some(mut around) = studio(scene, &Tracer::new(scene)) {
         if !scene.cameras.is_empty() {
             around.cameras.clear();
         }
         scene.merge(around);
     }
+    Ok(())
 }
 
 /// Reads a picture of the surroundings, and adds it to the scene's textures.

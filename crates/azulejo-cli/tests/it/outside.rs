@@ -180,9 +180,69 @@ fn a_studio_lights_what_does_not_shine() {
     let info = folder.json("info studio.grf");
     assert_eq!(info["lights"]["area"], json!(3));
     assert_eq!(info["cameras"].as_array().unwrap().len(), 1);
-    // A scene that shines stays as it is.
+    // A studio is not built in a studio.
     folder.ok("convert studio.grf -o again.grf --studio");
     assert_eq!(folder.json("info again.grf")["objects"], info["objects"]);
+}
+
+/// A screen or a lamp of the model is not a reason to leave out the studio that was asked for.
+#[test]
+fn a_studio_is_added_to_what_shines() {
+    let folder = plane();
+    folder.write("lamp.mtl", "newmtl lamp\nKd 0.2 0.2 0.2\nKe 0.1 0.1 0.1\n");
+    folder.write("lamp.obj", format!("mtllib lamp.mtl\nusemtl lamp\n{CUBE}"));
+    folder.ok("convert lamp.obj -o lit.grf --studio");
+    let lamps = &folder.json("info lit.grf")["lights"]["area"];
+    assert_eq!(lamps, &json!(9), "six faces and three lamps");
+    // A lightmap would not show the lamps.
+    folder.ok("bake box.obj --studio --size 16 --error 20% -o baked.glb");
+    folder.fails("render baked.glb -o x.png --studio", 2, "bake --strip");
+}
+
+/// Faces with two sides that face inward: seen from outside by the camera of the file, or an empty shell.
+#[test]
+fn an_inside_out_shell_with_two_sides_is_lit_from_outside() {
+    let folder = plane();
+    let cube = |camera: &str| {
+        format!(
+            "#VRML V2.0 utf8\n{camera}Shape {{ appearance Appearance {{ material Material {{ diffuseColor 0.8 0.3 \
+             0.1 }} }} geometry IndexedFaceSet {{ solid FALSE coord Coordinate {{ point [ -1 -1 -1, 1 -1 -1, 1 1 -1, \
+             -1 1 -1, -1 -1 1, 1 -1 1, 1 1 1, -1 1 1 ] }} coordIndex [ 0 1 2 3 -1 5 4 7 6 -1 4 0 3 7 -1 1 5 6 2 -1 \
+             4 5 1 0 -1 3 2 6 7 -1 ] }} }}\n"
+        )
+    };
+    let outside = "Viewpoint { position 3 2.5 5 orientation -0.6 0.77 0.2 0.66 }\n";
+    for (name, camera) in [("seen.wrl", outside), ("alone.wrl", "")] {
+        folder.write(name, cube(camera));
+        folder.ok(&format!("convert {name} -o out.grf --studio"));
+        assert_eq!(
+            folder.json("info out.grf")["lights"]["area"],
+            json!(3),
+            "{name}"
+        );
+    }
+    // From within it is a room.
+    folder.write("room.wrl", cube("Viewpoint { position 0 0 0.9 }\n"));
+    folder.ok("convert room.wrl -o out.grf --studio");
+    assert_eq!(folder.json("info out.grf")["lights"]["area"], json!(1));
+}
+
+/// What a picture cannot show is said.
+#[test]
+fn black_pictures_say_why() {
+    let folder = plane();
+    folder.write("box.obj", CUBE);
+    folder.write("lamp.mtl", "newmtl lamp\nKd 0.2 0.2 0.2\nKe 9 9 9\n");
+    folder.write(
+        "lamp.obj",
+        "mtllib lamp.mtl\nusemtl lamp\nv 0.4 0.5 0.4\nv 0.6 0.5 0.4\nv 0.5 0.5 0.6\nf 1 2 3\n",
+    );
+    let black = folder.run("render box.obj lamp.obj -o x.png --size 16x16 --error 20%");
+    assert_eq!(black.code, Some(0), "{}", black.err);
+    assert!(black.err.contains("no light reaches"), "{}", black.err);
+    let away = "render box.obj -o x.png --studio --size 16x16 --error 20% --from 9,90,9 --at 9,99,9 --up 0,0,1";
+    let away = folder.run(away);
+    assert!(away.err.contains("no surface is in view"), "{}", away.err);
 }
 
 const CUBE: &str = "\

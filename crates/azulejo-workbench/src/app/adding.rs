@@ -101,8 +101,8 @@ impl App {
         if bounds.is_empty() {
             return (size * up, size);
         }
-        let tracer = Tracer::new(&self.document.scene());
-        if let Some(room) = Room::find(&tracer, self.document.units) {
+        let scene = self.document.scene();
+        if let Some(room) = Room::find(&scene, &Tracer::new(&scene)) {
             return room.lamp;
         }
         let half = 0.5 * bounds.size().dot(up);

@@ -1,8 +1,8 @@
 //! Whether a model is a room, and where a lamp hangs in it.
 
-use azulejo_scene::Units;
 use azulejo_scene::math::{Aabb, Frame, Ray};
-use azulejo_trace::Tracer;
+use azulejo_scene::{Camera, Scene, Sidedness, Units};
+use azulejo_trace::{Hit, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -52,13 +52,19 @@ impl Room {
     /// The room that a model is, if it is one: a place within the model from which one sees the
     /// fronts of walls all around. A closed solid is none, as from within it only backs are seen.
     ///
-    /// `tracer` is that of the model; its bounds are finite.
-    pub fn find(tracer: &Tracer, units: Units) -> Option<Room> {
+    /// None either is a shell of faces with two sides that all face inward, if the file's camera sees it from outside,
+    /// or has none and the shell is empty: there the order of corners means nothing.
+    ///
+    /// `tracer` is that of the scene; its bounds are finite.
+    pub fn find(scene: &Scene, tracer: &Tracer) -> Option<Room> {
         let bounds = tracer.bounds();
         if bounds.is_empty() || !bounds.diagonal().is_finite() {
             return None;
         }
-        let up = units.up.axis();
+        let up = scene.units.up.axis();
+        if is_for_outside(scene, tracer) {
+            return None;
+        }
         let needed = if shows_backs(tracer, up) {
             0.0
         } else {
@@ -158,6 +164,43 @@ fn shows_backs(tracer: &Tracer, up: DVec3) -> bool {
         }
     }
     f64::from(backs) > BACKS * f64::from(hits)
+}
+
+/// Rays along each edge of a camera's picture.
+const LOOKS: u32 = 12;
+
+/// Share of the back of faces with two sides in the view of a camera, and of an empty shell in that of all around it.
+const OUTSIDE: f64 = 0.9;
+
+/// Whether backs of faces with two sides are what the model shows to those outside, where the file's first camera stands
+/// or, if there is none, because the faces hide nothing.
+fn is_for_outside(scene: &Scene, tracer: &Tracer) -> bool {
+    let surfaces = Surfaces::new(scene, tracer);
+    let is_shown_back =
+        |hit: &Hit| !hit.entering && surfaces.material(hit.item).sidedness == Sidedness::Two;
+    let (mut hits, mut backs) = (0, 0);
+    let mut look = |hit: Option<Hit>, other: Option<Hit>| {
+        hits += u32::from(hit.is_some());
+        let is_alone = |hit: &Hit| other.is_none_or(|other| hit.item == other.item);
+        backs += u32::from(hit.is_some_and(|hit| is_shown_back(&hit) && is_alone(&hit)));
+    };
+    let bounds = tracer.bounds();
+    match scene.cameras.first() {
+        Some(camera) => camera_rays(camera).for_each(|ray| look(tracer.hit(&ray), None)),
+        None => (0..DIRECTIONS).for_each(|k| {
+            let direction = spread(k, scene.units.up.axis());
+            let outward = Ray::new(bounds.centre(), direction);
+            let inward = Ray::new(outward.at(bounds.diagonal()), -direction);
+            look(tracer.hit(&inward), tracer.hit(&outward));
+        }),
+    }
+    f64::from(backs) > OUTSIDE * f64::from(hits)
+}
+
+/// Rays through a grid of a square picture.
+fn camera_rays(camera: &Camera) -> impl Iterator<Item = Ray> {
+    let place = |k: u32| (f64::from(k) + 0.5) / f64::from(LOOKS);
+    (0..LOOKS * LOOKS).map(move |k| camera.ray(place(k % LOOKS), place(k / LOOKS), 1.0))
 }
 
 /// The share of directions in which a place sees fronts; 0 if it is not in a room, or if fewer than
@@ -265,7 +308,7 @@ mod tests {
     use glam::DAffine3;
 
     fn find(scene: &Scene) -> Option<Room> {
-        Room::find(&Tracer::new(scene), scene.units)
+        Room::find(scene, &Tracer::new(scene))
     }
 
     fn solid(kind: PrimitiveKind) -> Scene {
@@ -329,7 +372,7 @@ mod tests {
         }
     }
 
-    /// The seats of an open car are surrounded by its body, which is no room.
+    /// The seats of an open car are surrounded by its body, which is not a room.
     #[test]
     fn a_hollow_in_a_solid_is_no_room() {
         let mut scene = solid(PrimitiveKind::Cuboid);

@@ -89,11 +89,12 @@ fn brightness(units: Units) -> f64 {
     if units.photometric { 100.0 } else { 1.0 }
 }
 
-/// A studio for the model of this tracer: lamps, a floor unless the model is a [`Room`], and the
+/// A studio for the scene of this tracer: lamps, a floor unless the model is a [`Room`], and the
 /// camera `studio`, which sees the model. `None` for a model without extent. Everything else of the
 /// scene is default.
-pub fn studio(tracer: &Tracer, units: Units) -> Option<Scene> {
-    match Room::find(tracer, units) {
+pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
+    let units = scene.units;
+    match Room::find(scene, tracer) {
         Some(room) => Some(in_room(&room, tracer, units)),
         None => around(tracer.bounds(), units),
     }
@@ -219,7 +220,7 @@ mod tests {
         let cuboid = Primitive::new(azulejo_scene::PrimitiveKind::Cuboid, map, white);
         let shape = Shape::Primitive(cuboid);
         scene.objects.push(Object::new("box", shape));
-        studio(&Tracer::new(&scene), scene.units)
+        studio(&scene, &Tracer::new(&scene))
     }
 
     #[test]
@@ -237,7 +238,7 @@ mod tests {
             assert!(away > size.length(), "{}", lamp.name);
         }
         assert_eq!(
-            studio(&Tracer::new(&Scene::default()), Units::default()),
+            studio(&Scene::default(), &Tracer::new(&Scene::default())),
             None
         );
     }
@@ -245,7 +246,7 @@ mod tests {
     #[test]
     fn the_lamp_of_a_room_hangs_within_it_and_shines_down() {
         let room = azulejo_scene::synthetic::cube_room();
-        let scene = studio(&Tracer::new(&room), room.units).unwrap();
+        let scene = studio(&room, &Tracer::new(&room)).unwrap();
         scene.validate().unwrap();
         let [lamp] = &scene.objects[..] else {
             panic!("{} objects", scene.objects.len())

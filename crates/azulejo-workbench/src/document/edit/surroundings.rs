@@ -189,7 +189,8 @@ impl SceneDocument {
         if self.has_light() {
             return refuse("the scene has light of its own, a studio is for one without");
         }
-        let Some(mut around) = studio(&Tracer::new(&self.scene()), self.units) else {
+        let scene = self.scene();
+        let Some(mut around) = studio(&scene, &Tracer::new(&scene)) else {
             return refuse("there is no model to put into a studio");
         };
         if !self.cameras.is_empty() {
