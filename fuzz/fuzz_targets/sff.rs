@@ -25,7 +25,7 @@ fuzz_target!(|bytes: &[u8]| {
     let files = beside
         .into_iter()
         .fold(files, |files, (name, bytes)| files.with(name, bytes));
-    // Rounding may make what was barely a shape none at all, so an error is no fault here.
+    // Rounding may make what was barely a shape none at all, so an error is not a fault here.
     if let Ok(again) = sff::read(&text, "again.sff", &files, &ReadOptions::default()) {
         again.scene.validate().expect("a reader gives valid scenes");
     }

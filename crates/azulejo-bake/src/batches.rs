@@ -20,7 +20,7 @@ pub(crate) fn in_batches<I: Sync, T: Record + Send>(
     in_blocks(items, (size, BLOCK), run, of_batch)
 }
 
-/// The same with blocks of so many batches.
+/// The same with blocks of this many batches.
 pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
     items: &[I],
     (size, block): (usize, usize),
@@ -32,10 +32,10 @@ pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
         run.progress.advance(0)?;
         of_batch(batches[number])
     };
-    let found = run.shared((batches.len(), block), |wanted| {
-        wanted.par_iter().map(of_number).collect()
+    let results = run.shared((batches.len(), block), |numbers| {
+        numbers.par_iter().map(of_number).collect()
     })?;
-    Ok(found.into_iter().flatten().collect())
+    Ok(results.into_iter().flatten().collect())
 }
 
 /// The same with blocks of so many batches, for items that the progress counts.

@@ -72,7 +72,7 @@ pub(crate) fn corrected(
     Ok(best.map_or(Vec::new(), |(_, light)| light))
 }
 
-/// The light of all nodes with corrections over so many of them.
+/// The light of all nodes with corrections over this many of them.
 #[derive(Clone)]
 struct Smoothed {
     light: Vec<NodeLight>,
@@ -99,7 +99,7 @@ impl Smoothed {
             let node = lattice.node(cell as usize);
             node_light(samples, lattice, (pairs, rays), node, near)
         };
-        let found = in_batches(&cells, BATCH, run, |batch| {
+        let of_cells = in_batches(&cells, BATCH, run, |batch| {
             Ok(batch.iter().map(of_cell).collect())
         })?;
         let mut smoothed = Smoothed {
@@ -107,11 +107,11 @@ impl Smoothed {
             differences: vec![[0.0; 2]; pairs.len()],
             left_out: vec![Gathered::default(); pairs.len()],
         };
-        for (cell, found) in found.into_iter().enumerate() {
+        for (cell, of_node) in of_cells.into_iter().enumerate() {
             let node = lattice.node(cell) as usize;
-            smoothed.light[node] = found.light;
-            smoothed.differences[node] = found.differences;
-            smoothed.left_out[node] = found.left_out;
+            smoothed.light[node] = of_node.light;
+            smoothed.differences[node] = of_node.differences;
+            smoothed.left_out[node] = of_node.left_out;
         }
         Ok(smoothed)
     }
@@ -128,16 +128,16 @@ impl Smoothed {
     /// Sums over a stratum of what corrections differ by, and of what they would by the noise of replicates.
     fn sums(&self, stratum: &[u32]) -> [f64; 2] {
         stratum.iter().fold([0.0; 2], |[a, b], &n| {
-            let [found, expected] = self.differences[n as usize];
-            [a + found, b + expected]
+            let [difference, expected] = self.differences[n as usize];
+            [a + difference, b + expected]
         })
     }
 
     /// Variance of corrections relative to that of replicates.
     fn noise_scale(&self, stratum: &[u32]) -> f64 {
-        let [found, expected] = self.sums(stratum);
+        let [difference, expected] = self.sums(stratum);
         if expected > 0.0 {
-            found / expected
+            difference / expected
         } else {
             1.0
         }
@@ -181,8 +181,8 @@ impl Smoothed {
         scales: &[f64],
     ) -> (f64, Vec<NodeLight>) {
         for (stratum, &scale) in strata.iter().zip(scales) {
-            let [found, expected] = self.sums(stratum);
-            let variation = (found - scale * expected) / stratum.len() as f64;
+            let [difference, expected] = self.sums(stratum);
+            let variation = (difference - scale * expected) / stratum.len() as f64;
             for &n in stratum {
                 let light = &mut self.light[n as usize];
                 light.shared_noise *= scale.sqrt();

@@ -19,7 +19,7 @@ const BATCH: usize = 64;
 /// Uneven texels of a batch: each takes as long as many samples.
 const UNEVEN_BATCH: usize = 4;
 
-/// Where there is a deadline, light is gathered first at one sample of a square of so many texels along a side, as
+/// Where there is a deadline, light is gathered first at one sample of a square of this many texels along a side, as
 /// a power of two.
 const SPARSE: u32 = 2;
 
@@ -27,7 +27,7 @@ const SPARSE: u32 = 2;
 /// left: texels with the largest are looked at in more places until it is reached.
 const PERMITTED: f64 = 0.5;
 
-/// Difference between neighbouring texels, as a multiple of the permitted error, from which on a texel
+/// Difference between neighbouring texels, as a multiple of the permitted error, above which a texel
 /// is looked at in more places. Noise makes such differences too; what it hides at the edges of shadows would be
 /// missed if they had to be larger than that.
 const UNEVEN: f64 = 2.0;
@@ -45,7 +45,7 @@ pub struct SampleDirect {
 }
 
 impl SampleDirect {
-    /// No light at so many samples.
+    /// No light at this many samples.
     fn none(count: usize) -> SampleDirect {
         SampleDirect {
             irradiance: vec![[0.0; 3]; count],
@@ -136,8 +136,8 @@ pub fn direct(
     seed: u32,
     run: Run,
 ) -> Result<SampleDirect, Cancelled> {
-    let found = at_centres(samples, gatherer, seed, run)?;
-    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, run)
+    let direct = at_centres(samples, gatherer, seed, run)?;
+    with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)
 }
 
 /// As [`direct`], from direct light that was gathered at the point of each sample.
@@ -152,11 +152,11 @@ pub fn direct_from(
     seed: u32,
     run: Run,
 ) -> Result<SampleDirect, Cancelled> {
-    let mut found = SampleDirect::none(samples.samples.len());
+    let mut direct = SampleDirect::none(samples.samples.len());
     for (sample, light) in at_centres.iter().enumerate() {
-        found.set(sample, light);
+        direct.set(sample, light);
     }
-    with_shadow_edges(samples, atlas, gatherer, (found, error), seed, run)
+    with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)
 }
 
 /// Looks at texels in more places where light is uneven or noisy.
@@ -203,7 +203,7 @@ fn at_centres(
     let progress = run.progress;
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
-    let mut found = SampleDirect::none(count);
+    let mut direct = SampleDirect::none(count);
     let gather = |batch: &[u32]| {
         let point = |&s: &u32| gather_point(samples, s as usize);
         let points: Vec<GatherPoint> = batch.iter().map(point).collect();
@@ -218,7 +218,7 @@ fn at_centres(
             Ok(gather(batch))
         })?;
         for (&sample, light) in lattice.nodes.iter().zip(&light) {
-            found.set(sample as usize, light);
+            direct.set(sample as usize, light);
         }
         let mut is_left = vec![true; count];
         lattice
@@ -238,14 +238,14 @@ fn at_centres(
     let mut missing = Vec::new();
     for (&sample, light) in left.iter().zip(&light) {
         match light {
-            Some(light) => found.set(sample as usize, light),
+            Some(light) => direct.set(sample as usize, light),
             None => missing.push(sample),
         }
     }
     if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
-        found.interpolate(samples, lattice, light, &missing, run)?;
+        direct.interpolate(samples, lattice, light, &missing, run)?;
     }
-    Ok(found)
+    Ok(direct)
 }
 
 pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {
@@ -378,12 +378,12 @@ fn over_texel(
     } else {
         points
     };
-    let found = gatherer.direct_at_near(&points, seed);
+    let lights = gatherer.direct_at_near(&points, seed);
     let mut sum = Gathered::default();
-    for light in &found {
+    for light in &lights {
         sum = sum.plus(&light.whole());
     }
-    let share = 1.0 / found.len() as f64;
+    let share = 1.0 / lights.len() as f64;
     Gathered {
         replicates: sum.replicates.map(|r| r * share),
     }

@@ -92,7 +92,7 @@ impl<'a> TexelField<'a> {
             ((x * size[k] as f32).max(0.0) as u32).min(size[k] - 1)
         };
         let index = texel(1) as usize * size[0] as usize + texel(0) as usize;
-        let found = self.pages[page as usize][index];
-        (!found[0].is_nan()).then(|| (found, self.widths[*receiver as usize][triangle]))
+        let irradiance = self.pages[page as usize][index];
+        (!irradiance[0].is_nan()).then(|| (irradiance, self.widths[*receiver as usize][triangle]))
     }
 }

@@ -129,8 +129,8 @@ impl ChartEdges {
     /// Squared heights times length of edges, over the area; `None` where too little is seen.
     fn edges(&self) -> Option<f64> {
         let width = (self.area / self.texels).sqrt();
-        let found = self.steps * width / self.area;
-        (self.pairs > 0.0 && found.is_finite()).then_some(found)
+        let edges = self.steps * width / self.area;
+        (self.pairs > 0.0 && edges.is_finite()).then_some(edges)
     }
 }
 
@@ -145,21 +145,21 @@ fn densities(charts: &[ChartEdges]) -> Vec<f64> {
     if mean.is_nan() || mean <= 0.0 {
         return vec![1.0; charts.len()];
     }
-    let wanted = |chart: &ChartEdges| {
+    let share_of = |chart: &ChartEdges| {
         let edges = chart.edges().unwrap_or(mean);
         (edges / mean + SMOOTH).powf(2.0 / 3.0)
     };
-    let wanted: Vec<f64> = charts.iter().map(wanted).collect();
+    let shares: Vec<f64> = charts.iter().map(share_of).collect();
     let all: f64 = charts.iter().map(|c| c.area).sum();
     let mut scale = 1.0;
-    let limited = |wanted: f64, scale: f64| (scale * wanted).clamp(LIMITS[0], LIMITS[1]);
+    let limited = |share: f64, scale: f64| (scale * share).clamp(LIMITS[0], LIMITS[1]);
     for _ in 0..ROUNDS {
-        let of_charts = charts.iter().zip(&wanted);
-        let found: f64 = of_charts.map(|(c, &w)| c.area * limited(w, scale)).sum();
-        scale *= all / found;
+        let of_charts = charts.iter().zip(&shares);
+        let texels: f64 = of_charts.map(|(c, &w)| c.area * limited(w, scale)).sum();
+        scale *= all / texels;
     }
-    let density = |&wanted: &f64| limited(wanted, scale).sqrt();
-    wanted.iter().map(density).collect()
+    let density = |&share: &f64| limited(share, scale).sqrt();
+    shares.iter().map(density).collect()
 }
 
 #[cfg(test)]
@@ -184,16 +184,16 @@ mod tests {
             chart(1.0, 1.0),
             chart(0.01, 0.0),
         ];
-        let found = densities(&charts);
-        assert!(found[0] > found[2] && found[2] > found[1], "{found:?}");
+        let ratio = densities(&charts);
+        assert!(ratio[0] > ratio[2] && ratio[2] > ratio[1], "{ratio:?}");
         // Edges of an eighth of the squared height: a quarter of the texels.
-        let share = (found[0] / found[2]).powi(2);
+        let share = (ratio[0] / ratio[2]).powi(2);
         assert!((3.0..4.2).contains(&share), "{share}");
-        let texels: f64 = charts.iter().zip(&found).map(|(c, d)| c.area * d * d).sum();
+        let texels: f64 = charts.iter().zip(&ratio).map(|(c, d)| c.area * d * d).sum();
         assert!((texels / 4.01 - 1.0).abs() < 0.05, "{texels}");
         let limits = LIMITS.map(f64::sqrt);
         assert!(
-            found
+            ratio
                 .iter()
                 .all(|d| (limits[0] - 1e-9..=limits[1] + 1e-9).contains(d))
         );

@@ -35,7 +35,7 @@ const FIRST_RAYS: PairRays = PairRays {
     traced: 32,
 };
 
-/// Nodes from which on each gets half as many rays at first, and from twice as many on a quarter.
+/// With this many nodes each gets half as many rays at first, with twice as many a quarter.
 const MANY_NODES: usize = 16_384;
 
 /// Times that these are halved once the deadline has passed.
@@ -130,11 +130,11 @@ pub fn first_look<E: From<Cancelled>>(
             nodes.divide(&coarse);
         }
         let (points, _) = nodes.targets();
-        let found = gather(&LookRequest {
+        let light = gather(&LookRequest {
             points: &points,
             round,
         })?;
-        nodes.light.extend(found.into_iter().map(NodeLight::from));
+        nodes.light.extend(light.into_iter().map(NodeLight::from));
         nodes.measure_mean();
         errors = nodes.interpolation_errors(run)?;
     }
@@ -229,7 +229,7 @@ fn first_lattice(samples: &Samples) -> Lattice {
     lattice
 }
 
-/// Rays of the first gather at each of so many nodes, fewer once there is no time.
+/// Rays of the first gather at each of this many nodes, fewer once there is no time.
 fn first_rays(nodes: usize, progress: &Progress) -> PairRays {
     let late = if progress.out_of_time() { LATE } else { 0 };
     let halvings = (nodes / MANY_NODES)
@@ -278,13 +278,13 @@ impl<'a> PairedNodes<'a> {
         if !points.is_empty() {
             let rays = first_rays(self.nodes.lattice().len(), self.run.progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
-            let found = gather(&[PairRequest {
+            let gathered = gather(&[PairRequest {
                 points: &points,
                 areas: &areas,
                 read: 0..rays.read,
                 traced: 0..rays.traced,
             }])?;
-            self.pairs.extend(found.into_iter().flatten());
+            self.pairs.extend(gathered.into_iter().flatten());
         }
         self.update()?;
         Ok(())
@@ -349,10 +349,10 @@ impl<'a> PairedNodes<'a> {
                     traced: traced..to_traced,
                 }
             });
-            let found = gather(&requests.collect::<Vec<_>>())?;
-            for (&([read, to_read, traced, to_traced], members), found) in parts.iter().zip(found) {
+            let pairs = gather(&requests.collect::<Vec<_>>())?;
+            for (&([read, to_read, traced, to_traced], members), added) in parts.iter().zip(pairs) {
                 let (read, traced) = (share(read, to_read), share(traced, to_traced));
-                for (&node, more) in members.iter().zip(found) {
+                for (&node, more) in members.iter().zip(added) {
                     self.rays[node] = rays[node];
                     let pair = &mut self.pairs[node];
                     pair.read = pair.read.blend(&more.read, read);

@@ -8,7 +8,7 @@ use azulejo_trace::Tracer;
 
 /// The layout of coordinates as they are: charts are triangles that meet at edges with equal coordinates.
 /// `coordinates` has `uvs` and `pages` of each receiver; triangles on pages that do not exist, without area
-/// and with unusable coordinates have no chart. Light is made equal along edges that are no creases, and at which
+/// and with unusable coordinates have no chart. Light is made equal along edges that are not creases, and at which
 /// `tracer` finds nothing standing.
 pub fn kept_layout(
     receivers: &[Receiver],

@@ -88,8 +88,8 @@ impl<'a> Nodes<'a> {
     fn nodes_around(&self, which: usize, count: usize, run: Run) -> Result<&[Vec<u32>], Cancelled> {
         let known = &self.around[which];
         if known.get().is_none() {
-            let found = self.lattice.nodes_around(self.samples, count, run)?;
-            return Ok(known.get_or_init(|| found));
+            let around = self.lattice.nodes_around(self.samples, count, run)?;
+            return Ok(known.get_or_init(|| around));
         }
         Ok(known.get().map_or(&[], Vec::as_slice))
     }
@@ -297,14 +297,14 @@ impl<'a> Nodes<'a> {
         };
         let cells: Vec<u32> = (0..self.lattice.len() as u32).collect();
         for cells in cells.chunks(AT_ONCE) {
-            let found = in_batches(cells, BATCH, run, |batch| {
+            let of_samples = in_batches(cells, BATCH, run, |batch| {
                 let of_cells = batch.iter().flat_map(|&cell| of_cell(cell as usize));
                 Ok(of_cells.collect())
             })?;
             let samples = cells
                 .iter()
                 .flat_map(|&cell| self.lattice.samples(cell as usize));
-            for (&sample, of_sample) in samples.zip(found) {
+            for (&sample, of_sample) in samples.zip(of_samples) {
                 light[sample as usize] = of_sample;
             }
         }

@@ -76,14 +76,14 @@ impl Hemispheres<'_> {
         };
         let own = run.own_items(size.items);
         run.progress.begin("occlusion", own as u64);
-        run.resumed(RunStage::Points, size, |wanted| {
+        run.resumed(RunStage::Points, size, |items| {
             let of_batch = |batch: &[usize]| {
                 run.progress.advance(batch.len() as u64)?;
                 let points: Vec<GatherPoint> = batch.iter().map(|&i| points[i]).collect();
                 Ok(self.free_of(&points, strata))
             };
-            let found: Result<Vec<_>, Cancelled> = wanted.par_chunks(BATCH).map(of_batch).collect();
-            Ok(found?.concat())
+            let shares: Result<Vec<_>, Cancelled> = items.par_chunks(BATCH).map(of_batch).collect();
+            Ok(shares?.concat())
         })
     }
 

@@ -3,7 +3,7 @@
 use crate::layout::NO_CHART;
 use crate::lightmap_page::{LightmapPage, mean, neighbours};
 
-/// Continues the light of each chart to so many texels around it.
+/// Continues the light of each chart to this many texels around it.
 pub fn pad_charts(page: &mut LightmapPage, rings: u32) {
     for _ in 0..rings {
         add_ring(page);

@@ -114,10 +114,10 @@ mod tests {
     fn rays_go_where_noise_is() {
         let noise = |read| NodeNoise { read, traced: 0.0 };
         let noises: Vec<NodeNoise> = [1.0, 0.01, 0.0].map(noise).to_vec();
-        let found = allocated(&[FEW; 3], &noises, 0.3);
-        assert!(found[0].read >= 2 * FEW.read, "{found:?}");
-        assert_eq!(found[1..], [FEW; 2]);
-        assert!(found.iter().all(|rays| rays.traced == FEW.traced));
+        let of_nodes = allocated(&[FEW; 3], &noises, 0.3);
+        assert!(of_nodes[0].read >= 2 * FEW.read, "{of_nodes:?}");
+        assert_eq!(of_nodes[1..], [FEW; 2]);
+        assert!(of_nodes.iter().all(|rays| rays.traced == FEW.traced));
     }
 
     #[test]
@@ -130,7 +130,7 @@ mod tests {
             .collect();
         let all: f64 = noises.iter().map(|n| n.read + n.traced).sum();
         let current = vec![FEW; noises.len()];
-        let found = allocated(&current, &noises, 0.4 * all);
+        let of_nodes = allocated(&current, &noises, 0.4 * all);
         let left = |rays: &[PairRays]| -> f64 {
             let of = |(noise, rays): (&NodeNoise, &PairRays)| {
                 noise.read * (f64::from(rays.read) / 64.0).powf(-READ_RATE)
@@ -142,7 +142,7 @@ mod tests {
             let of = |r: &PairRays| f64::from(r.read) + PATH_COST * f64::from(r.traced);
             rays.iter().map(of).sum()
         };
-        let share = left(&found) / all;
+        let share = left(&of_nodes) / all;
         assert!((0.3..0.5).contains(&share), "{share}");
         // More than if all nodes got the same.
         let alike = vec![
@@ -152,7 +152,7 @@ mod tests {
             };
             noises.len()
         ];
-        assert!(left(&alike) > 0.3 * all && cost(&found) < cost(&alike));
+        assert!(left(&alike) > 0.3 * all && cost(&of_nodes) < cost(&alike));
         // What is quiet enough stays.
         assert_eq!(allocated(&current, &noises, 1.01 * all), current);
     }

@@ -117,9 +117,9 @@ mod tests {
         assert_eq!(regions(&pairs, &seams, &charts), vec![0; 8]);
         seams[0][0] = true;
         assert!(has_folds(&pairs, &seams, &charts));
-        let found = regions(&pairs, &seams, &charts);
-        assert_ne!(found[0], found[7]);
-        assert!(found.iter().all(|r| *r < 2), "{found:?}");
+        let numbers = regions(&pairs, &seams, &charts);
+        assert_ne!(numbers[0], numbers[7]);
+        assert!(numbers.iter().all(|r| *r < 2), "{numbers:?}");
         let none = vec![NO_CHART; count as usize];
         assert!(!has_folds(&pairs, &seams, &none));
         assert_eq!(regions(&pairs, &seams, &none), vec![0; 8]);

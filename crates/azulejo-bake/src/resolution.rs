@@ -23,13 +23,13 @@ use rayon::prelude::*;
 /// Places along each axis of a texel where light is uneven.
 const PLACES: u32 = 2;
 
-/// Of the texels where it is even, one of so many is looked at, in one place.
+/// Of the texels where it is even, one of this many is looked at, in one place.
 const EVEN: u32 = 16;
 
-/// For a first estimate, one of so many texels where light is uneven is looked at.
+/// For a first estimate, one of this many texels where light is uneven is looked at.
 const FEW: u32 = 8;
 
-/// Difference to a neighbour, as a multiple of the permitted error, from which on light is uneven.
+/// Difference to a neighbour, as a multiple of the permitted error, above which light is uneven.
 const UNEVEN: f64 = 1.0;
 
 /// Part of the variance of texels that is left between them: the mean of the squared weights.
@@ -91,12 +91,12 @@ impl BetweenTexels<'_> {
                 self.is_one_of(if *is_uneven { one_of } else { EVEN }, shown)
             })
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, rest, run)?;
+        let all_squares = self.all_squares(&looked_at, lightmap, rest, run)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
         let (mut of_even, mut even_area) = ([0.0; 3], 0.0);
-        for ((shown, is_uneven), squares) in looked_at.iter().zip(&found) {
+        for ((shown, is_uneven), squares) in looked_at.iter().zip(&all_squares) {
             if let (false, Some(squares)) = (is_uneven, squares) {
                 even_area += area(shown);
                 (0..3).for_each(|k| of_even[k] += area(shown) * squares[k]);
@@ -109,7 +109,7 @@ impl BetweenTexels<'_> {
             .collect();
         let of_uneven: Vec<(&ShownSample, Squares)> = looked_at
             .iter()
-            .zip(&found)
+            .zip(&all_squares)
             .filter(|((_, is_uneven), _)| *is_uneven)
             .filter_map(|((shown, _), squares)| Some((*shown, (*squares)?)))
             .collect();
@@ -172,12 +172,12 @@ impl BetweenTexels<'_> {
             .by_evenness(lightmap, &rest)
             .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, &rest, run)?;
+        let all_squares = self.all_squares(&looked_at, lightmap, &rest, run)?;
         let area = |shown: &ShownSample| {
             f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
         };
         let mean = |squares: Squares| squares.iter().sum::<f64>() / 3.0;
-        let of_each = looked_at.iter().zip(found);
+        let of_each = looked_at.iter().zip(all_squares);
         let sum: f64 = of_each
             .map(|((shown, _), squares)| area(shown) * squares.map_or(0.0, mean))
             .sum();
@@ -205,17 +205,17 @@ impl BetweenTexels<'_> {
         run: Run,
     ) -> Result<Vec<Option<Squares>>, Cancelled> {
         run.progress.begin("between texels", looked_at.len() as u64);
-        let found = in_counted_batches(looked_at, (BATCH, BLOCK), run, |batch| {
+        let all_squares = in_counted_batches(looked_at, (BATCH, BLOCK), run, |batch| {
             let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
                 self.squares(shown, is_uneven, lightmap, rest)
             };
             Ok(batch.iter().map(squares).collect())
         })?;
         let seen = |(places, squares): (u32, Squares)| (places > 0).then_some(squares);
-        Ok(found.into_iter().map(seen).collect())
+        Ok(all_squares.into_iter().map(seen).collect())
     }
 
-    /// Whether a texel is one of those that are chosen, one of so many.
+    /// Whether a texel is one of those that are chosen, one of this many.
     fn is_one_of(&self, many: u32, shown: &ShownSample) -> bool {
         hash(&[self.seed, shown.page, shown.at, 0xe7e]).is_multiple_of(many)
     }
@@ -254,13 +254,13 @@ impl BetweenTexels<'_> {
         }
         let noise = self.direct.variance[shown.sample as usize].map(|v| LEFT * f64::from(v));
         let mut squares = [0.0; 3];
-        for (found, uv) in self.gatherer.direct(&points, 1, self.seed).iter().zip(&uvs) {
-            let found = found.whole();
+        for (gathered, uv) in self.gatherer.direct(&points, 1, self.seed).iter().zip(&uvs) {
+            let direct = gathered.whole();
             let interpolated = |map: &Lightmap| -> Rgb {
                 LightmapPage::bilinear(&map.pages[shown.page as usize], *uv)
             };
-            let difference = interpolated(lightmap) - interpolated(rest) - found.mean();
-            let [d, variance] = [difference, found.variance()].map(Rgb::to_array);
+            let difference = interpolated(lightmap) - interpolated(rest) - direct.mean();
+            let [d, variance] = [difference, direct.variance()].map(Rgb::to_array);
             for k in 0..3 {
                 squares[k] += d[k] * d[k] - variance[k] - noise[k];
             }
@@ -331,18 +331,18 @@ impl BetweenTexels<'_> {
                 owners.push((class, shown));
             }
         }
-        let found = gather(&points)?;
+        let gathered = gather(&points)?;
         let mut squares = vec![([0.0; 3], 0.0); classes.len()];
-        for ((found, uv), (class, shown)) in found.iter().zip(uvs).zip(owners) {
+        for ((indirect, uv), (class, shown)) in gathered.iter().zip(uvs).zip(owners) {
             let page = &rest.pages[shown.page as usize];
             let area = f64::from(page.areas[shown.at as usize]);
-            let said = light(&page.standard_error[shown.at as usize]).to_array();
-            let difference = (page.bilinear(uv) - found.mean()).to_array();
-            let variance = found.variance().to_array();
+            let error = light(&page.standard_error[shown.at as usize]).to_array();
+            let difference = (page.bilinear(uv) - indirect.mean()).to_array();
+            let variance = indirect.variance().to_array();
             let (sums, areas) = &mut squares[class];
             *areas += area;
             for k in 0..3 {
-                sums[k] += area * (difference[k].powi(2) - variance[k] - said[k].powi(2));
+                sums[k] += area * (difference[k].powi(2) - variance[k] - error[k].powi(2));
             }
         }
         let (mut sum, mut whole) = (0.0, 0.0);

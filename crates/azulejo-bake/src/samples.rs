@@ -192,7 +192,7 @@ impl<'a> PageSampler<'a> {
         }
         let mut regions = numbers.len() as u32;
         let rows = Rows::new(self.coverage);
-        let found: Vec<Vec<TexelSample>> = (0..texels)
+        let of_texels: Vec<Vec<TexelSample>> = (0..texels)
             .into_par_iter()
             .map(|t| {
                 if is_between[t] {
@@ -202,7 +202,7 @@ impl<'a> PageSampler<'a> {
                 }
             })
             .collect();
-        let mut samples: Vec<TexelSample> = found.into_iter().flatten().collect();
+        let mut samples: Vec<TexelSample> = of_texels.into_iter().flatten().collect();
         for sample in samples.iter_mut().filter(|s| s.region == u32::MAX) {
             sample.region = first + regions;
             regions += 1;
@@ -363,14 +363,14 @@ impl<'a> PageSampler<'a> {
             let [a, b] = [a, b].map(|t| points[t as usize].raised);
             self.tracer.kernel_ray(&Ray::between(a, b))
         };
-        let found = in_blocks(pairs, (BATCH, SHORT_BLOCK), run, |batch| {
+        let flags = in_blocks(pairs, (BATCH, SHORT_BLOCK), run, |batch| {
             run.progress.advance((batch.len() / 2) as u64)?;
             let rays: Vec<_> = batch.iter().map(ray).collect();
             let mut blocked = Vec::new();
             self.tracer.any(&rays, &mut blocked);
             Ok(blocked.into_iter().map(|b| u8::from(!b)).collect())
         })?;
-        Ok(found.into_iter().map(|is_free| is_free == 1).collect())
+        Ok(flags.into_iter().map(|is_free| is_free == 1).collect())
     }
 
     /// The samples of a texel that something stands in: one in each of the two regions around it that
@@ -391,7 +391,7 @@ impl<'a> PageSampler<'a> {
             .collect();
         let corner = DVec2::new(column.into(), row.into());
         let centre = DVec2::from(covered.centre.map(f64::from));
-        let mut found: Vec<(u32, u32, f64, SurfacePoint)> = Vec::new();
+        let mut regions: Vec<(u32, u32, f64, SurfacePoint)> = Vec::new();
         for k in 0..FINE * FINE {
             let step = DVec2::new((k % FINE).into(), (k / FINE).into());
             let place = corner + (step + 0.5) / f64::from(FINE);
@@ -406,27 +406,27 @@ impl<'a> PageSampler<'a> {
                 continue;
             };
             let (region, distance) = (region_of[seen as usize], place.distance(centre));
-            match found.iter_mut().find(|f| f.0 == region) {
+            match regions.iter_mut().find(|f| f.0 == region) {
                 Some(known) => {
                     known.1 += 1;
                     if distance < known.2 {
                         (known.2, known.3) = (distance, point);
                     }
                 }
-                None => found.push((region, 1, distance, point)),
+                None => regions.push((region, 1, distance, point)),
             }
         }
-        found.sort_by_key(|f| std::cmp::Reverse(f.1));
-        found.truncate(2);
-        let all: u32 = found.iter().map(|f| f.1).sum();
-        if found.is_empty() {
+        regions.sort_by_key(|f| std::cmp::Reverse(f.1));
+        regions.truncate(2);
+        let all: u32 = regions.iter().map(|f| f.1).sum();
+        if regions.is_empty() {
             return vec![self.sample(texel, &points[texel], u32::MAX, [1.0, 0.0])];
         }
         let of_region = |(region, count, _, point): &(u32, u32, f64, SurfacePoint)| {
             let shares = [all, FINE * FINE].map(|n| *count as f32 / n as f32);
             self.sample(texel, point, *region, shares)
         };
-        found.iter().map(of_region).collect()
+        regions.iter().map(of_region).collect()
     }
 }
 

@@ -70,10 +70,10 @@ pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
             .iter()
             .map(|&t| f64::from(lightmap.texel(&starts, t)[channel]))
             .collect();
-        let found = solve(&system, &given);
+        let solution = solve(&system, &given);
         errors.before += square(&system, &given);
-        errors.after += square(&system, &found);
-        for (&texel, value) in texels.iter().zip(found) {
+        errors.after += square(&system, &solution);
+        for (&texel, value) in texels.iter().zip(solution) {
             lightmap.texel(&starts, texel)[channel] = value.max(0.0) as f32;
         }
     }

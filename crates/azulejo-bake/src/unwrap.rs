@@ -19,7 +19,7 @@ const USUAL_COVERAGE: f64 = 0.5;
 /// Texels of charts that are only looked at.
 const FEW_TEXELS: f64 = 65_536.0;
 
-/// Charts from which on they are packed in rows: by shape, thousands of them take tens of seconds.
+/// Fewest charts that are packed in rows: by shape, thousands of them take tens of seconds.
 const MOST_SHAPED: usize = 40_000;
 
 /// How finely and where charts are laid out.
@@ -317,12 +317,12 @@ fn laid_out_on_pages(
         match on_pages(receivers, &meshes, pages, options, progress) {
             // Charts fill less of a page than usual.
             Err(LayoutError::PageTooLarge { .. }) if pages < receivers.len() => pages *= 2,
-            found => return found,
+            result => return result,
         }
     }
 }
 
-/// Packs the charts of meshes on so many pages.
+/// Packs the charts of meshes on this many pages.
 fn on_pages(
     receivers: &[Receiver],
     meshes: &[UnwrapMesh],
@@ -360,7 +360,7 @@ fn divide_folds(
     if !density.is_normal() || !mesh.may_fold() {
         return Ok(());
     }
-    let wanted = Options {
+    let options = Options {
         density: Density::Fixed {
             texels_per_unit: density,
             page_size: None,
@@ -370,7 +370,7 @@ fn divide_folds(
         ..Options::default()
     };
     let report = |_: uvunwrap::Progress| progress.advance(0).is_ok();
-    match uvunwrap::generate_with_progress(&[mesh.input(1.0)], &wanted, report) {
+    match uvunwrap::generate_with_progress(&[mesh.input(1.0)], &options, report) {
         Ok(atlas) => {
             let layout = laid_out(&atlas.meshes[0], mesh.parts.len(), 0, 0, [1.0; 2]);
             mesh.divide(&layout.charts);
@@ -443,7 +443,7 @@ fn packed(
     } else {
         Packing::Shape
     };
-    let wanted = Options {
+    let settings = Options {
         density,
         padding: options.padding,
         block_align: options.blocks,
@@ -460,7 +460,7 @@ fn packed(
         }
         _ => progress.advance(0).is_ok(),
     };
-    let atlas = uvunwrap::generate_with_progress(inputs, &wanted, report);
+    let atlas = uvunwrap::generate_with_progress(inputs, &settings, report);
     let atlas = atlas.map_err(|error| match error {
         uvunwrap::Error::Cancelled => LayoutError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {
@@ -524,18 +524,18 @@ impl Layout {
         for (member, mesh) in members.iter().zip(&atlas.meshes) {
             let r = member.receiver;
             let count = meshes[r].parts.len();
-            let found = laid_out(mesh, count, page, self.charts, scale);
+            let layout = laid_out(mesh, count, page, self.charts, scale);
             let of_receiver = &mut self.receivers[r];
             if of_receiver.charts.is_empty() {
-                *of_receiver = found;
+                *of_receiver = layout;
                 of_receiver.cuts.clone_from(&meshes[r].seams);
                 continue;
             }
             // The unwrapper gives those that it ignores some place of another.
             let is_omitted = |t: usize| member.omitted.as_ref().is_some_and(|o| o[t]);
             for t in (0..count).filter(|&t| !is_omitted(t)) {
-                of_receiver.uvs[t] = found.uvs[t];
-                of_receiver.charts[t] = found.charts[t];
+                of_receiver.uvs[t] = layout.uvs[t];
+                of_receiver.charts[t] = layout.charts[t];
                 of_receiver.pages[t] = page;
             }
         }

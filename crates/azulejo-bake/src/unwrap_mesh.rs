@@ -61,7 +61,7 @@ impl UnwrapMesh {
         let (mut positions, mut of_vertices) = (Vec::new(), Vec::new());
         let corners = self.indices.iter_mut().zip(uvs.iter().flatten());
         for (index, uv) in corners {
-            // What is no number is of a triangle without chart, or gets a new one.
+            // What is not a number is of a triangle without chart, or gets a new one.
             let uv = uv.map(|c| if c.is_finite() { c + 0.0 } else { 0.0 });
             let next = positions.len() as u32;
             let new = *known.entry((*index, uv.map(f32::to_bits))).or_insert(next);

@@ -238,7 +238,7 @@ impl Truth {
         }
     }
 
-    /// By many paths at every so many points.
+    /// By many paths at every n-th point.
     fn traced(tracer: &PathTracer, points: &[Point]) -> Truth {
         let step = points.len().div_ceil(TRUE_POINTS);
         let chosen: Vec<usize> = (0..points.len()).step_by(step).collect();

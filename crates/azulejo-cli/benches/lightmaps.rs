@@ -55,7 +55,7 @@ const NEAR: f64 = 1e-5;
 /// Cosine of the angle up to which a shading normal is that of the facet.
 const SAME_NORMAL: f64 = 0.9999;
 
-/// Difference over the mean from which on a point is off.
+/// Difference over the mean above which a point is off.
 const OFF: f64 = 0.2;
 
 fn main() {

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-/// Ranks of the measurements: the last where there are so many processors.
+/// Ranks of the measurements: the last where there are this many processors.
 const RANKS: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Most ranks of more than there are processors.

@@ -252,10 +252,10 @@ mod tests {
         ));
         let mut unknown = view();
         unknown.camera = Some("c".into());
-        let said = choose(&unknown, None, &scene, None, overview)
+        let message = choose(&unknown, None, &scene, None, overview)
             .unwrap_err()
             .to_string();
-        assert!(said.contains("\"a\""), "{said}");
+        assert!(message.contains("\"a\""), "{message}");
         assert!(choose(&view(), Some((65_536, 65_536)), &scene, None, overview).is_err());
     }
 }

@@ -149,8 +149,8 @@ mod tests {
     #[test]
     fn errors_of_the_system_name_the_file_and_drop_the_number() {
         let full = io::Error::from_raw_os_error(28);
-        let said = Failure::file("write", Path::new("a.grf"), &full).to_string();
-        assert_eq!(said, "cannot write a.grf: No space left on device");
+        let message = Failure::file("write", Path::new("a.grf"), &full).to_string();
+        assert_eq!(message, "cannot write a.grf: No space left on device");
         let closed = io::Error::from(io::ErrorKind::BrokenPipe);
         assert!(matches!(Failure::from(closed), Failure::BrokenPipe));
     }

@@ -93,8 +93,8 @@ mod tests {
 
     #[test]
     fn the_processor_has_a_name() {
-        let found = model("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\n");
-        assert_eq!(found.as_deref(), Some("A CPU @ 2 GHz"));
+        let name = model("processor\t: 0\nmodel name\t: A CPU @ 2 GHz\n");
+        assert_eq!(name.as_deref(), Some("A CPU @ 2 GHz"));
         assert_eq!(model(""), None);
         assert!(
             MachineInfo::detect()

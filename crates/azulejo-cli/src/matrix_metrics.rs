@@ -196,19 +196,23 @@ mod tests {
             rays: 256,
             ..FormFactorOptions::default()
         };
-        let found = form_factors(&scene, &Tracer::new(&scene), &options, &Progress::new()).unwrap();
+        let factors =
+            form_factors(&scene, &Tracer::new(&scene), &options, &Progress::new()).unwrap();
         let surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, size));
-        let light = radiosity(&found, &surfaces);
-        let twos = vec![Rgb::grey(2.0); found.len()];
+        let light = radiosity(&factors, &surfaces);
+        let twos = vec![Rgb::grey(2.0); factors.len()];
         let worst = mean_and_largest(&radiosity_errors(&light.leaving, &twos)).1;
         assert!(worst < 1e-6, "{worst}");
-        assert!(mean_and_largest(&closure_errors(&found)).1 < 1e-6);
-        assert!(energy_error(&found, &surfaces, &light).unwrap() < 1e-6);
-        assert!(reciprocity_error(&found, &[0, 7, 23]) < 1e-12);
+        assert!(mean_and_largest(&closure_errors(&factors)).1 < 1e-6);
+        assert!(energy_error(&factors, &surfaces, &light).unwrap() < 1e-6);
+        assert!(reciprocity_error(&factors, &[0, 7, 23]) < 1e-12);
         let dark = PatchSurfaces {
-            exitance: vec![Rgb::BLACK; found.len()],
+            exitance: vec![Rgb::BLACK; factors.len()],
             ..surfaces
         };
-        assert_eq!(energy_error(&found, &dark, &radiosity(&found, &dark)), None);
+        assert_eq!(
+            energy_error(&factors, &dark, &radiosity(&factors, &dark)),
+            None
+        );
     }
 }

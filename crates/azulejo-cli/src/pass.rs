@@ -437,10 +437,10 @@ mod tests {
                 escaped: Rgb::grey(escaped),
                 cut: Rgb::BLACK,
             };
-            let found = caution(&balance, &scene);
+            let warning = caution(&balance, &scene);
             match expected {
-                None => assert_eq!(found, None),
-                Some(words) => assert!(found.is_some_and(|f| f.contains(words)), "{found:?}"),
+                None => assert_eq!(warning, None),
+                Some(words) => assert!(warning.is_some_and(|f| f.contains(words)), "{warning:?}"),
             }
         };
         check(1.0, 6.0, 3.9, None);

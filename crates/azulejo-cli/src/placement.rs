@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn errors_are_reported() {
-        for (text, said) in [
+        for (text, message) in [
             ("a.obj", "expected FILE:"),
             ("a.obj:move=1,2,3", "expected FILE:"),
             ("a.obj:scale=0", "scale is 0"),
@@ -242,7 +242,7 @@ mod tests {
             ("a.obj:scale=1,turn=3", "unknown \"turn\""),
         ] {
             let error = parse(text).unwrap_err();
-            assert!(error.contains(said), "{text}: {error}");
+            assert!(error.contains(message), "{text}: {error}");
         }
     }
 }

@@ -188,8 +188,8 @@ mod tests {
     use super::*;
 
     fn refuse(text: &str, expected: &str) {
-        let said = table(text.as_bytes(), 6).unwrap_err();
-        assert!(said.contains(expected), "{said}");
+        let error = table(text.as_bytes(), 6).unwrap_err();
+        assert!(error.contains(expected), "{error}");
     }
 
     #[test]

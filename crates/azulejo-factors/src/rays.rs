@@ -319,9 +319,9 @@ impl<'a> RayEstimator<'a> {
                 Event::Escape => {
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
                     row.escaped[replicate][usize::from(!is_up)] += weight;
-                    let found = weight * self.gatherer.escaped_exitance(path);
-                    row.stray[replicate] += found;
-                    row.external += found * share;
+                    let light = weight * self.gatherer.escaped_exitance(path);
+                    row.stray[replicate] += light;
+                    row.external += light * share;
                 }
                 Event::Cut => row.cut += weight * share,
                 Event::Absorbed => row.absorbed += weight * share,
@@ -347,8 +347,8 @@ impl<'a> RayEstimator<'a> {
                 }
             }
         });
-        next_event.resolve(self.gatherer, |_, found| {
-            row.stray[replicate] += found * scale
+        next_event.resolve(self.gatherer, |_, contribution| {
+            row.stray[replicate] += contribution * scale
         });
     }
 }

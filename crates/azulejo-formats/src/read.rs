@@ -455,7 +455,7 @@ mod tests {
             };
             let plain = read(text.as_bytes(), None);
             match &plain {
-                Ok((found, ..)) => assert_eq!(*found, format, "{name}"),
+                Ok((detected, ..)) => assert_eq!(*detected, format, "{name}"),
                 Err(error) => panic!("{error}"),
             }
             for (k, bytes) in encodings(text).iter().enumerate() {

@@ -111,7 +111,7 @@ impl Case {
         });
     }
 
-    /// Every so many-th view, `count` in all, over and over if there are fewer.
+    /// Every n-th view, `count` in all, over and over if there are fewer.
     fn spread(&self, count: usize) -> Vec<View> {
         let view_count = self.views.len();
         (0..count)

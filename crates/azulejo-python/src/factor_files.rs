@@ -198,7 +198,7 @@ pub fn load_form_factors(
     })?;
     let mut enclosure = read.enclosure;
     if enclosure.rows.cells.is_empty() {
-        // A matrix of another program, whose rows are no patches of ours.
+        // A matrix of another program, whose rows are not patches of ours.
         enclosure.rows.are_groups = true;
         let engine = &mut enclosure.factors.engine_used.name;
         if engine.is_empty() {

@@ -184,7 +184,7 @@ impl NativeFormFactors {
         self.in_groups(py, self.enclosure.groups(by))
     }
 
-    /// The matrix between clusters of neighbouring patches, whose normals differ by at most so many degrees.
+    /// The matrix between clusters of neighbouring patches, whose normals differ by at most this many degrees.
     fn clustered(
         &self,
         py: Python<'_>,

@@ -107,6 +107,6 @@ fn read(
         up: requested.up.unwrap_or(scene.units.up),
         ..scene.units
     };
-    // A unit or an axis that the caller requested is no surprise to him.
+    // A unit or an axis that the caller requested is not a surprise to him.
     Ok((scene.adapted(units), words))
 }

@@ -102,7 +102,7 @@ pub fn run<T: Send + 'static>(
     }
 }
 
-/// Runs in a pool of so many threads, or in everybody's.
+/// Runs in a pool of this many threads, or in everybody's.
 fn in_pool<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> PyResult<T> + Send,

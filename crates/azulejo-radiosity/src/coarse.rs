@@ -53,8 +53,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         if most < LEAST_RECORDS {
             return Err(GatherError::OutOfTime);
         }
-        let wanted = ((rays / f64::from(HASTY_RAYS)) as usize).max(LEAST_RECORDS);
-        let cells = RecordCells::at_most(self.points, self.seed, wanted.min(most));
+        let records = ((rays / f64::from(HASTY_RAYS)) as usize).max(LEAST_RECORDS);
+        let cells = RecordCells::at_most(self.points, self.seed, records.min(most));
         let most_rays = f64::from(most_rays.min(MOST_RECORD_RAYS));
         let each = (rays / cells.count() as f64).min(most_rays) as u32;
         // Sequences are best distributed in powers of two.
@@ -85,10 +85,10 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     ) -> Result<(), GatherError> {
         let records: Vec<u32> = cells.records().collect();
         self.run.progress.begin("irradiance", records.len() as u64);
-        let found = self.gather_at(&records, 0..rays, all.strata.termination(0))?;
-        let found: Option<Vec<SplitIrradiance>> = found.into_iter().collect();
-        let found = found.ok_or(GatherError::OutOfTime)?;
-        all.values = GatheredValues::of_cells(cells, &all.strata, &found);
+        let irradiance = self.gather_at(&records, 0..rays, all.strata.termination(0))?;
+        let irradiance: Option<Vec<SplitIrradiance>> = irradiance.into_iter().collect();
+        let irradiance = irradiance.ok_or(GatherError::OutOfTime)?;
+        all.values = GatheredValues::of_cells(cells, &all.strata, &irradiance);
         all.spent = vec![rays; self.points.len()];
         all.records = Some(records.len());
         all.combine();
@@ -97,7 +97,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         self.measure_cells(all, (of_sample as u32).clamp(FEWEST_RAYS, rays))
     }
 
-    /// States the error that comes of giving points the light of their records, by so many rays from
+    /// States the error that comes of giving points the light of their records, by this many rays from
     /// each point of a sample.
     fn measure_cells(&self, all: &mut Gathering, rays: u32) -> Result<(), GatherError> {
         let sample = self.sample_by_area(all);
@@ -113,8 +113,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
         let whole = mean_with_doubt(&squares.concat()).ok_or(GatherError::OutOfTime)?;
         for (stratum, squares) in squares.iter().enumerate() {
-            let found = mean_with_doubt(squares).unwrap_or(whole);
-            all.strata.interpolate(stratum, found);
+            let mean_square = mean_with_doubt(squares).unwrap_or(whole);
+            all.strata.interpolate(stratum, mean_square);
         }
         Ok(())
     }
@@ -220,9 +220,9 @@ mod tests {
         assert_eq!(all.records, Some(cells.count()));
         assert!(all.interpolated() > 0.9);
         let (mut squares, mut sum) = (0.0, 0.0);
-        for (found, truth) in all.gathered.iter().zip(&truth) {
+        for (gathered, truth) in all.gathered.iter().zip(&truth) {
             let truth = truth.unwrap().whole();
-            let off = found.minus(&truth).mean();
+            let off = gathered.minus(&truth).mean();
             squares += (off * off).mean() - truth.variance().mean();
             sum += truth.mean().mean();
         }

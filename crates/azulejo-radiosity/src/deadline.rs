@@ -167,7 +167,7 @@ pub(crate) fn planned_seconds(progress: &Progress) -> f64 {
     left.map_or(f64::INFINITY, |left| PLANNED * left.as_secs_f64())
 }
 
-/// Rays of the first pass over so many points, of 32, 16 and 8; `None` if even the fewest would end
+/// Rays of the first pass over this many points, of 32, 16 and 8; `None` if even the fewest would end
 /// after the deadline.
 pub(crate) fn hasty_rays(points: usize, seconds_per_ray: f64, progress: &Progress) -> Option<u32> {
     let left = progress.time_left()?.as_secs_f64();
@@ -403,8 +403,8 @@ mod tests {
         pace.add(Termination::Bounces(2), 500, Duration::from_secs(1));
         pace.add(Termination::Roulette, 500, Duration::from_secs(3));
         let threads = rayon::current_num_threads() as f64;
-        let found = pace.seconds_per_ray(Termination::Roulette);
-        assert!((found * threads - 4e-3).abs() < 1e-12, "{found}");
+        let seconds = pace.seconds_per_ray(Termination::Roulette);
+        assert!((seconds * threads - 4e-3).abs() < 1e-12, "{seconds}");
         assert_eq!(pace.seconds_per_ray(Termination::Radiosity), 0.0);
     }
 

@@ -41,10 +41,10 @@ pub(crate) fn direct_at(
         return gatherer.direct_over(&samples, hash(&[seed, side]));
     }
     let count = stretch.len();
-    let found = gatherer.direct(&positions.of(stretch, 0xd1), 1, seed);
+    let lights = gatherer.direct(&positions.of(stretch, 0xd1), 1, seed);
     let mut light = DirectLight::default();
     let share = 1.0 / count as f64;
-    for (k, at) in found.iter().enumerate() {
+    for (k, at) in lights.iter().enumerate() {
         light.lamps.replicates[k / count] += at.lamps.mean() * share;
         light.outside.replicates[k / count] += at.outside.mean() * share;
         light.lights += at.lights * (share / REPLICATES as f64);

@@ -158,7 +158,7 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// No light yet at so many points.
+    /// No light yet at this many points.
     pub fn new(targets: GatherTargets) -> Gathering {
         let count = targets.points.len();
         Gathering {
@@ -424,9 +424,9 @@ impl Gathering {
             }
             let rate = noise_rate(self.strata.termination(stratum));
             let strengths = self.strengths(stratum, error);
-            for (i, wanted) in cheapest(&strengths, rate, allowed) {
+            for (i, rays) in cheapest(&strengths, rate, allowed) {
                 let total = &mut totals[i as usize];
-                *total = well_spread(*total, wanted.min(growth * f64::from(*total)), most);
+                *total = well_spread(*total, rays.min(growth * f64::from(*total)), most);
             }
         }
         totals
@@ -512,7 +512,7 @@ pub(crate) struct GatherPass<'a, L> {
     pub run: Run<'a>,
 }
 
-/// A group of points that are gathered alike: from so many rays, to so many, ending so, and whether
+/// A group of points that are gathered alike: from this many rays, to this many, ending so, and whether
 /// their indirect light is gathered at all.
 type Way = (u32, u32, Termination, PointKind);
 
@@ -546,7 +546,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
     }
 
-    /// Seconds in which all points get so many rays.
+    /// Seconds in which all points get this many rays.
     fn seconds_to_all(&self, all: &Gathering, most: u32) -> f64 {
         let seconds = |k: usize| {
             let whole = all.strata.points(k).len() as f64 * f64::from(most);
@@ -642,18 +642,18 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         };
         let own = self.run.own_items(size.items);
         self.run.progress.begin("irradiance", (own * CHUNK) as u64);
-        let found = self.run.resumed(RunStage::Points, size, |chunks| {
+        let chunks = self.run.resumed(RunStage::Points, size, |chunks| {
             let of = |&chunk: &usize| (chunk * CHUNK) as u32..count.min((chunk + 1) * CHUNK) as u32;
             let chosen: Vec<u32> = chunks.iter().flat_map(of).collect();
-            let found = self.gather_at(&chosen, 0..rays, termination)?;
-            Ok(found
+            let irradiance = self.gather_at(&chosen, 0..rays, termination)?;
+            Ok(irradiance
                 .chunks(CHUNK)
                 .map(|c| PointChunk(c.to_vec()))
                 .collect())
         })?;
-        let found = found.ok_or(GatherError::Elsewhere)?;
-        let found = found.iter().flat_map(|chunk| &chunk.0);
-        for (i, new) in found.flatten().enumerate() {
+        let chunks = chunks.ok_or(GatherError::Elsewhere)?;
+        let irradiance = chunks.iter().flat_map(|chunk| &chunk.0);
+        for (i, new) in irradiance.flatten().enumerate() {
             all.values.add(i, new, 1.0);
             all.spent[i] = rays;
         }
@@ -684,9 +684,9 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let together: Vec<PointGroup> = pairs
                 .map(|(way, chosen)| self.group_of(way, chosen))
                 .collect();
-            let found = self.gather_groups(&together)?;
-            for ((&(spent, total, ..), chosen), found) in ways.iter().zip(of_ways).zip(found) {
-                for (&i, new) in chosen.iter().zip(found) {
+            let light = self.gather_groups(&together)?;
+            for ((&(spent, total, ..), chosen), light) in ways.iter().zip(of_ways).zip(light) {
+                for (&i, new) in chosen.iter().zip(light) {
                     if let Some(new) = new {
                         let share = f64::from(total - spent) / f64::from(total);
                         all.values.add(i as usize, &new, share);
@@ -764,12 +764,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             minds_time: true,
             gather: Box::new(move |points| {
                 let start = Instant::now();
-                let found = self
+                let irradiance = self
                     .gatherer
                     .gather_with(points, &options, &directions, light);
                 let rays = points.len() as u64 * u64::from(options.rays);
                 self.pace.add(termination, rays, start.elapsed());
-                found
+                irradiance
             }),
         }
     }
@@ -794,8 +794,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             minds_time: true,
             gather: Box::new(move |points| {
                 let gatherer = self.gatherer;
-                let found = gatherer.gather_indirect(points, &options, &directions, light);
-                found.into_iter().map(split).collect()
+                let indirect = gatherer.gather_indirect(points, &options, &directions, light);
+                indirect.into_iter().map(split).collect()
             }),
         }
     }
@@ -828,8 +828,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     }
 
     fn gather_group(&self, group: PointGroup) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
-        let found = self.gather_groups(&[group])?;
-        Ok(found.into_iter().flatten().collect())
+        let irradiance = self.gather_groups(&[group])?;
+        Ok(irradiance.into_iter().flatten().collect())
     }
 
     /// Gathers at the points of all groups, in one loop that processes share; `None` where time ran out.
@@ -859,15 +859,15 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let (number, range) = &pieces[piece];
             let group = &groups[*number];
             let chunks = group.chosen[range.clone()].par_chunks(CHUNK);
-            let found: Result<Vec<Vec<_>>, Cancelled> =
+            let irradiance: Result<Vec<Vec<_>>, Cancelled> =
                 chunks.map(|chunk| of_chunk(group, chunk)).collect();
-            Ok(PointChunk(found?.concat()))
+            Ok(PointChunk(irradiance?.concat()))
         };
-        let found = self.run.shared((pieces.len(), 1), |wanted| {
-            wanted.par_iter().map(of_piece).collect()
+        let irradiance = self.run.shared((pieces.len(), 1), |indices| {
+            indices.par_iter().map(of_piece).collect()
         })?;
         let mut of_groups: Vec<Vec<Option<SplitIrradiance>>> = vec![Vec::new(); groups.len()];
-        for ((number, _), piece) in pieces.iter().zip(found) {
+        for ((number, _), piece) in pieces.iter().zip(irradiance) {
             of_groups[*number].extend(piece.0);
         }
         Ok(of_groups)
@@ -986,8 +986,8 @@ mod tests {
             |(spent, total): (u32, u32)| (spent, total, Termination::Radiosity, PointKind::Record);
         let of = |rays: &[(u32, u32)], has_deadline: bool| -> Vec<(usize, usize)> {
             let ways: Vec<Way> = rays.iter().copied().map(way).collect();
-            let found = batches(&ways, has_deadline);
-            found.iter().map(|batch| (batch.start, batch.end)).collect()
+            let spans = batches(&ways, has_deadline);
+            spans.iter().map(|batch| (batch.start, batch.end)).collect()
         };
         assert_eq!(of(&[], false), []);
         assert_eq!(of(&[(0, 128), (0, 256), (128, 512)], false), [(0, 3)]);

@@ -147,16 +147,16 @@ impl<'a> Interpolator<'a> {
         run: Run,
         of: impl Fn(usize, &mut StencilScratch) -> Option<Stencil> + Sync,
     ) -> Result<Stencils, Cancelled> {
-        let found = run.shared((count, BLOCK), |wanted| {
-            let wanted = wanted.par_iter();
+        let stencils = run.shared((count, BLOCK), |indices| {
+            let indices = indices.par_iter();
             let stencil = |scratch: &mut StencilScratch, &i: &usize| {
                 run.progress.advance(0)?;
                 Ok(of(i, scratch).unwrap_or_default())
             };
-            wanted.map_init(StencilScratch::default, stencil).collect()
+            indices.map_init(StencilScratch::default, stencil).collect()
         })?;
         let known = |stencil: Stencil| (!stencil.weights.is_empty()).then_some(stencil);
-        Ok(found.into_iter().map(known).collect())
+        Ok(stencils.into_iter().map(known).collect())
     }
 
     fn stencil(
@@ -324,10 +324,13 @@ mod tests {
         for (p, stencil) in points.iter().zip(stencils) {
             let stencil = stencil.expect("records all around");
             let sum: f64 = stencil.weights().map(|w| w.1).sum();
-            let found = stencil.apply(&known).mean().mean();
+            let irradiance = stencil.apply(&known).mean().mean();
             // The ridge moves gradients toward zero by a thousandth.
             assert!((sum - 1.0).abs() < 1e-5, "{sum}");
-            assert!((found - plane(p.position)).abs() < 2e-3, "{found} at {p:?}");
+            assert!(
+                (irradiance - plane(p.position)).abs() < 2e-3,
+                "{irradiance} at {p:?}"
+            );
         }
     }
 

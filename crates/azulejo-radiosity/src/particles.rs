@@ -38,7 +38,7 @@ const BATCH: u32 = 4096;
 /// Batches between two sums of their results: limits the memory.
 const WAVE: usize = 64;
 
-/// Particles end after so many diffuse reflections: where nothing is absorbed they never would.
+/// Particles end after this many diffuse reflections: where nothing is absorbed they never would.
 const MOST_REFLECTIONS: u32 = 1000;
 
 /// Most particles of a replicate, by which points of the sources are tabulated.
@@ -90,14 +90,14 @@ pub fn solve(
             let key = hash(&[seed, r, round]);
             tracing.shoot(count as u32, key, sums, progress)?;
         }
-        let found = tracing.solution(&sums);
-        let reached = found.error(patches);
+        let solution = tracing.solution(&sums);
+        let reached = solution.error(patches);
         progress.measured(Measure::PatchError(reached));
         // The particles so far are as many as those of the next round.
         count = sums[0].count;
         let is_enough = effort.error.is_none_or(|goal| reached <= goal);
         if is_enough || 2 * count > most || progress.out_of_time() {
-            return Ok(found);
+            return Ok(solution);
         }
     }
     Ok(tracing.solution(&sums))
@@ -231,7 +231,7 @@ struct ParticleTracing<'a> {
     sources: Vec<ParticleSource>,
     /// Most diffuse reflections of a particle.
     most: u32,
-    /// Whether that is a wish, and what is left over is no loss.
+    /// Whether that is a wish, and what is left over is not a loss.
     is_limited: bool,
 }
 
@@ -252,7 +252,7 @@ impl ParticleTracing<'_> {
         progress.begin("particles", count.into());
         let share = f64::from(count);
         for wave in batches.chunks(WAVE) {
-            let found: Vec<BatchDeposits> = wave
+            let deposits: Vec<BatchDeposits> = wave
                 .par_iter()
                 .map_init(Scratch::default, |scratch, batch| {
                     let particles = batch.iter().map(|s| s.range.len() as u64).sum();
@@ -260,7 +260,7 @@ impl ParticleTracing<'_> {
                     Ok(self.follow_batch(batch, &sampler, key, scratch))
                 })
                 .collect::<Result<_, Cancelled>>()?;
-            for batch in found {
+            for batch in deposits {
                 sums.balance.add(&batch.balance, share);
                 sums.reflections = sums.reflections.max(batch.reflections);
                 for (s, power) in batch.deposits {
@@ -303,10 +303,10 @@ impl ParticleTracing<'_> {
         key: u32,
         scratch: &mut Scratch,
     ) -> BatchDeposits {
-        let mut found = BatchDeposits::default();
+        let mut deposits = BatchDeposits::default();
         let mut paths = Vec::new();
         for shot in batch {
-            self.start(shot, sampler, key, &mut paths, &mut found);
+            self.start(shot, sampler, key, &mut paths, &mut deposits);
         }
         let first = batch
             .first()
@@ -316,18 +316,18 @@ impl ParticleTracing<'_> {
         let unit = weights.fold(f64::MIN_POSITIVE, f64::max);
         let mut reflections = 0;
         while !paths.is_empty() {
-            found.reflections = found.reflections.max(reflections + 1);
+            deposits.reflections = deposits.reflections.max(reflections + 1);
             paths = self.generation(
                 paths,
                 hash(&[key, reflections]),
                 reflections,
                 unit,
                 scratch,
-                &mut found,
+                &mut deposits,
             );
             reflections += 1;
         }
-        found
+        deposits
     }
 
     /// Starts particles, and counts their power as emitted.
@@ -337,7 +337,7 @@ impl ParticleTracing<'_> {
         sampler: &RowSampler,
         key: u32,
         paths: &mut Vec<Path>,
-        found: &mut BatchDeposits,
+        deposits: &mut BatchDeposits,
     ) {
         let ParticleShot {
             source,
@@ -363,7 +363,7 @@ impl ParticleTracing<'_> {
                 self.sources[*source].kind,
                 SourceKind::Surface(_)
             ));
-            found.balance.emitted += path.weight;
+            deposits.balance.emitted += path.weight;
         }
     }
 
@@ -443,13 +443,13 @@ impl ParticleTracing<'_> {
         reflections: u32,
         unit: f64,
         scratch: &mut Scratch,
-        found: &mut BatchDeposits,
+        deposits: &mut BatchDeposits,
     ) -> Vec<Path> {
         let surfaces = self.gatherer.surfaces();
         let mut next: Vec<Path> = Vec::new();
         let mut reached = 0;
         follow(surfaces, &mut paths, scratch, key, |path, event| {
-            let balance = &mut found.balance;
+            let balance = &mut deposits.balance;
             let weight = path.weight;
             let (hit, front) = match event {
                 Event::Escape if path.id == 1 && path.via == Via::Direct => {
@@ -469,7 +469,7 @@ impl ParticleTracing<'_> {
             }
             let patch = self.hit_patches.at(&hit);
             let reflectance = self.reflectance[patch as usize];
-            found.deposits.push((side(patch, front), weight));
+            deposits.deposits.push((side(patch, front), weight));
             // What vertex colours and textures absorb.
             balance.absorbed += weight * (material.diffuse - reflectance);
             reached += 1;
@@ -513,7 +513,7 @@ impl ParticleTracing<'_> {
 
     /// The solution of all replicates.
     fn solution(&self, sums: &[ReplicateSums]) -> RadiositySolution {
-        let mut found = RadiositySolution::new(2 * self.patches.len());
+        let mut radiosity = RadiositySolution::new(2 * self.patches.len());
         for sums in sums {
             let share = 1.0 / sums.count.max(1) as f64;
             let irradiance =
@@ -521,19 +521,21 @@ impl ParticleTracing<'_> {
             let incident: Vec<Rgb> = sums.arrived.iter().enumerate().map(irradiance).collect();
             let reflected = |(s, h): (usize, &Rgb)| *h * self.reflectance[s / 2];
             let solution = incident.iter().enumerate().map(reflected).collect();
-            found.balance.add(&sums.balance, share / REPLICATES as f64);
-            found.rays += sums.count;
+            radiosity
+                .balance
+                .add(&sums.balance, share / REPLICATES as f64);
+            radiosity.rays += sums.count;
             let state = Convergence {
                 iterations: sums.reflections,
                 residual: 0.0,
                 is_reached: true,
                 ..Convergence::default()
             };
-            found.add_replicate(solution, &incident, state);
+            radiosity.add_replicate(solution, &incident, state);
         }
         let missing: Vec<f64> = sums.iter().map(|s| s.balance.missing()).collect();
-        found.balance_error = standard_error(&missing);
-        found
+        radiosity.balance_error = standard_error(&missing);
+        radiosity
     }
 }
 

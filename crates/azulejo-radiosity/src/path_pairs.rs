@@ -79,9 +79,9 @@ pub(crate) fn gather_pairs(
         add(few, Termination::Radiosity);
         add(&target.traced, Termination::Roulette);
     }
-    let mut found = pass.gather_lists(&lists, false)?.into_iter();
+    let mut gathered = pass.gather_lists(&lists, false)?.into_iter();
     let mut next = |count: usize| -> Vec<Gathered> {
-        let list = found.next().unwrap_or_default();
+        let list = gathered.next().unwrap_or_default();
         let indirect = list.into_iter().flatten().map(|f| f.indirect);
         let mut light: Vec<Gathered> = indirect.collect();
         light.resize(count, Gathered::default());

@@ -120,8 +120,8 @@ impl Pilot {
         }
     }
 
-    /// What all points would cost to reach `goal`, by paths and by rows of `patches` with so many rays each; `None` if
-    /// the pilot found no light.
+    /// What all points would cost to reach `goal`, by paths and by rows of `patches` with this many rays each; `None`
+    /// if the pilot found no light.
     pub fn forecast(
         &self,
         (patches, size, rays): (&Patches, PatchSize, u32),
@@ -208,11 +208,11 @@ impl DiffuseLight for CountedHits<'_, '_> {
 /// asked for, much is hidden behind little, and the light between has more edges than patches. A guess: in a furnished
 /// room of even light it is too high, and paths are taken though patches would cost a quarter less.
 fn clutter(patches: usize, size: PatchSize) -> f64 {
-    let asked = match size {
+    let count = match size {
         PatchSize::Squares(count) | PatchSize::Count(count) => count,
         PatchSize::FlatWhole(_) | PatchSize::Edge(_) => patches,
     };
-    1.0 - asked.min(patches) as f64 / patches.max(1) as f64
+    1.0 - count.min(patches) as f64 / patches.max(1) as f64
 }
 
 /// So many indices, evenly in proportion to `weights`: the same one several times where one weighs as much.

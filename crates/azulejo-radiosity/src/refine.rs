@@ -224,12 +224,12 @@ impl Refiner<'_> {
             }))
         };
         let size = (tasks.len(), TASK_BLOCK);
-        let found: Vec<Option<[Rgb; REPLICATES]>> = self.run.shared(size, |wanted| {
-            let wanted = wanted.par_iter();
-            wanted.map_init(RayScratch::default, carry_out).collect()
+        let irradiance: Vec<Option<[Rgb; REPLICATES]>> = self.run.shared(size, |indices| {
+            let indices = indices.par_iter();
+            indices.map_init(RayScratch::default, carry_out).collect()
         })?;
         let mut rays = 0;
-        for (task, values) in tasks.iter().zip(&found) {
+        for (task, values) in tasks.iter().zip(&irradiance) {
             let Some(values) = values else { continue };
             let row = &mut rows[task.row];
             row.parts[task.part].add(values, task.to - task.from);
@@ -271,7 +271,7 @@ impl Refiner<'_> {
                     };
                     *sum += path.weight * light;
                 });
-                next_event.resolve(self.gatherer, |_, found| *sum += found);
+                next_event.resolve(self.gatherer, |_, contribution| *sum += contribution);
             }
         }
         sums
@@ -368,10 +368,10 @@ fn allocate(
     let total = |(row, s): (&RefinedRow, &[f64; 2])| {
         [RAYS, LAMPS].map(|p| {
             let count = row.parts[p].count;
-            let wanted = (scale * (s[p] / costs[p]).powf(power)).min(GROWTH * f64::from(count));
+            let samples = (scale * (s[p] / costs[p]).powf(power)).min(GROWTH * f64::from(count));
             let mut next = count;
             // Nearest on a logarithmic scale.
-            while f64::from(next) * std::f64::consts::SQRT_2 < wanted && 2 * next <= most[p] {
+            while f64::from(next) * std::f64::consts::SQRT_2 < samples && 2 * next <= most[p] {
                 next *= 2;
             }
             next

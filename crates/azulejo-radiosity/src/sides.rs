@@ -50,7 +50,7 @@ const CONTRADICTIONS: f64 = 0.02;
 /// Share of the back's light below which a front is unlit.
 const UNLIT: f64 = 1e-4;
 
-/// Standard errors that are no accident.
+/// Standard errors that are not an accident.
 const SIGNIFICANT: f64 = 3.0;
 
 /// Cosine of 1°: faces that turn by less continue each other.
@@ -358,7 +358,11 @@ struct LightOnSides {
 }
 
 impl LightOnSides {
-    fn new(surface: &JoinedSurface, patches: &Patches, found: &RadiositySolution) -> LightOnSides {
+    fn new(
+        surface: &JoinedSurface,
+        patches: &Patches,
+        solution: &RadiositySolution,
+    ) -> LightOnSides {
         let mut light = LightOnSides {
             front: [0.0; REPLICATES],
             back: [0.0; REPLICATES],
@@ -369,21 +373,21 @@ impl LightOnSides {
         for &(patch, is_reversed) in &surface.patches {
             let share = patches.area(patch as usize) / total;
             for front in [true, false] {
-                let found = irradiance(found, side(patch, front) as usize);
+                let replicates = irradiance(solution, side(patch, front) as usize);
                 let sums = if front != is_reversed {
                     &mut light.front
                 } else {
                     &mut light.back
                 };
                 sums.iter_mut()
-                    .zip(found)
+                    .zip(replicates)
                     .for_each(|(s, e)| *s += share * e);
             }
         }
         light
     }
 
-    /// Whether the back is brighter, and that is no accident.
+    /// Whether the back is brighter, and that is not an accident.
     fn is_back_significant(&self) -> bool {
         let difference = Gathered {
             replicates: std::array::from_fn(|r| Rgb::grey(self.back[r] - self.front[r])),
@@ -415,13 +419,13 @@ impl LightOnSides {
 
 /// Irradiance of one side, per replicate: only the mean is stored, which varies as the reflected
 /// light does.
-fn irradiance(found: &RadiositySolution, side: usize) -> [f64; REPLICATES] {
-    let count = found.solutions.len();
-    let mean: Rgb = found.solutions.iter().map(|x| x[side]).sum::<Rgb>() / count as f64;
+fn irradiance(solution: &RadiositySolution, side: usize) -> [f64; REPLICATES] {
+    let count = solution.solutions.len();
+    let mean: Rgb = solution.solutions.iter().map(|x| x[side]).sum::<Rgb>() / count as f64;
     std::array::from_fn(|r| {
-        let reflected = found.solutions[r % count][side];
+        let reflected = solution.solutions[r % count][side];
         let channel = |k: usize| {
-            let e = found.incident[side][k];
+            let e = solution.incident[side][k];
             if mean[k] > 0.0 {
                 e * reflected[k] / mean[k]
             } else {

@@ -197,7 +197,7 @@ pub enum SolveError {
     NoLight,
     /// There is no surface with an area.
     NoSurface,
-    /// After so many bounces light had not died out: hardly anything absorbs it, and it cannot escape.
+    /// After this many bounces light had not died out: hardly anything absorbs it, and it cannot escape.
     Endless(u32),
     /// The deadline passed before there was light on all vertices or points.
     OutOfTime,
@@ -404,8 +404,8 @@ fn solve_for(
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
     let purpose = PatchPurpose::Vertices;
-    let solved = SolvedPatches::new(&proxy, pass, purpose, run, &mut |patches, found| {
-        reporter.show_patches(patches, found);
+    let solved = SolvedPatches::new(&proxy, pass, purpose, run, &mut |patches, solution| {
+        reporter.show_patches(patches, solution);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
@@ -418,7 +418,7 @@ fn solve_for(
     } else {
         targets.areas(&solved.patches)
     };
-    let found = gather_watched(
+    let gathering = gather_watched(
         &solved.gatherer,
         GatherLight::new(&light, black.as_ref()),
         GatherTargets {
@@ -428,12 +428,12 @@ fn solve_for(
         solved.effort(),
         seed,
         run,
-        &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
+        &mut |gathering| reporter.show_vertices(&targets, &solved.patches, gathering),
     )?;
-    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &found);
+    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &gathering);
     Ok(LightSolution {
         irradiance,
-        report: solved.report(&found),
+        report: solved.report(&gathering),
     })
 }
 

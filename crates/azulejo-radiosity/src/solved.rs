@@ -153,29 +153,29 @@ impl<'a> SolvedPatches<'a> {
             };
             inputs.solution(pass, pilot.as_ref(), purpose, run, watch)
         };
-        let mut found = solve(&reflectance)?;
+        let mut radiosity = solve(&reflectance)?;
         let mut absorbed_by_limit = 0.0;
-        if pass.bounces.is_none() && !found.solution.convergence.is_reached {
-            let endless = SolveError::Endless(found.solution.convergence.iterations);
+        if pass.bounces.is_none() && !radiosity.solution.convergence.is_reached {
+            let endless = SolveError::Endless(radiosity.solution.convergence.iterations);
             let limited = limited_reflectances(scene, &patches, &reflectance);
-            found = solve(&limited)?;
-            absorbed_by_limit = found.absorbed_by_limit(&patches, &reflectance, &limited);
-            if !found.solution.convergence.is_reached || absorbed_by_limit > MOST_ABSORBED {
+            radiosity = solve(&limited)?;
+            absorbed_by_limit = radiosity.absorbed_by_limit(&patches, &reflectance, &limited);
+            if !radiosity.solution.convergence.is_reached || absorbed_by_limit > MOST_ABSORBED {
                 return Err(endless);
             }
             let note = limit_note(absorbed_by_limit);
-            found.engine_used.notes.push(note);
+            radiosity.engine_used.notes.push(note);
             reflectance = limited;
         }
-        if found.method != Method::Paths {
-            progress.measured(Measure::PatchError(found.solution.error(&patches)));
+        if radiosity.method != Method::Paths {
+            progress.measured(Measure::PatchError(radiosity.solution.error(&patches)));
         }
         let PatchSolution {
             solution,
             spent,
             method,
             engine_used,
-        } = found;
+        } = radiosity;
         Ok(SolvedPatches {
             gatherer,
             patches,
@@ -442,15 +442,15 @@ impl SolverInputs<'_> {
         // Entries of eight bytes, hardly more of them than rays.
         let expected = self.patches.len() as u64 * u64::from(self.rays) * 8;
         progress.limit_phase(PATCH_SHARE);
-        let found = if pass.engine == Engine::Particles {
+        let solution = if pass.engine == Engine::Particles {
             Some(self.particles(pass, progress)?)
         } else if expected <= pass.memory {
             self.matrix(pass, run, watch)?
         } else {
             self.shoot(pass, expected, progress)?
         };
-        match found {
-            Some(found) => Ok(found),
+        match solution {
+            Some(solution) => Ok(solution),
             None => self.without_patches(purpose, progress, TOO_LITTLE_TIME.to_owned()),
         }
     }
@@ -544,7 +544,7 @@ impl SolverInputs<'_> {
         let cells = RecordCells::at_most(&sides, self.seed, MOST_SIDES);
         let records: Vec<GatherPoint> = cells.records().map(|k| sides[k as usize]).collect();
         progress.begin("irradiance of patches", records.len() as u64);
-        let found: Vec<Vec<SplitIrradiance>> = records
+        let irradiance: Vec<Vec<SplitIrradiance>> = records
             .par_chunks(CHUNK)
             .map(|points| {
                 progress.advance(points.len() as u64)?;
@@ -555,7 +555,7 @@ impl SolverInputs<'_> {
                 Ok(gatherer.gather_with(points, &options, &directions, &light))
             })
             .collect::<Result<_, SolveError>>()?;
-        let means = found.iter().flatten().map(|e| e.whole().mean());
+        let means = irradiance.iter().flatten().map(|e| e.whole().mean());
         for (mean, inside) in means.zip(cells.points()) {
             for &k in inside {
                 solution.incident[k as usize] = mean;
@@ -625,7 +625,7 @@ impl SolverInputs<'_> {
                 let chosen = choice.for_light(pass.aim(), rays);
                 (chosen.0, Some(chosen.1))
             }
-            asked => (asked.clone(), None),
+            engine => (engine.clone(), None),
         };
         let (engine, instead) = engine.for_tracer(gatherer.surfaces().tracer);
         let why = instead.or(why);
@@ -643,7 +643,7 @@ impl SolverInputs<'_> {
         let Some(mut system) = system else {
             return Ok(None);
         };
-        let mut found = PatchSolution {
+        let mut radiosity = PatchSolution {
             solution: system.solve_all(pass.bounces)?,
             spent: RefinementWork::default(),
             method: Method::Matrix,
@@ -652,15 +652,15 @@ impl SolverInputs<'_> {
         // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
         let Some(goal) = goal.filter(|_| !is_drawn) else {
-            return Ok(Some(found));
+            return Ok(Some(radiosity));
         };
         progress.limit_phase(REFINEMENT_SHARE);
-        let coarse = &found.solution;
+        let coarse = &radiosity.solution;
         if coarse.error(patches) <= goal.error || progress.phase_is_over() {
-            return Ok(Some(found));
+            return Ok(Some(radiosity));
         }
         watch(patches, coarse);
-        found.spent = refine(
+        radiosity.spent = refine(
             &mut system,
             coarse,
             gatherer,
@@ -669,7 +669,7 @@ impl SolverInputs<'_> {
             goal,
             seed,
         )?;
-        found.solution = system.solve_all(None)?;
-        Ok(Some(found))
+        radiosity.solution = system.solve_all(None)?;
+        Ok(Some(radiosity))
     }
 }

@@ -104,10 +104,10 @@ impl<'a> SolvedLight<'a> {
             Ok(direct.iter().map(|light| light.whole().mean()).collect())
         };
         let size = (batches.len(), BLOCK);
-        let found = self
+        let irradiance = self
             .run
-            .shared(size, |wanted| wanted.par_iter().map(of_batch).collect())?;
-        Ok(found.concat())
+            .shared(size, |indices| indices.par_iter().map(of_batch).collect())?;
+        Ok(irradiance.concat())
     }
 
     /// Irradiance at points and normals, all alike.
@@ -121,7 +121,7 @@ impl<'a> SolvedLight<'a> {
         self.run.blocks.rely_on(RunStage::Points, digest)?;
         let places = gather_points(&self.proxy.on_polygons(points));
         let (light, black) = (self.solved.light(), self.solved.black_light());
-        let found = gather(
+        let gathering = gather(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets {
@@ -132,16 +132,21 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.solved.key(), 2]),
             self.run,
         )?;
-        let errors = found.standard_errors();
+        let errors = gathering.standard_errors();
         let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
             // The estimate of a visible fraction may fall slightly below zero.
             value: g.mean().map(|e| e.max(0.0)),
             error,
         };
-        let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
+        let estimates = gathering
+            .gathered
+            .iter()
+            .zip(&errors)
+            .map(estimate)
+            .collect();
         Ok(Probed {
             estimates,
-            report: self.solved.report(&found),
+            report: self.solved.report(&gathering),
         })
     }
 
@@ -195,7 +200,7 @@ impl<'a> SolvedLight<'a> {
         };
         // Parts that never meet store one gather of points alone: that of `split` or `probe`.
         let run = self.run.without_storage();
-        let found: Gathering = gather_split(
+        let gathering: Gathering = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets { points, areas },
@@ -203,7 +208,7 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.solved.key(), 2, seed]),
             run,
         )?;
-        Ok(found.indirect())
+        Ok(gathering.indirect())
     }
 
     /// Irradiance at points that stand for areas (square scene units), from `rays` rays at each, up to
@@ -230,7 +235,7 @@ impl<'a> SolvedLight<'a> {
             rays,
             ..self.solved.effort()
         };
-        let mut found = gather_split(
+        let mut gathering = gather_split(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets { points, areas },
@@ -238,17 +243,22 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.solved.key(), 2, seed]),
             self.run,
         )?;
-        let relative_error = found.relative_error();
+        let relative_error = gathering.relative_error();
         // Standard errors are those of what is in `gathered`: from here on, indirect light alone.
-        found.gathered = found.indirect();
-        let errors = found.standard_errors();
+        gathering.gathered = gathering.indirect();
+        let errors = gathering.standard_errors();
         let estimate = |(g, error): (&Gathered, Rgb)| Estimate {
             value: g.mean(),
             error,
         };
         Ok(SplitLight {
-            direct: found.direct().to_vec(),
-            indirect: found.gathered.iter().zip(errors).map(estimate).collect(),
+            direct: gathering.direct().to_vec(),
+            indirect: gathering
+                .gathered
+                .iter()
+                .zip(errors)
+                .map(estimate)
+                .collect(),
             relative_error,
         })
     }

@@ -13,10 +13,10 @@ use crate::strata::Strata;
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, SplitIrradiance};
 
-/// Points from which on indirect light is interpolated: fewer are soon gathered.
+/// Fewest points at which indirect light is interpolated: fewer are soon gathered.
 pub const LEAST_POINTS: usize = 4096;
 
-/// Records to begin with: one for so many points.
+/// Records to begin with: one for this many points.
 const POINTS_PER_RECORD: usize = 32;
 
 /// Records to begin with, at least.
@@ -323,7 +323,7 @@ impl RecordGather {
             areas: &areas,
         });
         let record_of = (0..records.len() as u32).map(Some).collect();
-        let found = Gathering {
+        let gathering = Gathering {
             values: GatheredValues::at_records(record_of, stencils, &nothing.strata),
             ..nothing
         };
@@ -331,7 +331,7 @@ impl RecordGather {
             cells,
             records,
             points,
-            found,
+            found: gathering,
             left_out,
         })
     }
@@ -369,8 +369,8 @@ impl RecordGather {
         for (record, weight) in stencil.weights() {
             let weight = weight.abs();
             all += weight;
-            if let Some((found, noise)) = errors[record] {
-                sum += weight * found;
+            if let Some((square, noise)) = errors[record] {
+                sum += weight * square;
                 doubt += (weight * noise).powi(2);
                 known += weight;
             }
@@ -387,8 +387,8 @@ impl RecordGather {
             for &i in strata.points(stratum) {
                 let share = strata.share(i as usize);
                 count += share;
-                if let Some((found, noise)) = errors[i as usize] {
-                    sum += share * found;
+                if let Some((square, noise)) = errors[i as usize] {
+                    sum += share * square;
                     doubt += (share * noise).powi(2);
                 }
             }
@@ -416,16 +416,16 @@ impl RecordGather {
             .map(|r| pooled(r).map_or(0.0, |e| e.max(0.0)))
             .collect();
         let mut is_coarse = vec![false; errors.len()];
-        for (stratum, (found, doubt)) in self.stratum_errors(errors).into_iter().enumerate() {
+        for (stratum, (square, doubt)) in self.stratum_errors(errors).into_iter().enumerate() {
             let allowed = SHARE * permitted[stratum];
-            if found <= allowed.max(doubt) {
+            if square <= allowed.max(doubt) {
                 continue;
             }
             let points = strata.points(stratum);
             let total: f64 = points.iter().map(|&i| strata.share(i as usize)).sum();
             let mut worst: Vec<u32> = points.to_vec();
             worst.sort_by(|&a, &b| pooled[b as usize].total_cmp(&pooled[a as usize]));
-            let mut left = found;
+            let mut left = square;
             for i in worst {
                 let i = i as usize;
                 if left <= 0.8 * allowed || pooled[i] == 0.0 {
@@ -487,9 +487,10 @@ impl RecordGather {
         let errors = self.interpolation_errors();
         let goal = effort.error.unwrap_or(0.0);
         let permitted = strata.permitted(&self.found.errors(), goal);
-        let found = Interpolator::new(tracer, &self.points).stencils(targets.points, pass.run)?;
+        let stencils =
+            Interpolator::new(tracer, &self.points).stencils(targets.points, pass.run)?;
         let mut stated = vec![StatedError::default(); strata.count()];
-        let checked = found.into_iter().enumerate().map(|(i, stencil)| {
+        let checked = stencils.into_iter().enumerate().map(|(i, stencil)| {
             let (stratum, share) = (strata.of(i), strata.share(i));
             // Points that are gathered have no error of interpolation, but count.
             stated[stratum].all += share;
@@ -503,14 +504,14 @@ impl RecordGather {
             stated[stratum].squares += share * error;
             Some(stencil)
         });
-        let found: Vec<Option<Stencil>> = checked.collect();
+        let interpolations: Vec<Option<Stencil>> = checked.collect();
         let mut record_of = vec![None; count];
         for (record, &i) in self.records.iter().enumerate() {
             record_of[i as usize] = Some(record as u32);
         }
         let mut next = self.records.len() as u32;
         let mut stencils = Vec::with_capacity(count);
-        for (i, stencil) in found.into_iter().enumerate() {
+        for (i, stencil) in interpolations.into_iter().enumerate() {
             stencils.push(stencil.unwrap_or_else(|| {
                 Stencil::alone(*record_of[i].get_or_insert_with(|| {
                     next += 1;

@@ -25,7 +25,7 @@ const EQUAL: f64 = 0.848_826_363_156_775_1;
 /// Standard error of every point, discretization and interpolation included: the truth lies within
 /// two of them 95.4 times in 100.
 pub(crate) fn standard_errors(gathering: &Gathering) -> Vec<Rgb> {
-    let mut found = vec![Rgb::BLACK; gathering.gathered.len()];
+    let mut errors = vec![Rgb::BLACK; gathering.gathered.len()];
     for (stratum, error) in gathering.errors().iter().enumerate() {
         let points = gathering.strata.points(stratum);
         // The error of interpolation is a mean over all points, of which some have none.
@@ -36,11 +36,11 @@ pub(crate) fn standard_errors(gathering: &Gathering) -> Vec<Rgb> {
             for (&i, noise) in class.iter().zip(noise_of(&class, gathering, error.gain)) {
                 let interpolation = if is_interpolated(i) { theirs } else { 0.0 };
                 let fixed = error.discretization + interpolation;
-                found[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
+                errors[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
             }
         }
     }
-    found
+    errors
 }
 
 /// Divides points by the rays they took, those with as many together, at least [`LEAST`] if there
@@ -174,9 +174,9 @@ mod tests {
     #[test]
     fn alike_points_share_what_they_know() {
         let all = gathering(|_| 0.1, 4000);
-        let found = covered(&all);
+        let share = covered(&all);
         // Some more than 95.4%, as the class is believed to a limit.
-        assert!((0.945..0.98).contains(&found), "{found}");
+        assert!((0.945..0.98).contains(&share), "{share}");
         let errors = standard_errors(&all);
         // Four replicates of deviation 0.1 relative to the mean.
         let rms = (errors.iter().map(|e| e.r * e.r).sum::<f64>() / 4000.0).sqrt();
@@ -191,8 +191,8 @@ mod tests {
     #[test]
     fn points_of_many_kinds_keep_their_own() {
         let all = gathering(|i| 0.1 * f64::from(i % 7 + 1).exp2() / 128.0, 4000);
-        let found = covered(&all);
-        assert!((0.92..0.99).contains(&found), "{found}");
+        let share = covered(&all);
+        assert!((0.92..0.99).contains(&share), "{share}");
     }
 
     /// One path in a hundred meets a light: most points found nothing that varies.

@@ -75,29 +75,29 @@ pub fn solve(
         return Ok(None);
     };
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
-    let mut found = RadiositySolution::new(2 * patches.len());
+    let mut radiosity = RadiositySolution::new(2 * patches.len());
     let mut missing = Vec::new();
     for r in 0..REPLICATES {
-        let before = found.balance;
+        let before = radiosity.balance;
         let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
         let mut solution = vec![Rgb::BLACK; incident.len()];
         let share = 1.0 / REPLICATES as f64;
         for (s, (_, external)) in direct.iter().enumerate() {
             let (area, rho) = (patches.area(s / 2), reflectance[s / 2]);
-            found.balance.emitted += *external * (area * share);
-            found.balance.absorbed += *external * (Rgb::WHITE - rho) * (area * share);
+            radiosity.balance.emitted += *external * (area * share);
+            radiosity.balance.absorbed += *external * (Rgb::WHITE - rho) * (area * share);
         }
         let exitance: Vec<Rgb> = (0..incident.len())
             .map(|s| shooter.exitance(s as Side))
             .collect();
-        found.balance.emitted += shooter.total(&exitance) * share;
+        radiosity.balance.emitted += shooter.total(&exitance) * share;
         let stray = shooter.shoot(
             &exitance,
             budget,
             ShotKind::Emission,
             r as u32,
             0,
-            &mut found,
+            &mut radiosity,
             progress,
         )?;
         let Some(stray) = stray else {
@@ -133,7 +133,7 @@ pub fn solve(
                 ShotKind::Reflected,
                 r as u32,
                 state.iterations,
-                &mut found,
+                &mut radiosity,
                 progress,
             )?;
             let Some(arrived) = arrived else {
@@ -148,13 +148,13 @@ pub fn solve(
                 .collect();
             state.iterations += 1;
         }
-        found.add_replicate(solution, &incident, state);
-        let mut own = found.balance;
+        radiosity.add_replicate(solution, &incident, state);
+        let mut own = radiosity.balance;
         own.add(&before, -1.0);
         missing.push(own.missing());
     }
-    found.balance_error = standard_error(&missing);
-    Ok(Some(found))
+    radiosity.balance_error = standard_error(&missing);
+    Ok(Some(radiosity))
 }
 
 /// Irradiance of a side per replicate, and the part that no patch emitted.
@@ -266,7 +266,9 @@ impl Shooter<'_> {
                 _ => {}
             },
         );
-        next_event.resolve(self.gatherer, |id, found| sums[id as usize] += found);
+        next_event.resolve(self.gatherer, |id, contribution| {
+            sums[id as usize] += contribution
+        });
         sums
     }
 
@@ -303,7 +305,7 @@ impl Shooter<'_> {
         shot: ShotKind,
         replicate: u32,
         iteration: u32,
-        found: &mut RadiositySolution,
+        solution: &mut RadiositySolution,
         progress: &Progress,
     ) -> Result<Option<Vec<Rgb>>, Cancelled> {
         let mut power = vec![Rgb::BLACK; radiosity.len()];
@@ -327,13 +329,13 @@ impl Shooter<'_> {
                 })
                 .collect::<Result<_, Cancelled>>()?;
             for a in arrivals {
-                found.balance.add(&a.balance, 1.0 / REPLICATES as f64);
+                solution.balance.add(&a.balance, 1.0 / REPLICATES as f64);
                 for (s, w) in a.deposits {
                     power[s as usize] += w;
                 }
             }
         }
-        found.rays += count;
+        solution.rays += count;
         let arrived = |s: usize| power[s] / self.patches.area(s / 2);
         Ok(Some((0..power.len()).map(arrived).collect()))
     }

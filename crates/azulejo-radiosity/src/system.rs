@@ -239,11 +239,11 @@ impl<'j> System<'j> {
                 if progress.phase_is_over() {
                     return Ok(None);
                 }
-                let found = direct(gatherer, patches, seed, wave[i]);
-                Ok(Some((found.whole().replicates, found.external())))
+                let incident = direct(gatherer, patches, seed, wave[i]);
+                Ok(Some((incident.whole().replicates, incident.external())))
             };
             let size = (wave.len(), DIRECT_BLOCK);
-            let lights = run.shared(size, |wanted| wanted.par_iter().map(light).collect())?;
+            let lights = run.shared(size, |indices| indices.par_iter().map(light).collect())?;
             let lights: Option<Vec<([Rgb; REPLICATES], Rgb)>> = lights.into_iter().collect();
             let Some(lights) = lights else {
                 return Ok(None);
@@ -267,13 +267,13 @@ impl<'j> System<'j> {
             progress.begin("form factors", wave.len() as u64);
             let (watch, all) = (PhaseWatch::new(progress), wave.len() as f64);
             let (mut done, mut is_hopeless) = (0, false);
-            let compute = |wanted: &[usize]| {
+            let compute = |indices: &[usize]| {
                 is_hopeless = progress.phase_is_over() || watch.is_hopeless(f64::from(done) / all);
                 if is_hopeless {
                     return Err(Cancelled);
                 }
-                done += wanted.len() as u32;
-                let sides: Vec<Side> = wanted.iter().map(|&i| wave[i]).collect();
+                done += indices.len() as u32;
+                let sides: Vec<Side> = indices.iter().map(|&i| wave[i]).collect();
                 let rows = estimator.rows(&sides, progress)?;
                 let traced = rows
                     .par_iter()
@@ -302,12 +302,12 @@ impl<'j> System<'j> {
                 block: BLOCK,
                 at_once: AT_ONCE * rayon::current_num_threads().max(1),
             };
-            let found = run.distributed(size, compute, keep);
+            let summaries = run.distributed(size, compute, keep);
             if is_hopeless {
                 return Ok(None);
             }
             let mut reached = Vec::new();
-            for (unknown, row) in system.unknowns[first..].iter_mut().zip(found?) {
+            for (unknown, row) in system.unknowns[first..].iter_mut().zip(summaries?) {
                 unknown.stray = row.stray;
                 unknown.external += row.external;
                 unknown.outcomes = row.outcomes;
@@ -418,11 +418,11 @@ impl<'j> System<'j> {
             let matrix = &self.matrices[replicate];
             matrix.map_rows(|i| matrix.row_times(i, light))
         };
-        let found: Vec<Vec<Rgb>> = reflected.iter().map(of_rows).collect();
+        let irradiance: Vec<Vec<Rgb>> = reflected.iter().map(of_rows).collect();
         let mut all = vec![vec![Rgb::BLACK; self.unknowns.len()]; reflected.len()];
         if !self.run.is_shared() {
-            for (all, found) in all.iter_mut().zip(found) {
-                for (&i, h) in self.rows.iter().zip(found) {
+            for (all, irradiance) in all.iter_mut().zip(irradiance) {
+                for (&i, h) in self.rows.iter().zip(irradiance) {
                     all[i as usize] = h;
                 }
             }
@@ -430,13 +430,13 @@ impl<'j> System<'j> {
         }
         let (stage, mut bytes) = (self.run.blocks.loop_stage(), Vec::new());
         self.rows.write(&mut bytes);
-        found.write(&mut bytes);
+        irradiance.write(&mut bytes);
         for bytes in self.run.blocks.gather(stage, bytes)? {
             let mut reader = RecordReader::new(&bytes);
             let rows = Vec::<u32>::read(&mut reader).ok_or(Cancelled)?;
-            let found = Vec::<Vec<Rgb>>::read(&mut reader).ok_or(Cancelled)?;
-            for (all, found) in all.iter_mut().zip(found) {
-                for (&i, h) in rows.iter().zip(found) {
+            let irradiance = Vec::<Vec<Rgb>>::read(&mut reader).ok_or(Cancelled)?;
+            for (all, irradiance) in all.iter_mut().zip(irradiance) {
+                for (&i, h) in rows.iter().zip(irradiance) {
                     all[i as usize] = h;
                 }
             }
@@ -532,7 +532,7 @@ impl System<'_> {
     pub fn solve_all(&self, bounces: Option<u32>) -> Result<RadiositySolution, Cancelled> {
         let progress = self.run.progress;
         progress.begin("bounces", REPLICATES as u64);
-        let mut found = RadiositySolution::new(self.sides);
+        let mut radiosity = RadiositySolution::new(self.sides);
         let solved = self.solve(bounces, TOLERANCE)?;
         let light = solved.iter().enumerate();
         let light: Vec<(usize, &[Rgb])> = light.map(|(r, (light, _))| (r, &light[..])).collect();
@@ -542,13 +542,13 @@ impl System<'_> {
             for (u, h) in self.unknowns.iter().zip(arriving) {
                 incident[u.side as usize] = u.unbounced(r) + h;
             }
-            found.add_replicate(solution, &incident, state);
+            radiosity.add_replicate(solution, &incident, state);
             progress.advance(1)?;
         }
-        found.balance = self.balance(&found.mean());
-        found.balance_error = self.balance_error(&found.solutions);
-        (found.rays, found.bytes) = (self.rays, self.bytes());
-        Ok(found)
+        radiosity.balance = self.balance(&radiosity.mean());
+        radiosity.balance_error = self.balance_error(&radiosity.solutions);
+        (radiosity.rays, radiosity.bytes) = (self.rays, self.bytes());
+        Ok(radiosity)
     }
 }
 
@@ -572,7 +572,7 @@ pub struct RadiositySolution {
 }
 
 impl RadiositySolution {
-    /// An empty solution over so many sides.
+    /// An empty solution over this many sides.
     pub fn new(sides: usize) -> RadiositySolution {
         RadiositySolution {
             solutions: Vec::with_capacity(REPLICATES),
@@ -588,7 +588,7 @@ impl RadiositySolution {
         }
     }
 
-    /// No light on so many sides: what gathers that read no patches take.
+    /// No light on this many sides: what gathers that read no patches take.
     pub fn dark(sides: usize) -> RadiositySolution {
         RadiositySolution {
             solutions: vec![vec![Rgb::BLACK; sides]],

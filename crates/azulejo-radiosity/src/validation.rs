@@ -29,7 +29,7 @@ const MOST_SAMPLE_RAYS: u32 = 1 << 13;
 /// an eighth of the points path traced.
 const SURE: f64 = 3.0;
 
-/// Rays per point from which on a difference is believed: variances of fewer miss rare light.
+/// Fewest rays per point at which a difference is believed: variances of fewer miss rare light.
 const LEAST_SURE: u32 = 1024;
 
 /// One point of the sample, gathered both ways from the same directions.
@@ -92,22 +92,22 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         ) in strata.into_iter().zip(compared)
         {
             match verdict {
-                Verdict::Bad(found) if goal.is_some() && !self.run.progress.out_of_time() => {
-                    self.trace_paths(all, stratum, found, (spent, sample), most)?;
+                Verdict::Bad(square) if goal.is_some() && !self.run.progress.out_of_time() => {
+                    self.trace_paths(all, stratum, square, (spent, sample), most)?;
                 }
-                Verdict::Good(found) | Verdict::Bad(found) => {
-                    all.strata.read_patches(stratum, found);
+                Verdict::Good(square) | Verdict::Bad(square) => {
+                    all.strata.read_patches(stratum, square);
                 }
-                Verdict::Open(found, doubt) if goal.is_none() => {
-                    all.strata.read_patches(stratum, found + 0.5 * doubt);
+                Verdict::Open(square, doubt) if goal.is_none() => {
+                    all.strata.read_patches(stratum, square + 0.5 * doubt);
                 }
-                Verdict::Open(found, _)
+                Verdict::Open(square, _)
                     if all.strata.is_each() && !self.run.progress.out_of_time() =>
                 {
-                    self.trace_paths(all, stratum, found, (spent, sample), most)?;
+                    self.trace_paths(all, stratum, square, (spent, sample), most)?;
                 }
                 // To tell would take about as long as to path trace all: the doubt is stated instead.
-                Verdict::Open(found, doubt) => all.strata.read_patches(stratum, found + doubt),
+                Verdict::Open(square, doubt) => all.strata.read_patches(stratum, square + doubt),
             }
         }
         Ok(())
@@ -122,7 +122,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         permitted: &[f64],
         most: u32,
     ) -> Result<(), Cancelled> {
-        let mut found = Vec::new();
+        let mut samples = Vec::new();
         for (stratum, permitted_here) in permitted.iter().enumerate() {
             let rest = (permitted.len() - stratum) as f64;
             self.run.progress.limit_phase(COMPARISON_SHARE / rest);
@@ -142,21 +142,21 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 Verdict::Open(square, doubt) => (square + doubt, false),
             };
             all.strata.read_patches(stratum, square);
-            found.push((spent, sample, is_bad));
+            samples.push((spent, sample, is_bad));
         }
         self.run.progress.limit_phase(1.0);
         let seconds = planned_seconds(self.run.progress);
         let errors = all.errors();
-        let ways: Vec<StratumWays> = (0..found.len())
-            .map(|k| self.ways(all, k, &errors[k], &found[k]))
+        let ways: Vec<StratumWays> = (0..samples.len())
+            .map(|k| self.ways(all, k, &errors[k], &samples[k]))
             .collect();
-        let demanded: Vec<bool> = found.iter().map(|f| f.2).collect();
+        let demanded: Vec<bool> = samples.iter().map(|f| f.2).collect();
         let chosen = if seconds_for(&ways, &demanded, permitted) <= seconds {
             demanded
         } else {
             best_ways(&ways, seconds)
         };
-        for (stratum, (spent, sample, _)) in found.into_iter().enumerate() {
+        for (stratum, (spent, sample, _)) in samples.into_iter().enumerate() {
             if chosen[stratum] && !self.run.progress.out_of_time() {
                 let discretization = errors[stratum].discretization;
                 self.trace_paths(all, stratum, discretization, (spent, sample), most)?;
@@ -281,13 +281,13 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             self.run
                 .progress
                 .begin("comparing with paths", points as u64);
-            let found = self.gather_lists(&lists, true)?;
+            let light = self.gather_lists(&lists, true)?;
             let share = f64::from(next - spent) / f64::from(next);
             spent = next;
             let is_last = spent >= most || self.run.progress.phase_is_over();
-            for ((compared, allowed, is_open), found) in open.iter_mut().zip(found.chunks(2)) {
+            for ((compared, allowed, is_open), light) in open.iter_mut().zip(light.chunks(2)) {
                 compared.spent = spent;
-                let (patches, paths) = (found[0].iter(), found[1].iter());
+                let (patches, paths) = (light[0].iter(), light[1].iter());
                 for (known, (patches, paths)) in compared.sample.iter_mut().zip(patches.zip(paths))
                 {
                     if let (Some(patches), Some(paths)) = (patches, paths) {
@@ -296,8 +296,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                     }
                 }
                 let mut verdict = judge(all, &compared.sample, *allowed);
-                if let (Verdict::Bad(found), true) = (&verdict, spent < LEAST_SURE && !is_last) {
-                    verdict = Verdict::Open(*found, *found);
+                if let (Verdict::Bad(square), true) = (&verdict, spent < LEAST_SURE && !is_last) {
+                    verdict = Verdict::Open(*square, *square);
                 }
                 *is_open = !is_last && matches!(verdict, Verdict::Open(..));
                 compared.verdict = verdict;
@@ -319,12 +319,12 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     }
     let count = sample.len().max(1) as f64;
     // A square of a normal error varies by √2 of its mean, and its estimated variance by as much.
-    let (found, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
-    if found + doubt <= allowed {
-        Verdict::Good(found.max(0.0) + 0.5 * doubt)
-    } else if found - SURE * doubt > allowed {
-        Verdict::Bad(found)
+    let (square, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
+    if square + doubt <= allowed {
+        Verdict::Good(square.max(0.0) + 0.5 * doubt)
+    } else if square - SURE * doubt > allowed {
+        Verdict::Bad(square)
     } else {
-        Verdict::Open(found.max(0.0), doubt)
+        Verdict::Open(square.max(0.0), doubt)
     }
 }

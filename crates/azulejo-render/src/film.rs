@@ -157,10 +157,10 @@ impl Lens {
     /// The point of the image, 0..1, through which rays of this direction pass; `None` beside it.
     pub fn point(&self, direction: DVec3) -> Option<(f64, f64)> {
         let basis = DMat3::from_cols(self.across, self.down, self.corner);
-        let found = basis.inverse() * direction;
-        let (x, y) = (found.x / found.z, found.y / found.z);
+        let coordinates = basis.inverse() * direction;
+        let (x, y) = (coordinates.x / coordinates.z, coordinates.y / coordinates.z);
         let inside = |t: f64| (0.0..=1.0).contains(&t);
-        (found.z > 0.0 && inside(x) && inside(y)).then_some((x, y))
+        (coordinates.z > 0.0 && inside(x) && inside(y)).then_some((x, y))
     }
 }
 
@@ -180,8 +180,8 @@ mod tests {
         };
         let lens = Lens::new(&camera, 1.5);
         for (x, y) in [(0.1, 0.9), (0.5, 0.5), (0.75, 0.0625)] {
-            let found = lens.point(lens.ray((x, y)).direction).unwrap();
-            assert!((found.0 - x).abs() < 1e-12 && (found.1 - y).abs() < 1e-12);
+            let point = lens.point(lens.ray((x, y)).direction).unwrap();
+            assert!((point.0 - x).abs() < 1e-12 && (point.1 - y).abs() < 1e-12);
         }
         assert_eq!(lens.point(lens.ray((1.1, 0.5)).direction), None);
         assert_eq!(lens.point(-lens.ray((0.5, 0.5)).direction), None);

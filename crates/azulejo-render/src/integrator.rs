@@ -140,7 +140,7 @@ impl<'a> Integrator<'a> {
         self.resolve(scratch, found);
         self.split(scratch, found);
         if let Some(most) = self.clamp {
-            found.iter_mut().for_each(|found| found.limit(most));
+            found.iter_mut().for_each(|radiance| radiance.limit(most));
         }
     }
 
@@ -232,17 +232,17 @@ impl<'a> Integrator<'a> {
             scratch.points.extend(batch.iter().map(|d| d.point));
             let gathered = gatherer.gather_with(&scratch.points, &options, &directions, self);
             for (deferred, gathered) in batch.iter().zip(gathered) {
-                let found = &mut found[deferred.ray];
+                let radiance = &mut found[deferred.ray];
                 let [direct, indirect] = [gathered.direct, gathered.indirect];
                 if !deferred.is_first {
-                    found.sampled += deferred.weight * gathered.whole().mean();
+                    radiance.sampled += deferred.weight * gathered.whole().mean();
                 } else if self.splits {
-                    found.direct += deferred.weight * direct.mean();
-                    found.stored += deferred.weight * indirect.mean();
+                    radiance.direct += deferred.weight * direct.mean();
+                    radiance.stored += deferred.weight * indirect.mean();
                 } else {
-                    found.stored += deferred.weight * gathered.whole().mean();
+                    radiance.stored += deferred.weight * gathered.whole().mean();
                 }
-                found.is_random = true;
+                radiance.is_random = true;
             }
         }
         scratch.deferred.clear();
@@ -492,7 +492,7 @@ impl<'a> CameraPath<'_, 'a> {
         }
         let is_first = segment.depth == 0 && parts == Parts::All;
         let count = if is_first { RELIEF_SAMPLES } else { 1 };
-        let mut found = Rgb::BLACK;
+        let mut light = Rgb::BLACK;
         for _ in 0..count {
             if let Some(probability) = of_lobes {
                 let u = [(); 4].map(|()| self.chance());
@@ -501,9 +501,9 @@ impl<'a> CameraPath<'_, 'a> {
                     self.send(segment, at, next);
                 }
             }
-            found += self.lit(&shading, branching.lobe_probability());
+            light += self.lit(&shading, branching.lobe_probability());
         }
-        let lit = segment.weight * (found / f64::from(count));
+        let lit = segment.weight * (light / f64::from(count));
         self.count(segment.scattered + 1, lit);
     }
 

@@ -602,11 +602,11 @@ mod tests {
             let at = bottom.lerp(corners[3].lerp(corners[2], s), t) - p;
             let u = at.cross(r - p).dot(normal) / normal.length_squared();
             let v = (q - p).cross(at).dot(normal) / normal.length_squared();
-            let found = Weights::on_face(&item, u, v);
+            let weights = Weights::on_face(&item, u, v);
             let expected = Weights::in_quadrilateral(10, s, t);
-            assert_eq!(found.corners, expected.corners);
-            for (a, b) in found.weights.iter().zip(expected.weights) {
-                assert!((a - b).abs() < 1e-5, "{corners:?} ({s}, {t}): {found:?}");
+            assert_eq!(weights.corners, expected.corners);
+            for (a, b) in weights.weights.iter().zip(expected.weights) {
+                assert!((a - b).abs() < 1e-5, "{corners:?} ({s}, {t}): {weights:?}");
             }
         }
     }

@@ -80,9 +80,9 @@ pub fn picture_layers(
     progress.begin("layers", u64::from(width) * u64::from(height));
     let tile = |hits: &mut Vec<KernelHit>, tile: Tile| {
         let pixels: Vec<u32> = tile.pixels(width).collect();
-        let found = pixels.iter().map(|&p| finder.pixel(p, hits)).collect();
+        let layer_pixels = pixels.iter().map(|&p| finder.pixel(p, hits)).collect();
         progress.advance(pixels.len() as u64)?;
-        Ok(found)
+        Ok(layer_pixels)
     };
     let tiles = film.tiles().into_par_iter();
     let parts: Result<Vec<Vec<LayerPixel>>, Cancelled> = tiles.map_init(Vec::new, tile).collect();
@@ -199,11 +199,11 @@ fn assemble(film: &Film, parts: &[Vec<LayerPixel>]) -> PictureLayers {
         material: vec![0; count],
         glyph: vec![0; count],
     };
-    for (tile, found) in film.tiles().iter().zip(parts) {
-        for (pixel, found) in tile.pixels(film.width).zip(found) {
+    for (tile, part) in film.tiles().iter().zip(parts) {
+        for (pixel, layer) in tile.pixels(film.width).zip(part) {
             let k = pixel as usize;
-            layers.depth[k] = found.depth;
-            [layers.object[k], layers.material[k], layers.glyph[k]] = found.ids;
+            layers.depth[k] = layer.depth;
+            [layers.object[k], layers.material[k], layers.glyph[k]] = layer.ids;
         }
     }
     layers

@@ -32,9 +32,9 @@ impl RayRadiance {
 
     /// Scales what paths found down to the largest value allowed, in either direction.
     pub fn limit(&mut self, most: f64) {
-        let found = self.sampled.map(f64::abs).max_channel();
-        if found > most {
-            let kept = self.sampled * (most / found);
+        let largest = self.sampled.map(f64::abs).max_channel();
+        if largest > most {
+            let kept = self.sampled * (most / largest);
             self.removed += self.sampled - kept;
             self.sampled = kept;
         }
@@ -81,8 +81,8 @@ impl MeasuredImage {
             film.assemble(&parts)
         };
         let all = parts.iter().flatten();
-        let [removed, found] = all.fold([0.0; 2], |[removed, found], s| {
-            [removed + s.removed.mean(), found + s.sum().mean()]
+        let [removed, kept] = all.fold([0.0; 2], |[removed, kept], s| {
+            [removed + s.removed.mean(), kept + s.sum().mean()]
         });
         MeasuredImage {
             image: image(&PixelSums::mean),
@@ -93,7 +93,7 @@ impl MeasuredImage {
             removed: if removed == 0.0 {
                 0.0
             } else {
-                removed / (removed + found)
+                removed / (removed + kept)
             },
         }
     }

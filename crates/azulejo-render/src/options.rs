@@ -37,7 +37,7 @@ pub enum FinalGather {
     /// them is not known: at the edges of shadows, and where a face passes from the light into the
     /// dark. So many rays at each hit.
     Uneven(u32),
-    /// Everywhere, with so many rays at each hit. This hides the patches and sharpens contact shadows.
+    /// Everywhere, with this many rays at each hit. This hides the patches and sharpens contact shadows.
     /// It also renders a scene without irradiance, slowly: light is then followed over its first
     /// bounces only.
     Everywhere(u32),

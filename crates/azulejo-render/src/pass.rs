@@ -174,9 +174,9 @@ pub fn radiance(
         .map_init(Batch::default, |batch, (number, rays)| {
             progress.advance(0)?;
             let first = (number * chunk) as u32;
-            let found = probe(&integrator, rays, first, options, batch);
+            let radiance = probe(&integrator, rays, first, options, batch);
             progress.advance(rays.len() as u64)?;
-            Ok(found)
+            Ok(radiance)
         })
         .collect();
     Ok(parts?.concat())
@@ -197,11 +197,11 @@ fn probe(
         let stream = |k: usize| first + open[k] as u32;
         let kernel = open.iter().map(|&i| integrator.kernel_ray(&rays[i]));
         batch.trace(integrator, kernel, |k| PathSampler::new(stream(k), sample));
-        for (&i, found) in open.iter().zip(&batch.found) {
-            sums[i] += found.radiance();
+        for (&i, light) in open.iter().zip(&batch.found) {
+            sums[i] += light.radiance();
             counts[i] += 1;
         }
-        let mut random = batch.found.iter().map(|found| found.is_random);
+        let mut random = batch.found.iter().map(|light| light.is_random);
         open.retain(|_| random.next() == Some(true));
     }
     let mean = |(sum, count): (&Rgb, u32)| *sum / f64::from(count);
@@ -301,9 +301,9 @@ impl ImagePass<'_> {
             let sampler =
                 |k: usize| PathSampler::new(pixels[k / count], start + (k % count) as u32);
             batch.trace(&self.integrator, rays, sampler);
-            for (sum, found) in sums.iter_mut().zip(batch.found.chunks(count)) {
-                for (sample, found) in (start..).zip(found) {
-                    sum.add(found, sample, self.samples);
+            for (sum, of_pixel) in sums.iter_mut().zip(batch.found.chunks(count)) {
+                for (sample, light) in (start..).zip(of_pixel) {
+                    sum.add(light, sample, self.samples);
                 }
             }
         }

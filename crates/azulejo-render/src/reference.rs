@@ -198,8 +198,8 @@ impl<'a> PathTracer<'a> {
             if sample % 64 == 0 {
                 progress.advance(0)?;
             }
-            let found = self.trace(ray(sample), PathSampler::new(stream, sample), scratch);
-            sums.add(&found, sample, self.samples);
+            let radiance = self.trace(ray(sample), PathSampler::new(stream, sample), scratch);
+            sums.add(&radiance, sample, self.samples);
         }
         Ok(sums)
     }

@@ -62,21 +62,21 @@ pub(crate) type FinishLobes<'m> = [(&'m Lobes, Rgb); 5];
 impl SurfaceMaps {
     /// Those of all materials.
     pub fn new(scene: &Scene) -> SurfaceMaps {
-        let mut found = SurfaceMaps::default();
+        let mut surface_maps = SurfaceMaps::default();
         for material in &scene.materials {
             let relief = material.relief.map(|r| r.texture);
             let finish = material.finish.iter().flat_map(FinishMaps::pictures);
             for id in finish.chain(relief) {
                 let texture = &scene.textures[id as usize];
                 if let Some(map) = NumberMap::new(texture) {
-                    found.maps.entry(id).or_insert(map);
+                    surface_maps.maps.entry(id).or_insert(map);
                 }
             }
         }
         if scene.materials.iter().any(|m| m.finish.is_some()) {
-            found.finish = FinishTable::new();
+            surface_maps.finish = FinishTable::new();
         }
-        found
+        surface_maps
     }
 
     /// The finish of a material that has pictures of it, at a place where vertex colours and textures
@@ -89,11 +89,11 @@ impl SurfaceMaps {
     ) -> Option<(Finish, FinishLobes<'_>)> {
         let (maps, table) = (material.finish.as_ref()?, self.finish.as_ref()?);
         let factor = |picture: Option<NumberPicture>| {
-            let found = picture.zip(uv).and_then(|(picture, uv)| {
+            let value = picture.zip(uv).and_then(|(picture, uv)| {
                 let values = self.maps.get(&picture.texture)?.sample(uv);
                 Some(picture.channel.of(values))
             });
-            found.unwrap_or(1.0)
+            value.unwrap_or(1.0)
         };
         let metallic = maps.metallic * factor(maps.metallic_picture);
         let base = maps.base * pattern;

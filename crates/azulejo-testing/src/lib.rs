@@ -113,7 +113,7 @@ pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
     require(Need::Browser, output)
 }
 
-/// A command that starts so many processes of a program by MPI, on however few processors, or `None` after
+/// A command that starts this many processes of a program by MPI, on however few processors, or `None` after
 /// recording a skip. The program and its arguments are to follow.
 ///
 /// # Panics

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 /// rays.
 pub(crate) const BACK_TO_BACK: f32 = 16.0;
 
-/// Cells of planes: so many for each unit of slope, and along the scene. Coarse, so that rounding seldom puts a plane
+/// Cells of planes: this many for each unit of slope, and along the scene. Coarse, so that rounding seldom puts a plane
 /// into several.
 const SLOPES: f64 = 32.0;
 const OFFSETS: f64 = 32_768.0;
@@ -18,7 +18,7 @@ const OFFSETS: f64 = 32_768.0;
 /// A triangle that rounding spreads over more cells than this is a sliver, and counts as back to back.
 const MOST_CELLS: usize = 64;
 
-/// Radians by which rounding may turn a triangle that is no sliver.
+/// Radians by which rounding may turn a triangle that is not a sliver.
 const MOST_TURN: f64 = 0.1;
 
 /// If a cell has more pairs than this, all in it count as back to back.
@@ -38,14 +38,14 @@ pub(crate) fn back_to_back(tracer: &Tracer) -> Option<Vec<bool>> {
         .flat_map_iter(|item| planes.entries(item))
         .collect();
     entries.par_sort_unstable_by_key(|e| (e.cell, e.item));
-    let mut found = vec![false; items.len()];
+    let mut backs = vec![false; items.len()];
     for entry in entries.iter().filter(|e| e.cell == SLIVER) {
-        found[entry.item as usize] = true;
+        backs[entry.item as usize] = true;
     }
     for cell in entries.chunk_by(|a, b| a.cell == b.cell) {
-        planes.compare(cell, &mut found);
+        planes.compare(cell, &mut backs);
     }
-    Some(found)
+    Some(backs)
 }
 
 /// Steepest axis, slopes along the other two, and offset along the axis.
@@ -140,12 +140,12 @@ impl<'t> Planes<'t> {
     }
 
     /// Marks the triangles of a cell that another one opposes.
-    fn compare(&self, cell: &[PlaneEntry], found: &mut [bool]) {
+    fn compare(&self, cell: &[PlaneEntry], backs: &mut [bool]) {
         let (along, against): (Vec<&PlaneEntry>, Vec<&PlaneEntry>) =
             cell.iter().partition(|entry| entry.is_along);
         if along.len() * against.len() > MOST_PAIRS {
             cell.iter()
-                .for_each(|entry| found[entry.item as usize] = true);
+                .for_each(|entry| backs[entry.item as usize] = true);
             return;
         }
         let bounds = |item: u32| Aabb::around(self.tracer.triangle_corners(item));
@@ -154,8 +154,8 @@ impl<'t> Planes<'t> {
                 let (first, second) = (bounds(a.item), bounds(b.item));
                 let gap = (first.min - second.max).max(second.min - first.max);
                 if gap.max_element() <= 4.0 * self.rounding {
-                    found[a.item as usize] = true;
-                    found[b.item as usize] = true;
+                    backs[a.item as usize] = true;
+                    backs[b.item as usize] = true;
                 }
             }
         }

@@ -253,7 +253,7 @@ pub fn convex_hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayP
             let [.., (q, _), (r, _)] = ring else {
                 return true;
             };
-            // Points that coincide or are collinear within rounding are no corners.
+            // Points that coincide or are collinear within rounding are not corners.
             (*r - *q).cross(p.0 - *r).z > HULL_TURN * p.0.distance_squared(*q)
         };
         while ring.len() > start + 1 && !is_corner(ring) {

@@ -200,8 +200,8 @@ impl<'a> Lights<'a> {
         let ray = surfaces.tracer.world_ray(ray);
         let at = surfaces.tracer.resolve(&ray, hit);
         let on_prism = self.find_prism(key, &at);
-        let found = on_prism.or_else(|| self.find(key, (at.u, at.v)));
-        let Some((share, area)) = found else {
+        let lamp = on_prism.or_else(|| self.find(key, (at.u, at.v)));
+        let Some((share, area)) = lamp else {
             return 0.0;
         };
         let toward = at.position - ray.origin;
@@ -213,12 +213,12 @@ impl<'a> Lights<'a> {
     /// The same of a prism that emits.
     fn find_prism(&self, key: FaceKey, at: &Hit) -> Option<(f64, f64)> {
         let key = (key.object, key.face);
-        let found = self.prisms.binary_search_by_key(&key, |l| l.key).ok()?;
+        let index = self.prisms.binary_search_by_key(&key, |l| l.key).ok()?;
         let place = PrismPlace {
             part: at.triangle,
             u: at.u,
         };
-        let light = &self.prisms[found];
+        let light = &self.prisms[index];
         Some((light.emission.share, light.area_at(place)))
     }
 
@@ -392,7 +392,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let surfaces = Surfaces::new(&scene, &tracer);
         let lights = Lights::new(&surfaces);
-        let mut found = [0; 6];
+        let mut counts = [0; 6];
         for k in 0..4000 {
             let u = [1, 2, 3].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
             let Some(sample) = lights.sample(&surfaces, DVec3::ZERO, u) else {
@@ -416,9 +416,9 @@ mod tests {
                 "object {object}: {pdf} and {}",
                 sample.pdf
             );
-            found[object] += 1;
+            counts[object] += 1;
         }
-        assert!(found.iter().all(|&n| n > 50), "{found:?}");
+        assert!(counts.iter().all(|&n| n > 50), "{counts:?}");
     }
 
     #[test]

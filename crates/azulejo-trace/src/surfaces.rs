@@ -341,16 +341,16 @@ impl<'a> Surfaces<'a> {
             t_max: hit.t + beside,
             ..*ray
         };
-        let mut found = [KernelHit::NOTHING];
+        let mut hits = [KernelHit::NOTHING];
         for _ in 0..MOST_SHEETS {
-            self.tracer.closest_into(&[next], &mut found);
-            if !found[0].is_hit() {
+            self.tracer.closest_into(&[next], &mut hits);
+            if !hits[0].is_hit() {
                 break;
             }
-            if self.is_front(ray, &found[0]) {
-                return (found[0], true);
+            if self.is_front(ray, &hits[0]) {
+                return (hits[0], true);
             }
-            next = next.behind(&found[0]);
+            next = next.behind(&hits[0]);
         }
         (*hit, false)
     }
@@ -425,8 +425,8 @@ mod tests {
         for face in 0..mesh.faces.len() {
             let start = mesh.faces.starts[face];
             for (k, expected) in (0..).zip(mesh.triangulate(face)) {
-                let found = triangles.corners_of(&mesh, face as u32, k);
-                assert_eq!(found, expected.map(|c| start + c), "face {face}");
+                let corners = triangles.corners_of(&mesh, face as u32, k);
+                assert_eq!(corners, expected.map(|c| start + c), "face {face}");
             }
         }
     }

@@ -247,8 +247,8 @@ mod tests {
         std::fs::write(&path, format!("file_dialogs = \"own\"\n{text}")).unwrap();
         assert_eq!(Preferences::load(&path), (mine, None));
         std::fs::write(&path, "scale = \"large\"").unwrap();
-        let (found, why) = Preferences::load(&path);
-        assert_eq!(found, Preferences::default());
+        let (preferences, why) = Preferences::load(&path);
+        assert_eq!(preferences, Preferences::default());
         assert!(why.unwrap().contains("preferences.toml"));
         std::fs::write(
             &path,
@@ -256,11 +256,14 @@ mod tests {
              properties_width = -3.0\n[window]\nsize = [3.0, 800.0]\nis_maximized = true",
         )
         .unwrap();
-        let (found, _) = Preferences::load(&path);
-        assert_eq!((found.scale, found.picture_samples), (3.0, 1));
-        assert_eq!(found.picture_gather, MAX_GATHER);
-        assert_eq!((found.tree_width, found.properties_width), (0.0, 0.0));
-        assert_eq!(found.window, WindowPlace::default());
+        let (preferences, _) = Preferences::load(&path);
+        assert_eq!((preferences.scale, preferences.picture_samples), (3.0, 1));
+        assert_eq!(preferences.picture_gather, MAX_GATHER);
+        assert_eq!(
+            (preferences.tree_width, preferences.properties_width),
+            (0.0, 0.0)
+        );
+        assert_eq!(preferences.window, WindowPlace::default());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -96,7 +96,7 @@ pub struct BakeOptions {
     /// error less.
     pub follows_light: bool,
     /// The first pass, with the error to reach. With rays and no error, and without a deadline, light is gathered
-    /// with so many rays at every texel, and not interpolated; otherwise rays are those of patches.
+    /// with this many rays at every texel, and not interpolated; otherwise rays are those of patches.
     pub pass: FirstPass,
     /// Which light.
     pub light: BakedLight,

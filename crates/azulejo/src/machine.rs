@@ -24,7 +24,7 @@ pub fn memory_budget() -> u64 {
     budget_of(memory())
 }
 
-/// The same for a machine of so many bytes.
+/// The same for a machine of this many bytes.
 pub fn budget_of(memory: Option<u64>) -> u64 {
     memory.map_or(UNKNOWN, |bytes| bytes / 2)
 }

@@ -32,7 +32,7 @@ pub fn with_hint(message: &str) -> String {
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
     match quoted(head)
         .first()
-        .and_then(|found| nearest(found, &known))
+        .and_then(|spelling| nearest(spelling, &known))
     {
         Some(near) => format!("{head}, did you mean `{near}`? (expected {list})"),
         None => message.trim_end().to_owned(),
@@ -40,10 +40,10 @@ pub fn with_hint(message: &str) -> String {
 }
 
 /// The known name at the smallest edit distance, if that is small.
-fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
-    let far = |name: &&&str| distance(found, name);
+fn nearest<'a>(spelling: &str, known: &[&'a str]) -> Option<&'a str> {
+    let far = |name: &&&str| distance(spelling, name);
     let near = known.iter().min_by_key(far)?;
-    (distance(found, near) <= 1 + found.chars().count() / 3).then_some(*near)
+    (distance(spelling, near) <= 1 + spelling.chars().count() / 3).then_some(*near)
 }
 
 /// Edit distance with transpositions (Damerau 1964).

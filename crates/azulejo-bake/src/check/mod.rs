@@ -138,26 +138,26 @@ struct CheckedTriangle {
 /// with equal coordinates. Triangles without coordinates
 /// or page are left out; those without chart cover no texel.
 pub fn check(receivers: &[Receiver], layout: &Layout, options: &CheckOptions) -> AtlasCheck {
-    let mut found = AtlasCheck {
+    let mut check = AtlasCheck {
         is_complete: true,
         ..AtlasCheck::default()
     };
-    let triangles = checked_triangles(receivers, layout, options, &mut found);
-    found.triangles = triangles.len();
+    let triangles = checked_triangles(receivers, layout, options, &mut check);
+    check.triangles = triangles.len();
     for triangle in &triangles {
         let uvs = &layout.receivers[triangle.id.receiver as usize].uvs;
         let amount = outside(uvs[triangle.id.triangle as usize]);
         if amount > OUTSIDE_ROUNDING {
-            found.outside.add(amount, triangle.id);
+            check.outside.add(amount, triangle.id);
         }
     }
-    overlaps::find(&triangles, layout, &mut found);
-    gaps::find(&triangles, options.gap, &mut found);
-    quality::find(&triangles, receivers, layout, &mut found);
-    found
+    overlaps::find(&triangles, layout, &mut check);
+    gaps::find(&triangles, options.gap, &mut check);
+    quality::find(&triangles, receivers, layout, &mut check);
+    check
 }
 
-/// How far coordinates lie outside of the page; infinite for what is no number.
+/// How far coordinates lie outside of the page; infinite for what is not a number.
 fn outside(uvs: [[f32; 2]; 3]) -> f64 {
     let beyond = |c: f32| match f64::from(c) {
         c if c.is_finite() => f64::max(-c, c - 1.0).max(0.0),
@@ -230,13 +230,13 @@ fn checked_triangles(
 
 /// The charts of the triangles of all receivers, and their number. Triangles that cannot cover a texel have none.
 pub(crate) fn chart_numbers(receivers: &[Receiver], layout: &Layout) -> (Vec<Vec<u32>>, u32) {
-    let mut found = AtlasCheck::default();
+    let mut check = AtlasCheck::default();
     let options = CheckOptions::default();
-    let triangles = checked_triangles(receivers, layout, &options, &mut found);
+    let triangles = checked_triangles(receivers, layout, &options, &mut check);
     let counts = receivers.iter().map(|r| r.triangles.len());
     let mut numbers: Vec<Vec<u32>> = counts.map(|count| vec![NO_CHART; count]).collect();
     for triangle in triangles.iter().filter(|t| t.texels != 0.0) {
         numbers[triangle.id.receiver as usize][triangle.id.triangle as usize] = triangle.chart;
     }
-    (numbers, found.charts as u32)
+    (numbers, check.charts as u32)
 }

@@ -7,7 +7,7 @@ use crate::layout::Layout;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Share of the smaller triangle from which on two overlap.
+/// Share of the smaller triangle above which two overlap.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// Other triangles that are found for one, at most: more say nothing new.

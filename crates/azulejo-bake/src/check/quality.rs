@@ -129,11 +129,11 @@ fn extremes(densities: &mut [(f64, f64)]) -> [f64; 2] {
     let whole: f64 = densities.iter().map(|d| d.1).sum();
     let at = |share: f64| {
         let mut sum = 0.0;
-        let found = densities.iter().find(|d| {
+        let density = densities.iter().find(|d| {
             sum += d.1;
             sum >= share * whole
         });
-        found.or(densities.last()).map_or(0.0, |d| d.0)
+        density.or(densities.last()).map_or(0.0, |d| d.0)
     };
     [at(EXTREME), at(1.0 - EXTREME)]
 }

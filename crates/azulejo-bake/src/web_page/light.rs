@@ -66,7 +66,7 @@ fn luminance(error: [f32; 3]) -> f32 {
     Rgb::from(error.map(f64::from)).luminance() as f32
 }
 
-/// The logarithm of `value`/`peak`, or 0 if it is no positive finite number.
+/// The logarithm of `value`/`peak`, or 0 if it is not a positive finite number.
 pub(super) fn code(value: f32, peak: f32, steps: u16) -> u16 {
     if !(value > 0.0 && value.is_finite()) {
         return 0;

@@ -76,11 +76,11 @@ fn geometry_comes_back_bit_for_bit() {
     let mut rest = bytes.as_slice();
     for axis in 0..3 {
         let expected: Vec<f32> = mesh.positions.iter().map(|p| p[axis]).collect();
-        let found: Vec<f32> = words(&mut rest, 3)
+        let coordinates: Vec<f32> = words(&mut rest, 3)
             .into_iter()
             .map(f32::from_bits)
             .collect();
-        assert_eq!(found, expected);
+        assert_eq!(coordinates, expected);
     }
     assert_eq!(rest[..9], [0, 0, 0, 0, 0, 0, 127, 0, 0], "normals");
     rest = &rest[9..];
@@ -139,29 +139,29 @@ fn light_comes_back_within_half_a_step() {
         .chunks(2 * map.irradiance.len())
         .map(|list| whole(list, width as usize))
         .collect();
-    let check = |found: f64, expected: f64, tolerance: f64| {
+    let check = |decoded: f64, expected: f64, tolerance: f64| {
         assert!(
-            (found - expected).abs() <= tolerance * expected,
-            "{found} of {expected}"
+            (decoded - expected).abs() <= tolerance * expected,
+            "{decoded} of {expected}"
         );
     };
     for (k, expected) in map.irradiance.iter().enumerate() {
         let green = lists[0][k];
-        let found = [
+        let channels = [
             lists[1][k].wrapping_add(green),
             green,
             lists[2][k].wrapping_add(green),
         ];
         for c in 0..3 {
             check(
-                value(found[c], codes.peak, LIGHT_STEPS),
+                value(channels[c], codes.peak, LIGHT_STEPS),
                 expected[c].into(),
                 0.0028,
             );
         }
         let error = azulejo_scene::Rgb::from(map.standard_error[k].map(f64::from)).luminance();
-        let found = value(lists[3][k], codes.error_peak.unwrap(), ERROR_STEPS);
-        check(found, error, 0.045);
+        let decoded = value(lists[3][k], codes.error_peak.unwrap(), ERROR_STEPS);
+        check(decoded, error, 0.045);
     }
 }
 

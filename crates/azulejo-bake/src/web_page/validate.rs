@@ -108,9 +108,9 @@ fn material(material: &PageMaterial) -> Check {
     if let Some(picture) = &material.picture
         && !MEDIA_TYPES.contains(&picture.media_type.as_str())
     {
-        let (found, known) = (&picture.media_type, MEDIA_TYPES.join(", "));
+        let (media_type, known) = (&picture.media_type, MEDIA_TYPES.join(", "));
         return Err(format!(
-            "a picture of type `{found}`, expected one of {known}"
+            "a picture of type `{media_type}`, expected one of {known}"
         ));
     }
     Ok(())
@@ -125,13 +125,13 @@ fn lightmap(map: &PageLightmap) -> Check {
         ));
     }
     let count = map.width as usize * map.height as usize;
-    let found = map.irradiance.len();
-    if found != count {
-        return Err(format!("{found} values of irradiance for {count} texels"));
+    let values = map.irradiance.len();
+    if values != count {
+        return Err(format!("{values} values of irradiance for {count} texels"));
     }
-    let found = map.standard_error.len();
-    if found != 0 && found != count {
-        return Err(format!("{found} standard errors for {count} texels"));
+    let errors = map.standard_error.len();
+    if errors != 0 && errors != count {
+        return Err(format!("{errors} standard errors for {count} texels"));
     }
     Ok(())
 }

@@ -131,7 +131,7 @@ impl PathTracer {
         (0..count).map(point).collect()
     }
 
-    /// Irradiance at a point by so many paths; the random numbers depend on `seed` and `key`.
+    /// Irradiance at a point by this many paths; the random numbers depend on `seed` and `key`.
     pub fn irradiance(&self, point: &Point, paths: u32, seed: u64, key: u64) -> Estimate {
         let mut random = Random::new(seed, key);
         let (mut sum, mut squares) = (Rgb::BLACK, Rgb::BLACK);

@@ -145,7 +145,7 @@ fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
     let is_for_occlusion = matches!(convention, ConventionArg::Occlusion | ConventionArg::Plain);
     if is_occlusion && !is_for_occlusion {
         return Err(Failure::misuse(
-            "--light ao is no light: --as occlusion or --as plain",
+            "--light ao is a share, not light: add --as occlusion or --as plain",
         ));
     }
     if !is_occlusion && convention == ConventionArg::Occlusion {

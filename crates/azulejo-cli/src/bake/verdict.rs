@@ -112,14 +112,14 @@ pub fn unfit(atlas: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
 /// All tests of an atlas.
 pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
     let row = |key, name, finding: &Finding, detail: String, limit: &str, grade| {
-        let found = match finding.count {
+        let text = match finding.count {
             0 => "0".to_owned(),
             n => format!("{}{detail}", count(n)),
         };
         TestRow {
             count: finding.count,
             worst: finding.worst.filter(|_| finding.count > 0),
-            ..TestRow::new(key, name, found, finding.amount, limit, grade)
+            ..TestRow::new(key, name, text, finding.amount, limit, grade)
         }
     };
     let near = match atlas.near.count {
@@ -282,9 +282,9 @@ pub fn table(rows: &[TestRow], receivers: &[Receiver], report: &mut Report) {
             .unwrap_or(0)
     };
     let widths = [0, 1, 2, 3].map(width);
-    for [name, found, limit, verdict, worst] in &lines {
+    for [name, result, limit, verdict, worst] in &lines {
         let [a, b, c, d] = widths;
-        let line = format!("{name:<a$}  {found:<b$}  {limit:<c$}  {verdict:<d$}  {worst}");
+        let line = format!("{name:<a$}  {result:<b$}  {limit:<c$}  {verdict:<d$}  {worst}");
         report.plain(line.trim_end());
     }
     let tests: Vec<Value> = rows

@@ -128,15 +128,15 @@ mod tests {
 
     fn shown(rgb: Vec<u8>) -> Vec<Color> {
         let width = rgb.len() as u32 / 3;
-        let found = reduce(&RgbImage {
+        let reduced = reduce(&RgbImage {
             width,
             height: 1,
             rgb,
         });
-        found
+        reduced
             .indices
             .iter()
-            .map(|i| found.palette[usize::from(*i)])
+            .map(|i| reduced.palette[usize::from(*i)])
             .collect()
     }
 
@@ -150,9 +150,9 @@ mod tests {
     fn many_colours_become_those_near_them() {
         let ramp = |k: u32| [(k / 4) as u8, 255 - (k / 4) as u8, (k % 64) as u8];
         let rgb: Vec<[u8; 3]> = (0..1024).map(ramp).collect();
-        for (found, expected) in shown(rgb.concat()).iter().zip(&rgb) {
-            let off = (0..3).map(|c| found[c].abs_diff(expected[c])).max();
-            assert!(off <= Some(16), "{found:?} {expected:?}");
+        for (color, expected) in shown(rgb.concat()).iter().zip(&rgb) {
+            let off = (0..3).map(|c| color[c].abs_diff(expected[c])).max();
+            assert!(off <= Some(16), "{color:?} {expected:?}");
         }
     }
 }

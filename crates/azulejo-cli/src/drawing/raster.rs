@@ -268,11 +268,11 @@ mod tests {
         let square = [(0.0, 0.0), (10.0, 0.0), (10.0, 20.0), (0.0, 20.0)];
         drawing.polygon(square.map(DVec2::from).to_vec(), [255, 0, 0]);
         drawing.text(DVec2::new(39.0, 15.0), TextAnchor::End, 14.0, INK, "az");
-        let found = rasterize(&drawing, 80).unwrap();
-        assert_eq!((found.width, found.height), (80, 40));
-        let at = |x: usize, y: usize| &found.rgb[3 * (80 * y + x)..][..3];
+        let image = rasterize(&drawing, 80).unwrap();
+        assert_eq!((image.width, image.height), (80, 40));
+        let at = |x: usize, y: usize| &image.rgb[3 * (80 * y + x)..][..3];
         assert_eq!((at(5, 5), at(25, 5)), (&[255, 0, 0][..], &[255; 3][..]));
-        let dark = found.rgb.chunks(3).filter(|p| p[0] < 128).count();
+        let dark = image.rgb.chunks(3).filter(|p| p[0] < 128).count();
         assert!((100..700).contains(&dark), "{dark}");
     }
 }

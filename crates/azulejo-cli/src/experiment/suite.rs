@@ -338,8 +338,8 @@ mod tests {
             ("title = 't'\n[[scene]]\n", "missing field `name`"),
             ("title = [\n", "s.toml:"),
         ] {
-            let said = parse(text).unwrap_err();
-            assert!(said.contains(words), "{said}\n  lacks\n{words}");
+            let message = parse(text).unwrap_err();
+            assert!(message.contains(words), "{message}\n  lacks\n{words}");
         }
     }
 }

@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Difference of both directions of a pair from which it is no rounding, as a share of the smaller area.
+/// Difference of both directions of a pair from which it is not rounding, as a share of the smaller area.
 const NOT_RECIPROCAL: f64 = 1e-5;
 
 /// Reads the input if it is a single `.npz`; otherwise `None`.

@@ -16,14 +16,14 @@ pub fn scenes(scene: &Scene, args: &FormFactorArgs) -> Result<Vec<Scene>, Failur
         return Ok(Vec::new());
     }
     let names = scene.zones();
-    let Some(wanted) = &args.programs.zone else {
+    let Some(zone) = &args.programs.zone else {
         return Ok(names.into_iter().map(|name| scene.of_zone(name)).collect());
     };
-    match names.iter().find(|name| name.eq_ignore_ascii_case(wanted)) {
+    match names.iter().find(|name| name.eq_ignore_ascii_case(zone)) {
         Some(name) => Ok(vec![scene.of_zone(name)]),
         None if names.is_empty() => Ok(Vec::new()),
         None => Err(Failure::failed(format_args!(
-            "--zone {wanted}: found no such zone, expected one of {}",
+            "--zone {zone}: found no such zone, expected one of {}",
             names.join(", ")
         ))),
     }

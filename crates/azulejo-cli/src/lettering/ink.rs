@@ -137,8 +137,8 @@ mod tests {
         let mut ring = polygon(&[(0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (0.0, 2.0)]);
         let hole = polygon(&[(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)]);
         ring.contours.extend(hole.contours);
-        let found = ink(&ring, DVec2::new(0.0, 2.0), 1.0);
-        assert_eq!(found, [1.0, 1.0, 1.0, 1.0, 0.0, 1.0]);
+        let coverage = ink(&ring, DVec2::new(0.0, 2.0), 1.0);
+        assert_eq!(coverage, [1.0, 1.0, 1.0, 1.0, 0.0, 1.0]);
     }
 
     #[test]

@@ -104,10 +104,10 @@ mod tests {
     fn check(args: FrameArgs, front: [f64; 3], back: [f64; 3]) {
         let map = args.frame(2.0, 0.5).world_from_glyph(DVec2::new(1.0, 0.0));
         for (z, expected) in [(0.0, front), (1.0, back)] {
-            let found = map.transform_point3(DVec3::new(1.0, 1.0, z));
+            let position = map.transform_point3(DVec3::new(1.0, 1.0, z));
             assert!(
-                found.distance(expected.into()) < 1e-12,
-                "{found} {expected:?}"
+                position.distance(expected.into()) < 1e-12,
+                "{position} {expected:?}"
             );
         }
     }

@@ -161,8 +161,8 @@ mod tests {
         let light = azulejo_radiosity::solve(&scene, &tracer, &pass, &Progress::new());
         let text = |line: &str| {
             let mut report = Report::default();
-            let found = &light.as_ref().expect("nobody cancels").report;
-            describe_first_pass(&parsed(line), found, &mut report);
+            let light_report = &light.as_ref().expect("nobody cancels").report;
+            describe_first_pass(&parsed(line), light_report, &mut report);
             let mut text = Vec::new();
             report.write_lines(&mut text).expect("memory suffices");
             String::from_utf8(text).expect("text")

@@ -310,11 +310,11 @@ mod tests {
         let whole = folder.filled();
         let record = HEAD + 100;
         for missing in [1, 50, 100, 101, HEAD + 99] {
-            let (there, said) = folder.after(&whole[..whole.len() - missing], 7);
+            let (there, message) = folder.after(&whole[..whole.len() - missing], 7);
             assert_eq!(there, [0, 1]);
             assert!(
-                said.contains(&format!("last {} bytes", record - missing)),
-                "{said}"
+                message.contains(&format!("last {} bytes", record - missing)),
+                "{message}"
             );
         }
         assert_eq!(
@@ -351,19 +351,22 @@ mod tests {
     fn other_work_restarts_the_journal() {
         let folder = Folder::new("other");
         let whole = folder.filled();
-        let (there, said) = folder.after(&whole, 8);
-        assert!(there.is_empty() && said.contains("restarted"), "{said}");
+        let (there, message) = folder.after(&whole, 8);
+        assert!(
+            there.is_empty() && message.contains("restarted"),
+            "{message}"
+        );
         assert_eq!(fs::read(folder.journal()).unwrap(), header([8; 32]));
-        // An incomplete header is no record of other work.
+        // An incomplete header is not a record of other work.
         assert!(folder.after(&whole[..10], 7).0.is_empty());
         assert!(folder.after(&[], 7).0.is_empty());
-        // A journal of another version is no diary.
+        // A journal of another version is not a diary.
         let mut old = whole.clone();
         old[21] = b'1';
-        let (there, said) = folder.after(&old, 7);
+        let (there, message) = folder.after(&old, 7);
         assert!(
-            there.is_empty() && said.contains("another version"),
-            "{said}"
+            there.is_empty() && message.contains("another version"),
+            "{message}"
         );
     }
 
@@ -371,11 +374,11 @@ mod tests {
     fn other_files_are_not_touched() {
         let folder = Folder::new("alien");
         fs::write(folder.journal(), "my diary").unwrap();
-        let said = FileJournal::open(folder.journal(), [7; 32])
+        let message = FileJournal::open(folder.journal(), [7; 32])
             .err()
             .unwrap()
             .to_string();
-        assert!(said.contains("is not a journal"), "{said}");
+        assert!(message.contains("is not a journal"), "{message}");
         assert_eq!(fs::read(folder.journal()).unwrap(), b"my diary");
     }
 
@@ -384,11 +387,11 @@ mod tests {
         let folder = Folder::new("two");
         folder.filled();
         let first = folder.open(7);
-        let said = FileJournal::open(folder.journal(), [7; 32])
+        let message = FileJournal::open(folder.journal(), [7; 32])
             .err()
             .unwrap()
             .to_string();
-        assert!(said.contains("in use"), "{said}");
+        assert!(message.contains("in use"), "{message}");
         drop(first);
         folder.open(7);
     }
@@ -410,10 +413,10 @@ mod tests {
         journal.state().records = Some(RecordFile::scan(full, HEADER).unwrap());
         journal.save(RunStage::Rows, 0, b"block");
         journal.save(RunStage::Rows, 1, b"block");
-        let said = journal.take_messages();
+        let messages = journal.take_messages();
         assert!(
-            said.len() == 1 && said[0].contains("No space left"),
-            "{said:?}"
+            messages.len() == 1 && messages[0].contains("No space left"),
+            "{messages:?}"
         );
         assert_eq!(journal.load(RunStage::Rows, 0), None);
     }

@@ -205,7 +205,7 @@ impl MergedParts {
         self.parts.len()
     }
 
-    /// Refuses a work of which these are no parts.
+    /// Refuses a work of which these are not parts.
     ///
     /// # Errors
     /// The scene is another, or the engine, or the options.
@@ -317,7 +317,7 @@ impl CompletePart {
         if !self.records.is_ended() {
             let more = match rest {
                 0 => String::new(),
-                rest => format!(", and {rest} bytes that are no block"),
+                rest => format!(", and {rest} bytes that are not a block"),
             };
             return Err(Failure::failed(format_args!(
                 "{shown} is not complete: it has {} blocks of shard {number}{more}, and no end. It was interrupted, \

@@ -12,7 +12,7 @@ use azulejo_factors::{Engine, FormFactorOptions, Hemicube};
 
 const PART: ValidationPart = ValidationPart::ClosedForms;
 
-/// Estimates further from the truth than so many standard errors are outlying.
+/// Estimates further from the truth than this many standard errors are outlying.
 pub const FAR: f64 = 4.0;
 
 /// Share of an engine's answers that may be outlying. Of normal errors it would be 0.006%; but standard

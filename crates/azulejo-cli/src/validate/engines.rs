@@ -149,7 +149,7 @@ impl EngineChoice {
 }
 
 impl CheckedEngine {
-    /// Its options for a scene with so many rays of all rows together.
+    /// Its options for a scene with this many rays of all rows together.
     pub fn options(
         &self,
         scene: &Scene,

@@ -43,7 +43,7 @@ struct ValidationEffort {
     seeds: u64,
     /// Efforts at which the error is drawn, each four times the one before.
     convergence: u32,
-    /// One in so many cases is among those whose error is drawn.
+    /// One in this many cases is among those whose error is drawn.
     convergence_step: usize,
 }
 

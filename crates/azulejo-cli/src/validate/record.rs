@@ -91,8 +91,8 @@ pub struct CheckRecord {
 impl CheckRecord {
     /// A check of a value against a bound on its deviation.
     pub fn new(part: ValidationPart, subject: impl Into<String>, values: [f64; 3]) -> CheckRecord {
-        let [found, expected, bound] = values;
-        let is_within = (found - expected).abs() <= bound;
+        let [value, expected, bound] = values;
+        let is_within = (value - expected).abs() <= bound;
         CheckRecord {
             part,
             engine: String::new(),
@@ -100,7 +100,7 @@ impl CheckRecord {
             description: String::new(),
             source: String::new(),
             unit: "",
-            found,
+            found: value,
             expected,
             expected_error: 0.0,
             standard_error: None,
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn bounds_decide() {
-        let check = |found| CheckRecord::new(ValidationPart::Balances, "x", [found, 1.0, 0.25]);
+        let check = |value| CheckRecord::new(ValidationPart::Balances, "x", [value, 1.0, 0.25]);
         assert_eq!(check(1.25).outcome, CheckOutcome::Passed);
         assert_eq!(check(0.7).outcome, CheckOutcome::Failed);
         assert_eq!(check(f64::NAN).outcome, CheckOutcome::Failed);

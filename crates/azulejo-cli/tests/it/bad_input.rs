@@ -212,7 +212,7 @@ fn coincident_rooms_are_named_as_what_they_are() {
     assert!(!folder.names().contains(&"out.grf".to_owned()));
 }
 
-/// A room with a lamp as OBJ, the room so many times in one place.
+/// A room with a lamp as OBJ, the room this many times in one place.
 fn coincident_rooms(rooms: usize) -> String {
     let corners = [
         "0 0 0", "4 0 0", "4 0 4", "0 0 4", "0 3 0", "4 3 0", "4 3 4", "0 3 4",

@@ -8,7 +8,7 @@ use std::path::Path;
 fn number(value: &Value) -> f64 {
     value
         .as_f64()
-        .unwrap_or_else(|| panic!("{value} is no number"))
+        .unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 #[test]
@@ -304,7 +304,7 @@ fn checks_have_verdicts() {
         (number(&found["angles"][0]["albedo"][0]) - 0.9).abs() < 1e-4,
         "{found}"
     );
-    // What nobody promises is said, and is no failure.
+    // What nobody promises is said, and is not a failure.
     for (model, key) in [
         ("phong ks=1 n=20", "reciprocity"),
         ("ward_duer ks=1 ax=0.2", "energy"),

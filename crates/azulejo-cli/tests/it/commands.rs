@@ -349,7 +349,7 @@ fn goals_out_of_reach_are_said_at_once() {
     }
 }
 
-/// Light that the last of the requested bounces left is no imbalance; the discretization is stated.
+/// Light that the last of the requested bounces left is not an imbalance; the discretization is stated.
 #[test]
 fn limited_bounces_are_no_imbalance() {
     let folder = Folder::with_room();
@@ -389,7 +389,7 @@ fn a_full_disk_is_a_failure() {
     }
 }
 
-/// A cube as other programs write it, and the same turned inside out; a room is no mistake.
+/// A cube as other programs write it, and the same turned inside out; a room is not a mistake.
 #[test]
 fn closed_meshes_that_are_inverted_are_named() {
     let folder = Folder::with_room();

@@ -185,7 +185,7 @@ fn what_is_refused_says_why() {
     );
 }
 
-/// A window that lies in the plane of the floor counts its light twice; a face without area is no row.
+/// A window that lies in the plane of the floor counts its light twice; a face without area is not a row.
 #[test]
 fn overlapping_faces_are_named_before_heat_is_wrong() {
     let folder = cube();

@@ -39,7 +39,7 @@ mod started {
 
     const QUICK: &str = "form-factors room.obj --patches 200 --rays 4096";
 
-    /// The program, started by so many ranks, with one thread each.
+    /// The program, started by this many ranks, with one thread each.
     fn ranks(folder: &Folder, processes: usize, line: &str) -> Option<Command> {
         let mut command = azulejo_testing::mpiexec(processes)?;
         command

@@ -32,7 +32,7 @@ fn check(folder: &Folder, line: &str, output: &str) {
     check_shards(folder, line, output, &[2, 7, 40]);
 }
 
-/// Checks that so many shards give the bytes of one process.
+/// Checks that this many shards give the bytes of one process.
 fn check_shards(folder: &Folder, line: &str, output: &str, counts: &[u32]) {
     folder.ok(&format!("{line} -o whole.{output}"));
     let whole = folder.read(&format!("whole.{output}"));
@@ -98,7 +98,7 @@ fn form_factors_of_view3d() {
 /// Blocks that take a while each.
 const LONG: &str = "form-factors room.obj --patches 700 --rays 4096 --two-sided";
 
-/// Starts a shard, and waits until so many bytes of its part are there.
+/// Starts a shard, and waits until this many bytes of its part are there.
 fn started(folder: &Folder, line: &str, part: &str, bytes: u64) -> Child {
     let mut child = folder
         .command(line)
@@ -341,10 +341,10 @@ fn parts_that_are_missing_twice_cut_or_damaged() {
         (20, "cut off in its header"),
         (header - 1, "cut off in its header"),
         (header, "has 0 blocks"),
-        (header + 5, "5 bytes that are no block"),
+        (header + 5, "5 bytes that are not a block"),
         (whole.len() - 29, "is not complete"),
         (whole.len() - 28, "is not complete"),
-        (whole.len() - 1, "27 bytes that are no block"),
+        (whole.len() - 1, "27 bytes that are not a block"),
     ] {
         folder.write("p-5", &whole[..length]);
         folder.fails(&line, 1, expected);

@@ -94,7 +94,7 @@ fn split_sheets_are_written_twice() {
         count.unwrap().parse::<usize>().unwrap()
     };
     let (one, both) = (faces("front"), faces("split"));
-    // The sheet is most of it; lamps are no sheets that light from both sides reaches.
+    // The sheet is most of it; lamps are not sheets that light from both sides reaches.
     assert!(both > one + one / 2 && both <= 2 * one, "{one} and {both}");
     // What reads them again joins them.
     let info = folder.json("info out.ply");

@@ -72,7 +72,7 @@ impl CellMesh {
         corners.map(|&c| self.points[c as usize]).collect()
     }
 
-    /// Whether all numbers are in range, for so many rows, and all positions finite.
+    /// Whether all numbers are in range, for this many rows, and all positions finite.
     pub(crate) fn is_valid(&self, rows: usize) -> bool {
         let starts = &self.starts;
         starts.len() == self.len() + 1
@@ -87,7 +87,7 @@ impl CellMesh {
             && self.points.iter().all(|p| p.is_finite())
     }
 
-    /// Centroid and unit normal of each of so many rows: means of its cells, weighted by area. The
+    /// Centroid and unit normal of each of this many rows: means of its cells, weighted by area. The
     /// normal is zero for rows whose cells face all ways, as those of a closed box do.
     pub fn frames(&self, rows: usize) -> Vec<(DVec3, DVec3)> {
         let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0); rows];

@@ -13,7 +13,7 @@ const ORDERS: &str =
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
 /// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j, light that ends on
-/// sides without a row on lines with `hidden`; light from outside, which is no share but W/m², on lines with `irradiance`.
+/// sides without a row on lines with `hidden`; light from outside, in W/m² and not a share, on lines with `irradiance`.
 ///
 /// # Errors
 /// Those of writing.

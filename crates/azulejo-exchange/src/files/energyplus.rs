@@ -68,10 +68,10 @@ pub(super) fn prepare<'a>(
 type ZoneRows = (Arc<Zone>, Vec<usize>);
 
 /// The zones to write, each with its rows: those of the model, or all rows as one.
-fn zones(enclosure: &Enclosure, wanted: Option<&str>) -> Result<Vec<ZoneRows>, FactorFileError> {
+fn zones(enclosure: &Enclosure, zone_name: Option<&str>) -> Result<Vec<ZoneRows>, FactorFileError> {
     let (rows, faces) = (&enclosure.rows, &enclosure.factors.faces);
     if rows.zones.is_empty() {
-        let name = wanted.unwrap_or("Zone").to_owned();
+        let name = zone_name.unwrap_or("Zone").to_owned();
         let zone = Zone {
             name,
             masses: Vec::new(),
@@ -106,10 +106,10 @@ fn zones(enclosure: &Enclosure, wanted: Option<&str>) -> Result<Vec<ZoneRows>, F
         }
     }
     let known: Vec<String> = zones.iter().map(|(zone, _)| zone.name.clone()).collect();
-    zones.retain(|(zone, _)| wanted.is_none_or(|name| name.eq_ignore_ascii_case(&zone.name)));
+    zones.retain(|(zone, _)| zone_name.is_none_or(|name| name.eq_ignore_ascii_case(&zone.name)));
     if zones.is_empty() {
         let known = known.join(", ");
-        let name = wanted.unwrap_or_default();
+        let name = zone_name.unwrap_or_default();
         return Err(refused(format!(
             "found no zone \"{name}\", expected one of {known}"
         )));

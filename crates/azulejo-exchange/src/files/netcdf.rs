@@ -11,7 +11,7 @@ const VARIABLES: u32 = 11;
 /// The type of 32-bit floating-point numbers.
 const FLOAT: u32 = 5;
 
-/// Writes a square array of so many rows, which `write` adds through the function that it is given.
+/// Writes a square array of this many rows, which `write` adds through the function that it is given.
 pub(super) fn write_square(
     name: &str,
     rows: usize,

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// four, closed forms a few more.
 pub(super) const DIGITS: usize = 9;
 
-/// C's `%.Ng`: so many digits, the shorter of the two notations, no trailing zeros, and no minus
+/// C's `%.Ng`: this many digits, the shorter of the two notations, no trailing zeros, and no minus
 /// before zero.
 pub(crate) fn general(x: f64, digits: usize) -> String {
     if x == 0.0 {

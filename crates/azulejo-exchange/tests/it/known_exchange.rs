@@ -60,7 +60,9 @@ fn the_table_of_exchange_factors() {
     for line in table.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
         let (id, expected): (_, f64) = (columns[0], columns[4].parse().unwrap());
-        let case = cases.get(id).unwrap_or_else(|| panic!("{id} is no case"));
+        let case = cases
+            .get(id)
+            .unwrap_or_else(|| panic!("{id} is not a case"));
         rows += 1;
         let answers = [case.ask().unwrap(), case.problem.truth];
         let is_near = |answer: &f64| (answer - expected).abs() <= 1e-10 * expected.abs();

@@ -2,7 +2,7 @@
 //!
 //! A formula that goes wrong states a small error all the same. What a few rays from a row find is too coarse
 //! to be its value, but enough to tell that half of it is missing. Columns are compared in strata of
-//! neighbours, by the probability of so many hits: if it is smaller than e^−18 even with the formula moved
+//! neighbours, by the probability of this many hits: if it is smaller than e^−18 even with the formula moved
 //! towards the rays by its own error and by what rays lose at edges, the two disagree.
 
 /// Groups of neighbouring columns.
@@ -54,7 +54,7 @@ impl Strata {
         mean
     }
 
-    /// Whether the hits of so many rays are too improbable.
+    /// Whether the hits of this many rays are too improbable.
     ///
     /// Chernoff's bound: of K rays that each hit with probability p, a share h hits with a probability of at
     /// most e^(−K D), where D is the relative entropy of h and p (Hoeffding, *Probability inequalities for sums

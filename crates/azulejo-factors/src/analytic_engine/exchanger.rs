@@ -192,8 +192,8 @@ impl<'a> Exchanger<'a> {
             }
             Ok(self.group(groups[group], true).0)
         };
-        let done = run.resumed(RunStage::Pairs, size, |wanted| {
-            wanted.par_iter().map(group).collect()
+        let done = run.resumed(RunStage::Pairs, size, |indices| {
+            indices.par_iter().map(group).collect()
         })?;
         Ok(done.map(|done| self.assembled(done)))
     }
@@ -336,14 +336,14 @@ impl<'a> Exchanger<'a> {
             split: None,
             budget: self.row_budget,
         };
-        let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
+        let mut blocks: [Option<ExchangeBlock>; ORDERS] = Default::default();
         let mut counts = PairCounts::default();
         let (mut work, mut seconds) = (PairWork::default(), 0.0);
         let mut given_up = Vec::new();
         for image in &self.images {
-            let found = found[image.order]
+            let block = blocks[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let done = self.add_image(image, &group, requested, found);
+            let done = self.add_image(image, &group, requested, block);
             counts.add(&done.counts);
             work.add(&done.work);
             seconds += done.seconds;
@@ -358,13 +358,13 @@ impl<'a> Exchanger<'a> {
         given_up.sort_unstable();
         given_up.dedup();
         let row = |(k, position): (usize, &u32)| {
-            let sorted = |found: &Option<ExchangeBlock>| {
-                let mut entries = found.as_ref().map_or(Vec::new(), |f| self.entries(f, k));
+            let sorted = |block: &Option<ExchangeBlock>| {
+                let mut entries = block.as_ref().map_or(Vec::new(), |f| self.entries(f, k));
                 entries.sort_unstable_by_key(|e| e.column);
                 entries
             };
             let id = self.facets.list[*position as usize].id;
-            (id, found.each_ref().map(sorted))
+            (id, blocks.each_ref().map(sorted))
         };
         let group = RowGroup {
             rows: rows.iter().enumerate().map(row).collect(),
@@ -380,22 +380,22 @@ impl<'a> Exchanger<'a> {
         image: &MirrorImage,
         group: &RowGroupPlaces,
         requested: RequestedRows,
-        found: &mut ExchangeBlock,
+        block: &mut ExchangeBlock,
     ) -> ImagePairs {
         let rows = image.rows(self.facets.list[group.whole.clone()].iter());
         let mut traversal =
             PairTraversal::new(image, &rows, &self.facets, self.accuracy, requested);
-        traversal.run(found);
+        traversal.run(block);
         for &(row, column) in &traversal.unresolved {
             let Some(place) = group.places[row] else {
                 continue;
             };
             let row = group.whole.start + row;
             let (value, error) = self.by_shadow_rays(row, column, None);
-            found.add(place, column, value, error);
+            block.add(place, column, value, error);
             if let Some(split) = requested.split {
                 let (value, error) = self.by_shadow_rays(row, column, Some(split.up));
-                found.add_upward(place, column, value, error);
+                block.add_upward(place, column, value, error);
             }
         }
         let own = group.whole.clone().enumerate();
@@ -410,7 +410,7 @@ impl<'a> Exchanger<'a> {
     }
 
     /// Of some rows, what no matrix of theirs tells: how much leaves upwards of the light to columns
-    /// that a row's horizon cuts, and how much ends on columns from `rows` on, which are no rows.
+    /// that a row's horizon cuts, and how much ends on columns from `rows` on, which are not rows.
     /// Without mirrors.
     ///
     /// # Errors
@@ -430,7 +430,7 @@ impl<'a> Exchanger<'a> {
             progress.advance(1)?;
             Ok(self.split_group(rows, split).0)
         };
-        let found: Vec<Vec<(u32, SplitRow)>> = groups
+        let split_rows: Vec<Vec<(u32, SplitRow)>> = groups
             .par_iter()
             .map(group)
             .collect::<Result<_, Cancelled>>()?;
@@ -439,7 +439,7 @@ impl<'a> Exchanger<'a> {
         for (k, &row) in of.iter().enumerate() {
             places[row] = k as u32;
         }
-        for (id, row) in found.into_iter().flatten() {
+        for (id, row) in split_rows.into_iter().flatten() {
             sorted[places[id as usize] as usize] = row;
         }
         Ok(sorted)
@@ -476,11 +476,11 @@ impl<'a> Exchanger<'a> {
     }
 
     /// The sums of one row of a block, over columns in their fixed order.
-    fn split_row(&self, found: &ExchangeBlock, row: usize, rows: u32) -> SplitRow {
-        let (values, errors) = found.row(row);
+    fn split_row(&self, block: &ExchangeBlock, row: usize, rows: u32) -> SplitRow {
+        let (values, errors) = block.row(row);
         let mut sums = SplitRow::default();
         for (k, facet) in self.facets.list.iter().enumerate() {
-            sums.upward += found.upward(row)[k];
+            sums.upward += block.upward(row)[k];
             sums.variance += f64::from(errors[k]).powi(2);
             if facet.id >= rows {
                 sums.hidden += values[k];
@@ -505,7 +505,7 @@ impl<'a> Exchanger<'a> {
         Horizon::new(facet, up, self.images[0].graze)
     }
 
-    /// Sides that are no rows although rows may see them.
+    /// Sides that are not rows although rows may see them.
     pub fn hidden_sides(&self, is_column: impl Fn(u32, bool) -> bool) -> Vec<Side> {
         let patches = (0..self.patches.len() as u32).filter(|&p| self.shows_back[p as usize]);
         patches
@@ -514,8 +514,8 @@ impl<'a> Exchanger<'a> {
             .collect()
     }
 
-    fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
-        let (values, errors) = found.row(row);
+    fn entries(&self, block: &ExchangeBlock, row: usize) -> Vec<Exchange> {
+        let (values, errors) = block.row(row);
         // Of the exact size: most of the memory is in these lists.
         let count = values.iter().filter(|&&value| value > 0.0).count();
         let mut entries = Vec::with_capacity(count);
@@ -578,9 +578,9 @@ impl RowGroupPlaces {
 /// Exchange areas of one row that [`Exchanger::split_at_horizon`] sums up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SplitRow {
-    /// To columns that the horizon cuts and to those that are no rows: the part above the horizon.
+    /// To columns that the horizon cuts and to those that are not rows: the part above the horizon.
     pub upward: f64,
-    /// To columns that are no rows.
+    /// To columns that are not rows.
     pub hidden: f64,
     /// Variance of either.
     pub variance: f64,
@@ -688,20 +688,20 @@ fn facet(patches: &Patches, planes: &SurfacePlanes, side: Side, row: u32) -> Opt
 }
 
 /// The accuracy of pairs that gives the sums of rows the requested one.
-fn accuracy(wanted: Option<f64>, rows: usize) -> PairAccuracy {
-    let wanted = wanted.unwrap_or(if rows <= FEW { 1e-11 } else { 5e-5 });
-    if wanted < EXACT {
+fn accuracy(error: Option<f64>, rows: usize) -> PairAccuracy {
+    let error = error.unwrap_or(if rows <= FEW { 1e-11 } else { 5e-5 });
+    if error < EXACT {
         return PairAccuracy {
             whole: 1e-13,
-            partial: wanted,
+            partial: error,
             is_exact: true,
         };
     }
     PairAccuracy {
-        whole: 0.4 * wanted,
+        whole: 0.4 * error,
         // Measured on rooms of 500 to 20,000 facets: partially occluded pairs are a few of each
         // row, with nearly independent errors; finer divisions have more of them.
-        partial: wanted * (12.0 / (rows as f64).sqrt()).min(0.25),
+        partial: error * (12.0 / (rows as f64).sqrt()).min(0.25),
         is_exact: false,
     }
 }

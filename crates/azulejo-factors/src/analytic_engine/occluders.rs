@@ -20,7 +20,7 @@ pub(super) struct SceneOccluders {
     pub flat: Vec<Blocker>,
     /// Bounding boxes of objects with curved patches.
     pub curved: Vec<Aabb>,
-    /// For each patch, whether the sides may see its back: it is no part of a closed surface, or
+    /// For each patch, whether the sides may see its back: it is not part of a closed surface, or
     /// some side is inside.
     pub shows_back: Vec<bool>,
     /// The planes of flat patches, and the depth that does not count.
@@ -133,12 +133,12 @@ fn seen_from_inside(
             .iter()
             .zip(hits)
             .filter(|(ray, hit)| hit.is_hit() && !surfaces.is_front(ray, hit));
-        let found =
+        let surface_ids =
             backs.filter_map(|(_, hit)| surface[patches.locate_hit(surfaces, &hit) as usize]);
         // One or two rays may have slipped through a crack between triangles.
-        let mut found: Vec<u32> = found.collect();
-        found.sort_unstable();
-        let many = found
+        let mut surface_ids: Vec<u32> = surface_ids.collect();
+        surface_ids.sort_unstable();
+        let many = surface_ids
             .chunk_by(|a, b| a == b)
             .filter(|group| 2 * group.len() as u32 >= PROBE_RAYS);
         many.map(|group| group[0]).collect::<Vec<u32>>()

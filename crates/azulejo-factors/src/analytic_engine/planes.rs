@@ -1,6 +1,6 @@
 //! Which patches lie in one plane, within the rounding of their coordinates.
 //!
-//! A wall that is turned and written with six decimals is no plane: its patches stick out of each other's
+//! A wall that is turned and written with six decimals is not a plane: its patches stick out of each other's
 //! planes by the rounding, and would hide each other. Surfaces that share edges and deviate from one plane
 //! by no more than their coordinates' rounding explains are therefore taken as one plane, fitted to all of
 //! them; apart from each other, if their heights agree besides. How far corners really are from these

@@ -68,7 +68,7 @@ fn shared_heights(pair: [&Facet; 2], up: DVec3, graze: f64) -> Vec<f64> {
     shared
 }
 
-/// Heights with so many slabs between each two.
+/// Heights with this many slabs between each two.
 fn divided(heights: &[f64], slabs: usize) -> Vec<f64> {
     let mut all = vec![heights[0]];
     for pair in heights.windows(2) {

@@ -89,11 +89,11 @@ pub(super) struct RequestedRows<'a> {
 }
 
 /// Which pairs are split at the horizon: those with light both above and below it, and those with
-/// columns that are no rows, of which the whole exchange area is computed as well.
+/// columns that are not rows, of which the whole exchange area is computed as well.
 #[derive(Clone, Copy)]
 pub(super) struct HorizonSplit {
     pub up: DVec3,
-    /// Facets with numbers from this on are no rows.
+    /// Facets with numbers from this on are not rows.
     pub rows: u32,
     /// Absolute error of form factors.
     pub error: f64,
@@ -267,7 +267,7 @@ impl<'a> PairTraversal<'a> {
         self.obstructions.clear();
     }
 
-    fn visit(&mut self, r: usize, c: usize, obstructions: Range<usize>, found: &mut ExchangeBlock) {
+    fn visit(&mut self, r: usize, c: usize, obstructions: Range<usize>, block: &mut ExchangeBlock) {
         let image = self.image;
         let upper = self.requested.upper;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
@@ -316,13 +316,13 @@ impl<'a> PairTraversal<'a> {
         let is_done = !is_split
             && kept.is_empty()
             && facing == Facing::Towards
-            && self.clear(&row_range, r, c, found);
+            && self.clear(&row_range, r, c, block);
         if is_done {
         } else if is_row_leaf && is_leaf {
             for row in row_range {
                 for column in node.range.start as usize..node.range.end as usize {
                     let before = self.work;
-                    self.pair(row, column, kept.clone(), found);
+                    self.pair(row, column, kept.clone(), block);
                     self.spent[row] += self.work.seconds() - before.seconds();
                 }
             }
@@ -331,11 +331,11 @@ impl<'a> PairTraversal<'a> {
             let halves_row = !is_row_leaf
                 && (is_leaf || size(&self.nodes[r].cluster.bounds) > size(&column.bounds));
             if halves_row {
-                self.visit(r + 1, c, kept.clone(), found);
-                self.visit(second_row, c, kept, found);
+                self.visit(r + 1, c, kept.clone(), block);
+                self.visit(second_row, c, kept, block);
             } else {
-                self.visit(r, c + 1, kept.clone(), found);
-                self.visit(r, node.second as usize, kept, found);
+                self.visit(r, c + 1, kept.clone(), block);
+                self.visit(r, node.second as usize, kept, block);
             }
         }
         self.obstructions.truncate(top);
@@ -378,7 +378,7 @@ impl<'a> PairTraversal<'a> {
         rows: &Range<usize>,
         r: usize,
         c: usize,
-        found: &mut ExchangeBlock,
+        block: &mut ExchangeBlock,
     ) -> bool {
         let image = self.image;
         let (row, column) = (&self.nodes[r].cluster, &self.columns.clusters[c]);
@@ -423,11 +423,11 @@ impl<'a> PairTraversal<'a> {
                 let is_lit = !facet.is_empty() && !image.is_behind(k);
                 if (!self.requested.upper || facet.id >= own.id) && is_lit {
                     let value = image.weight * value.max(0.0);
-                    found.add(place, k, value, error * value);
+                    block.add(place, k, value, error * value);
                     if let Some(split) = self.requested.split
                         && split.elevation(own, facet, image.graze) == Elevation::Above
                     {
-                        found.add_upward(place, k, value, 0.0);
+                        block.add_upward(place, k, value, 0.0);
                     }
                 }
             }
@@ -441,7 +441,7 @@ impl<'a> PairTraversal<'a> {
         row: usize,
         column: usize,
         obstructions: Range<usize>,
-        found: &mut ExchangeBlock,
+        block: &mut ExchangeBlock,
     ) {
         let image = self.image;
         let (a, b) = (&self.rows.list[row], &self.columns.list[column]);
@@ -500,9 +500,9 @@ impl<'a> PairTraversal<'a> {
                     let seen = self.partly_seen(parts, kept.clone(), goal);
                     (seen.value, seen.error)
                 };
-                found.add(place, column, image.weight * value, image.weight * error);
+                block.add(place, column, image.weight * value, image.weight * error);
                 if elevation == Some(Elevation::Above) {
-                    found.add_upward(place, column, value, 0.0);
+                    block.add_upward(place, column, value, 0.0);
                 }
             }
             if let (Some(split), Some(Elevation::Mixed)) = (split, elevation) {
@@ -511,7 +511,7 @@ impl<'a> PairTraversal<'a> {
                     ..goal
                 };
                 let seen = self.partly_seen(parts, kept, goal);
-                found.add_upward(place, column, seen.value, seen.error);
+                block.add_upward(place, column, seen.value, seen.error);
             }
         }
         self.obstructions.truncate(top);

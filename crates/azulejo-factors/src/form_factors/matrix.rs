@@ -191,11 +191,11 @@ pub(super) fn block_bytes(entries: f64, rows: f64) -> f64 {
     2.0 * 2.0 * 16.0 * entries.min(most)
 }
 
-/// What the sum of a row may have too much: so many times the sum of its standard errors, and what slivers and small
+/// What the sum of a row may have too much: this many times the sum of its standard errors, and what slivers and small
 /// overlaps add.
 const FREEDOM: (f64, f64) = (2.0, 0.1);
 
-/// By how much the sum of a row may be off, of this sum of standard errors and by so many rays, if any.
+/// By how much the sum of a row may be off, of this sum of standard errors and by this many rays, if any.
 pub(super) fn row_freedom(errors: f64, rays: f64) -> f64 {
     // A handful of rays do not know how far off they are.
     let few = if rays > 0.0 {

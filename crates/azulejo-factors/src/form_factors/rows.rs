@@ -75,7 +75,7 @@ impl TracedRows {
 }
 
 impl RayRow {
-    /// Scales the row, of a patch of this area and by so many rays, to what exact formulas leave of its light.
+    /// Scales the row, of a patch of this area and by this many rays, to what exact formulas leave of its light.
     fn fit_to_formulas(&mut self, (area, rays): (f64, u32), exact: &[PairEstimate]) {
         let is_exact = |column: u32| {
             let place = exact.binary_search_by_key(&column, |e| e.column);

@@ -196,7 +196,7 @@ impl<'a> Filling<'a> {
         for (k, leaf) in leaves.iter().enumerate() {
             position_leaves[leaf.start as usize..leaf.end as usize].fill(k as u32);
         }
-        // Where the sums of each link begin, and which block each leaf sees from where on.
+        // Where the sums of each link begin, and from which block on each leaf sees it.
         let (mut starts, mut count) = (Vec::with_capacity(shapes.len()), 0);
         let mut views = vec![Vec::new(); leaves.len()];
         for (block, shape) in shapes.iter().enumerate() {

@@ -338,8 +338,8 @@ impl CompressionOptions {
         if (0.0..1.0).contains(&self.tolerance) {
             Ok(())
         } else {
-            let found = self.tolerance;
-            Err(CompressionError::Tolerance { found })
+            let tolerance = self.tolerance;
+            Err(CompressionError::Tolerance { found: tolerance })
         }
     }
 }

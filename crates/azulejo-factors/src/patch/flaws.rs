@@ -74,7 +74,7 @@ impl Patches {
         })
     }
 
-    /// Faces whose patches have no area, so that they are no rows.
+    /// Faces whose patches have no area, so that they are not rows.
     pub fn faces_without_area(&self) -> Vec<FaceId> {
         let objects = self.face_base.windows(2).zip(0..);
         let faces = objects.flat_map(|(range, object)| {

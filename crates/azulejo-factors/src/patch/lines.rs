@@ -360,7 +360,7 @@ mod tests {
 
     const SQUARE: [DVec2; 4] = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
 
-    /// Expects so many points inside, pieces and ends on the border.
+    /// Expects this many points inside, pieces and ends on the border.
     fn check(segments: &[[f64; 4]], size: f64, expected: Option<(usize, usize, usize)>) {
         let segments: Vec<[DVec2; 2]> = segments
             .iter()

@@ -612,7 +612,7 @@ fn floors_get_their_share_beside_any_number_of_details() {
     }
 }
 
-/// One region of so many corners would take a minute.
+/// One region of this many corners would take a minute.
 #[test]
 fn faces_of_many_corners_are_divided_by_their_triangles() {
     let n = 20_000;

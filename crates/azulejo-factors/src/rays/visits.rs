@@ -105,9 +105,9 @@ mod tests {
             visits.add(path, 3, order, 0.25);
         }
         visits.end(0.25);
-        let found = visits.take();
+        let entries = visits.take();
         let of = |order: Order| {
-            let entry = found.iter().find(|e| (e.side, e.order) == (3, order));
+            let entry = entries.iter().find(|e| (e.side, e.order) == (3, order));
             entry.map_or(0.0, |e| e.weight.g)
         };
         // In units of 1/16: a path that comes directly and returns twice has 9 instead of 3, of which 2 are of

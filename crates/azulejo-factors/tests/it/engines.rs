@@ -168,8 +168,8 @@ fn rays_with_formulas() {
     check_honesty(&answers);
 }
 
-/// Hemicubes of so many pixels along a side, from so many points, on the processor. Fewer pixels would not do: what
-/// they distort of close pairs is no noise.
+/// Hemicubes of this many pixels along a side, from this many points, on the processor. Fewer pixels would not do: what
+/// they distort of close pairs is not noise.
 fn pixels(resolution: u32, points: u32) -> Hemicube {
     Hemicube {
         resolution,
@@ -216,7 +216,7 @@ fn hybrid() {
 }
 
 /// Four times the pixels along a side and sixteen times the points at least halve the error: there
-/// is no error floor, as there is for one point per patch.
+/// is not an error floor, as there is for one point per patch.
 #[test]
 fn hemicubes_get_better() {
     let off = |resolution, points| {

@@ -129,7 +129,7 @@ fn shares_add_up_with_mirrors_backs_and_openings() {
         let seen: f64 = point.factors.iter().map(|(_, f)| 0.6 * f.value).sum();
         let sum = seen + point.rest.sum();
         assert!((sum - 1.0).abs() < 1e-9, "point {k}: {sum}");
-        assert_eq!(point.factors.is_empty(), k == 1, "the back is no column");
+        assert_eq!(point.factors.is_empty(), k == 1, "the back is not a column");
         assert_eq!(point.rest.hidden > 0.0, k == 1);
     }
 }

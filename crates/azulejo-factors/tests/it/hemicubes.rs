@@ -471,7 +471,7 @@ enum Fault {
     None,
     Missing,
     TooSmall,
-    /// Lost after so many draws.
+    /// Lost after this many draws.
     Lost(usize),
     /// Too few answers.
     Silent,

@@ -369,7 +369,7 @@ fn the_sky_above_a_wall() {
     }
 }
 
-/// Stores blocks in memory, and cancels the work after so many.
+/// Stores blocks in memory, and cancels the work after this many.
 struct Interrupting<'a> {
     blocks: Mutex<HashMap<(RunStage, usize), Vec<u8>>>,
     progress: &'a Progress,

@@ -30,7 +30,7 @@ pub fn unit_square(z: f64) -> Vec<DVec3> {
 pub fn polygon(scene: &Scene, object: u32) -> Vec<DVec3> {
     match &scene.objects[object as usize].shape {
         Shape::Mesh(mesh) => mesh.face_positions(0),
-        _ => panic!("object {object} is no mesh"),
+        _ => panic!("object {object} is not a mesh"),
     }
 }
 

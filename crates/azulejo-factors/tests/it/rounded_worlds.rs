@@ -268,7 +268,7 @@ fn slivers_disturb_no_other_row() {
     }
 }
 
-/// Closure makes rows of the others sum to 1: that some rays of the sliver start outside is no opening.
+/// Closure makes rows of the others sum to 1: that some rays of the sliver start outside is not an opening.
 #[test]
 fn slivers_open_no_room() {
     let (straight, _) = room_with_sliver(1e-6);

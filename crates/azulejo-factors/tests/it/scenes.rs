@@ -78,7 +78,7 @@ pub fn add_tiles(
 pub fn mesh_of(scene: &mut Scene, object: usize) -> &mut Mesh {
     match &mut scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        _ => panic!("object {object} is no mesh"),
+        _ => panic!("object {object} is not a mesh"),
     }
 }
 

@@ -92,7 +92,7 @@ fn share_within_two(scene: &Scene, rays: u32, seeds: u64) -> f64 {
 }
 
 /// Between facing mirrors paths return to a side many times, and glass gives them more weight, so that a thousand
-/// rays are fewer than a thousand hits. Errors as of so many hits had the truth in 87 to 90 of 100.
+/// rays are fewer than a thousand hits. Errors as of this many hits had the truth in 87 to 90 of 100.
 #[test]
 fn mirrors_and_glass_state_their_errors() {
     let ids = ["fresnel_int_1.5", "pane_1.5", "prism_mir_12", "mir_corner"];

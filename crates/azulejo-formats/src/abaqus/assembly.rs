@@ -229,7 +229,7 @@ impl<'a> AbaqusAssembly<'a> {
         &mut self,
         instance: u32,
         [first, last, step]: [u32; 3],
-        found: &mut Vec<PlacedElement>,
+        elements: &mut Vec<PlacedElement>,
     ) -> Result<(), ReadError> {
         let part = self.instances[instance as usize].part;
         let Some(span) = last.checked_sub(first) else {
@@ -240,7 +240,7 @@ impl<'a> AbaqusAssembly<'a> {
             self.spend(count.into())?;
             let numbers = (0..count).map(|k| first + k * step);
             let indices = numbers.filter_map(|n| part.element_numbers.get(&n));
-            found.extend(indices.map(|&e| (instance, e)));
+            elements.extend(indices.map(|&e| (instance, e)));
             return Ok(());
         }
         self.spend(part.elements.len() as u64)?;
@@ -248,7 +248,7 @@ impl<'a> AbaqusAssembly<'a> {
         let known = part.element_numbers.iter().filter(|&(&n, _)| is_in(n));
         let mut indices: Vec<u32> = known.map(|(_, &e)| e).collect();
         indices.sort_unstable();
-        found.extend(indices.into_iter().map(|e| (instance, e)));
+        elements.extend(indices.into_iter().map(|e| (instance, e)));
         Ok(())
     }
 

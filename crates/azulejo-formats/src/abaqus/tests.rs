@@ -168,7 +168,7 @@ top, rest
     );
 }
 
-/// Numbered faces of plane elements are edges, which are no surfaces.
+/// Numbered faces of plane elements are edges, which are not surfaces.
 #[test]
 fn plane_elements_are_sheets() {
     let text = "*ELEMENT, TYPE=CPS3, ELSET=wall\n1, 1, 2, 3\n*SURFACE, NAME=edge\nwall, S2\n";

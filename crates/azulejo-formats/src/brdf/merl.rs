@@ -76,9 +76,9 @@ fn check_sizes(bytes: &[u8], name: &str, sizes: [usize; 3]) -> Result<(), ReadEr
         let place = header.offset();
         let expected = || format!("{size}, the bins of {what}");
         match header.u32_le() {
-            Some(found) if found as usize == size => {}
-            Some(found) => {
-                let found = found.cast_signed().to_string();
+            Some(bins) if bins as usize == size => {}
+            Some(bins) => {
+                let found = bins.cast_signed().to_string();
                 return Err(ReadError::at_byte(name, place, found, expected()));
             }
             None => {

@@ -389,12 +389,12 @@ mod tests {
     #[test]
     fn lost_lines_are_skipped() {
         // The x of a point lost its value.
-        let (found, damage) = all(b"0\nLINE\n10\n20\n2.5\n30\n3.5\n0\nEOF\n");
-        let codes: Vec<i16> = found.iter().map(|(code, _)| *code).collect();
+        let (pairs, damage) = all(b"0\nLINE\n10\n20\n2.5\n30\n3.5\n0\nEOF\n");
+        let codes: Vec<i16> = pairs.iter().map(|(code, _)| *code).collect();
         assert_eq!((codes, damage), (vec![0, 10, 30, 0], Some((13, 1))));
         // A name lost its code.
-        let (found, damage) = all(b"0\n8\nwalls\n8\nfloor\n");
-        assert_eq!(found, [(8, "walls".to_owned()), (8, "floor".to_owned())]);
+        let (pairs, damage) = all(b"0\n8\nwalls\n8\nfloor\n");
+        assert_eq!(pairs, [(8, "walls".to_owned()), (8, "floor".to_owned())]);
         assert_eq!(damage, Some((0, 1)));
     }
 
@@ -440,10 +440,10 @@ mod tests {
 
     #[test]
     fn binary_damage_ends_the_groups() {
-        let (found, damage) = all(b"AutoCAD Binary DXF\n\x1a\0\0SECTION\0\x50\0\0EOF\0");
-        assert_eq!(found, [(0, "SECTION".to_owned())]);
+        let (pairs, damage) = all(b"AutoCAD Binary DXF\n\x1a\0\0SECTION\0\x50\0\0EOF\0");
+        assert_eq!(pairs, [(0, "SECTION".to_owned())]);
         assert_eq!(damage, Some((30, 1)));
-        let (found, damage) = all(b"AutoCAD Binary DXF\r\n\x1a\0\0SECTION\0\x0a\0\0");
-        assert_eq!((found.len(), damage), (1, None));
+        let (pairs, damage) = all(b"AutoCAD Binary DXF\r\n\x1a\0\0SECTION\0\x0a\0\0");
+        assert_eq!((pairs.len(), damage), (1, None));
     }
 }

@@ -232,21 +232,21 @@ impl SurfaceReader<'_, '_> {
     fn opening<'o>(
         &mut self,
         object: &'o InputObject<'o>,
-        found: &mut InputSurfaces<'o>,
+        surfaces: &mut InputSurfaces<'o>,
     ) -> Result<(), ReadError> {
         let class = object.layout.class;
         let is_rectangle = class == InputClass::RectangularOpening;
         if class != InputClass::Opening && !is_rectangle {
             return Ok(());
         }
-        let base = found.named(object.text("building_surface_name"));
+        let base = surfaces.named(object.text("building_surface_name"));
         if !object.text("frame_and_divider_name").is_empty() {
             self.warn(object, "frame of an opening: part of its surface");
         }
         if object.number_or("multiplier", 1.0, self.file)? != 1.0 {
             self.warn(object, "opening with a multiplier: one is read");
         }
-        let corners = match base.map(|base| &found.list[base]) {
+        let corners = match base.map(|base| &surfaces.list[base]) {
             None if is_rectangle => {
                 self.warn(
                     object,
@@ -266,13 +266,13 @@ impl SurfaceReader<'_, '_> {
         }
         let opening = SurfaceOpening { object, corners };
         match base {
-            Some(base) => found.list[base].openings.push(opening),
+            Some(base) => surfaces.list[base].openings.push(opening),
             None => {
                 self.warn(
                     object,
                     "opening of a surface that is not in the file: in no surface",
                 );
-                found.orphans.push(opening);
+                surfaces.orphans.push(opening);
             }
         }
         Ok(())

@@ -585,11 +585,16 @@ fn surfaces_know_their_zones() {
         rows.map(|(name, zone, masses)| ((*name).to_owned(), (*zone).to_owned(), *masses))
             .collect()
     };
-    let mut found = zones(&text);
-    let tree = found.remove(found.iter().position(|(name, ..)| name == "Tree").unwrap());
+    let mut objects = zones(&text);
+    let tree = objects.remove(
+        objects
+            .iter()
+            .position(|(name, ..)| name == "Tree")
+            .unwrap(),
+    );
     assert_eq!(tree.1, "");
     assert_eq!(
-        found,
+        objects,
         expected(&[
             ("a", "One", 0),
             ("b", "two", 1),
@@ -599,8 +604,11 @@ fn surfaces_know_their_zones() {
     );
     // What is open between them makes one of two, by the name of the first.
     let open = [&*text, &wall("hole", "Three", "Air", "Surface,a")].concat();
-    let found = zones(&open);
-    assert!(found.contains(&("c".into(), "One".into(), 0)), "{found:?}");
+    let objects = zones(&open);
+    assert!(
+        objects.contains(&("c".into(), "One".into(), 0)),
+        "{objects:?}"
+    );
 }
 
 proptest! {

@@ -122,17 +122,17 @@ mod tests {
             pointer("/meshes/5/weights/0"),
             pointer("/materials/6/emissiveFactor"),
         );
-        let found = Targets::of(json.as_bytes());
-        assert_eq!(found.moved_nodes, [1, 3]);
-        assert_eq!(found.morphed_nodes, HashSet::from([2, 4]));
-        assert_eq!(found.morphed_meshes, HashSet::from([5]));
+        let targets = Targets::of(json.as_bytes());
+        assert_eq!(targets.moved_nodes, [1, 3]);
+        assert_eq!(targets.morphed_nodes, HashSet::from([2, 4]));
+        assert_eq!(targets.morphed_meshes, HashSet::from([5]));
         assert!(Targets::of(b"{\"animations\":[{").moved_nodes.is_empty());
     }
 
     fn check(json: &str, expected: &str) {
         let mut messages = GltfMessages::default();
-        let found = blanked(json.as_bytes(), &mut messages);
-        assert_eq!(std::str::from_utf8(&found).unwrap(), expected);
+        let bytes = blanked(json.as_bytes(), &mut messages);
+        assert_eq!(std::str::from_utf8(&bytes).unwrap(), expected);
         let warned = messages.first_of("animations").is_some();
         assert_eq!(warned, json != expected);
     }

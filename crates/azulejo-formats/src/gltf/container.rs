@@ -158,14 +158,14 @@ pub(super) mod tests {
     fn check(bytes: &[u8], expected: Result<(&str, Option<&[u8]>, usize), &str>) {
         let mut messages = GltfMessages::default();
         match (split(bytes, "a.glb", &mut messages), expected) {
-            (Ok(found), Ok((json, bin, warned))) => {
+            (Ok(container), Ok((json, bin, warned))) => {
                 let mut warnings = Warnings::default();
                 messages.report("a.glb", &mut warnings);
-                assert_eq!((found.json, found.bin), (json.as_bytes(), bin));
+                assert_eq!((container.json, container.bin), (json.as_bytes(), bin));
                 assert_eq!(warnings.finish("a.glb").len(), warned);
             }
             (Err(e), Err(part)) => assert!(e.to_string().contains(part), "{e}"),
-            (found, _) => panic!("{found:?}, expected {expected:?}"),
+            (result, _) => panic!("{result:?}, expected {expected:?}"),
         }
     }
 

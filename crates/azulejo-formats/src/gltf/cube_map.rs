@@ -201,8 +201,8 @@ mod tests {
     fn directions_meet_their_faces() {
         for face in 0..6 {
             for (s, t) in [(0.3, -0.8), (-0.9, 0.1), (0.0, 0.0)] {
-                let (found, u, v) = face_of(direction(face, s, t));
-                assert_eq!(found, face);
+                let (hit_face, u, v) = face_of(direction(face, s, t));
+                assert_eq!(hit_face, face);
                 assert!((u - s).abs() < 1e-12 && (v - t).abs() < 1e-12, "{face}");
             }
         }
@@ -215,9 +215,12 @@ mod tests {
         let c = map.irradiance_coefficients();
         for n in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8)] {
             let terms = c.iter().zip(harmonics(n)).map(|(c, y)| c.g * y);
-            let found: f64 = terms.sum();
+            let irradiance: f64 = terms.sum();
             let truth = PI + 2.0 * PI / 3.0 * n.z;
-            assert!((found - truth).abs() < 2e-3 * PI, "{n}: {found}, {truth}");
+            assert!(
+                (irradiance - truth).abs() < 2e-3 * PI,
+                "{n}: {irradiance}, {truth}"
+            );
         }
         assert!((map.mean().g - 1.0).abs() < 1e-3);
     }
@@ -250,10 +253,10 @@ mod tests {
         let mut file = Vec::new();
         crate::picture::png::write_linear(&image, &mut file).unwrap();
         let back = unpacked(crate::picture::png::read(&file).unwrap());
-        for (found, given) in back.pixels.iter().zip(&pixels) {
+        for (pixel, given) in back.pixels.iter().zip(&pixels) {
             for k in 0..3 {
-                let off = f64::from(found[k]) - given[k];
-                assert!(off.abs() <= 0.013 * given[k] + 2e-3, "{found:?} {given:?}");
+                let off = f64::from(pixel[k]) - given[k];
+                assert!(off.abs() <= 0.013 * given[k] + 2e-3, "{pixel:?} {given:?}");
             }
         }
     }

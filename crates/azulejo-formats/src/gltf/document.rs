@@ -226,7 +226,7 @@ mod tests {
                 assert_eq!(warnings.finish("a.gltf").len(), warned, "{json}");
             }
             (Err(e), Err(part)) => assert!(e.to_string().contains(part), "{e}"),
-            (found, _) => panic!("{json}: {found:?}"),
+            (parsed, _) => panic!("{json}: {parsed:?}"),
         }
     }
 

@@ -560,8 +560,8 @@ impl MaterialReader<'_, '_> {
                 "material without shading (KHR_materials_unlit): lit as diffuse",
             ),
         ];
-        for (found, message) in rest {
-            if found {
+        for (is_present, message) in rest {
+            if is_present {
                 self.warn(message);
             }
         }

@@ -50,8 +50,8 @@ impl CompressedView {
     /// The compression of a view, if it has any.
     pub fn of(view: &View) -> Option<Result<CompressedView, String>> {
         let extensions = &view.extensions.as_ref()?.others;
-        let mut found = NAMES.iter().filter_map(|name| extensions.get(*name));
-        let read = CompressedView::read(found.next()?);
+        let mut descriptions = NAMES.iter().filter_map(|name| extensions.get(*name));
+        let read = CompressedView::read(descriptions.next()?);
         Some(read.ok_or_else(|| "compressed data with an invalid description".to_owned()))
     }
 
@@ -130,8 +130,8 @@ impl CompressedView {
             Filter::Color => each(&mut decoded, |e| {
                 let [y, co, cg, a] = shorts(e);
                 let [y, a] = [y, a].map(|v| i32::from(v.cast_unsigned()));
-                let found = color([y, co.into(), cg.into(), a], 65535.0);
-                let [r, g, b, a] = found.map(|v| (v as u16).cast_signed());
+                let rgba = color([y, co.into(), cg.into(), a], 65535.0);
+                let [r, g, b, a] = rgba.map(|v| (v as u16).cast_signed());
                 bytes_of([r, g, b], a)
             }),
         }

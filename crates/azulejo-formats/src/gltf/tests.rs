@@ -58,10 +58,10 @@ fn loaded(file: &[u8]) -> Loaded {
 /// The scene of a file with these warnings, in their order.
 fn read(file: &str, warnings: &[&str]) -> Scene {
     let loaded = loaded(file.as_bytes());
-    let found: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(found.len(), warnings.len(), "{found:?}");
-    for (found, part) in found.iter().zip(warnings) {
-        assert!(found.contains(part), "{found}, expected {part}");
+    let messages: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(messages.len(), warnings.len(), "{messages:?}");
+    for (message, part) in messages.iter().zip(warnings) {
+        assert!(message.contains(part), "{message}, expected {part}");
     }
     loaded.scene
 }

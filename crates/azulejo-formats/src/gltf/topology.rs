@@ -81,9 +81,12 @@ mod tests {
     use super::*;
 
     fn check(mode: Mode, corners: &[u32], expected: &[[u32; 3]], left_over: usize) {
-        let found = triangles(mode, corners);
-        let list: Vec<[u32; 3]> = (0..found.count()).map(|i| found.get(i)).collect();
-        assert_eq!((list.as_slice(), found.left_over), (expected, left_over));
+        let triangles = triangles(mode, corners);
+        let list: Vec<[u32; 3]> = (0..triangles.count()).map(|i| triangles.get(i)).collect();
+        assert_eq!(
+            (list.as_slice(), triangles.left_over),
+            (expected, left_over)
+        );
     }
 
     #[test]

@@ -107,7 +107,7 @@ mod tests {
     fn check(uri: &str, expected: Result<Uri, &str>) {
         match (read(uri), expected) {
             (Err(e), Err(part)) => assert!(e.contains(part), "{e}"),
-            (found, expected) => assert_eq!(found.ok(), expected.ok(), "{uri}"),
+            (parsed, expected) => assert_eq!(parsed.ok(), expected.ok(), "{uri}"),
         }
     }
 

@@ -462,8 +462,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         each: u64,
     ) -> Result<Option<Vec<DAffine3>>, ReadError> {
         let extensions = node.extensions.as_ref();
-        let found = extensions.and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
-        let Some(extension) = found else {
+        let instancing = extensions.and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
+        let Some(extension) = instancing else {
             return Ok(None);
         };
         let attribute = |name: &str| {

@@ -117,7 +117,7 @@ impl ElementReader<'_> {
             match k {
                 0 => physical = tag,
                 1 => entity = tag,
-                // Partitions, which are no matter of geometry.
+                // Partitions, which are not a matter of geometry.
                 _ => {}
             }
         }

@@ -223,9 +223,9 @@ fn curves_at(wavelength: u32) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    fn check(found: Chroma, x: f64, y: f64, tolerance: f64) {
-        let sum: f64 = found.xyz.iter().sum();
-        let [fx, fy] = [found.xyz[0] / sum, found.xyz[1] / sum];
+    fn check(chroma: Chroma, x: f64, y: f64, tolerance: f64) {
+        let sum: f64 = chroma.xyz.iter().sum();
+        let [fx, fy] = [chroma.xyz[0] / sum, chroma.xyz[1] / sum];
         let error = (fx - x).abs().max((fy - y).abs());
         assert!(error < tolerance, "{fx} {fy}, expected {x} {y}");
     }

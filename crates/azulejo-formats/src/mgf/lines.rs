@@ -127,15 +127,15 @@ mod tests {
 
     fn check(source: &str, expected: &[&str]) {
         let (mut lines, mut words) = (MgfLines::new(source.as_bytes()), Vec::new());
-        let mut found = Vec::new();
+        let mut statements = Vec::new();
         while let Some(mark) = lines.next(&mut words) {
             let Position::Line(line, column) = lines.position(mark) else {
                 unreachable!("text has lines")
             };
             let words: Vec<_> = words.iter().map(|w| text(w)).collect();
-            found.push(format!("{line}:{column} {}", words.join("|")));
+            statements.push(format!("{line}:{column} {}", words.join("|")));
         }
-        assert_eq!(found, expected, "{source:?}");
+        assert_eq!(statements, expected, "{source:?}");
     }
 
     #[test]

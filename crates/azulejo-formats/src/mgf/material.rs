@@ -195,19 +195,19 @@ mod tests {
     }
 
     fn check(surface: MgfMaterial, expected: Material, losses: &[&str]) {
-        let (found, lost) = surface.material("m", false, &mut Gloss::default());
+        let (material, lost) = surface.material("m", false, &mut Gloss::default());
         let close = |a: Rgb, b: Rgb| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
         assert!(
-            close(found.diffuse, expected.diffuse)
-                && close(found.mirror, expected.mirror)
-                && close(found.emission, expected.emission),
-            "{found:?}"
+            close(material.diffuse, expected.diffuse)
+                && close(material.mirror, expected.mirror)
+                && close(material.emission, expected.emission),
+            "{material:?}"
         );
-        assert_eq!(found.emits_back, expected.emits_back);
-        assert_eq!(found.dielectric, expected.dielectric);
+        assert_eq!(material.emits_back, expected.emits_back);
+        assert_eq!(material.dielectric, expected.dielectric);
         assert_eq!(lost.len(), losses.len(), "{lost:?}");
-        for (found, expected) in lost.iter().zip(losses) {
-            assert!(found.contains(expected), "{found}");
+        for (loss, expected) in lost.iter().zip(losses) {
+            assert!(loss.contains(expected), "{loss}");
         }
     }
 

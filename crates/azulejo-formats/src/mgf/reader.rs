@@ -699,7 +699,7 @@ fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], EntityError> {
     }
     for (value, word) in values.iter_mut().zip(words) {
         match number(word) {
-            Some(found) => *value = found,
+            Some(parsed) => *value = parsed,
             None => return skip(format!("{} is not a number: skipped", quoted(word))),
         }
     }

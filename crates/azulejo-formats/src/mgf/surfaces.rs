@@ -160,11 +160,11 @@ impl MgfReader<'_> {
         let frame = self.face_frame();
         let corners = names.map(|name| self.corner(&frame, name));
         let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
-        let (outline, found) = (loops[0].len(), &loops[1..]);
+        let (outline, hole_loops) = (loops[0].len(), &loops[1..]);
         if outline < 3 {
             return skip("face with fewer than 3 corners: skipped");
         }
-        let holes: Vec<usize> = found.iter().map(|hole| hole.len()).collect();
+        let holes: Vec<usize> = hole_loops.iter().map(|hole| hole.len()).collect();
         // Each hole is tested against all corners connected so far.
         self.budget
             .spend((holes.len() * corners.len()) as u64 / 8)?;

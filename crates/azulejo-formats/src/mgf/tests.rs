@@ -46,7 +46,7 @@ fn with_square(text: &str) -> Loaded {
 
 /// Names and polygons of objects.
 fn check_objects(loaded: &Loaded, expected: &[(&str, usize)]) {
-    let found: Vec<(&str, usize)> = loaded
+    let objects: Vec<(&str, usize)> = loaded
         .scene
         .objects
         .iter()
@@ -55,14 +55,14 @@ fn check_objects(loaded: &Loaded, expected: &[(&str, usize)]) {
             _ => (o.name.as_str(), 0),
         })
         .collect();
-    assert_eq!(found, expected);
+    assert_eq!(objects, expected);
 }
 
 fn check_warnings(loaded: &Loaded, expected: &[&str]) {
-    let found = warnings(loaded);
-    assert_eq!(found.len(), expected.len(), "{found:#?}");
-    for (found, expected) in found.iter().zip(expected) {
-        assert!(found.contains(expected), "{found}, expected {expected}");
+    let messages = warnings(loaded);
+    assert_eq!(messages.len(), expected.len(), "{messages:#?}");
+    for (message, expected) in messages.iter().zip(expected) {
+        assert!(message.contains(expected), "{message}, expected {expected}");
     }
 }
 
@@ -191,15 +191,15 @@ fn arrays_read_their_content_for_each_instance() {
         "a0.1/o/a0",
         "a0.1/o/a1",
     ];
-    let found: Vec<&str> = loaded
+    let object_names: Vec<&str> = loaded
         .scene
         .objects
         .iter()
         .map(|o| o.name.as_str())
         .collect();
-    assert_eq!(found.len(), 13);
-    assert_eq!(found[..6], names);
-    assert_eq!(found[12], "");
+    assert_eq!(object_names.len(), 13);
+    assert_eq!(object_names[..6], names);
+    assert_eq!(object_names[12], "");
     let first = |i: usize| mesh(&loaded.scene.objects[i]).positions[0];
     assert_eq!(first(9), DVec3::new(10.0, 10.0, 5.0));
     assert_eq!(mesh(&loaded.scene.objects[11]).face_area_vector(0).z, -0.5);
@@ -293,13 +293,13 @@ fn emission_by_sides() {
         assert_eq!(material.emission, Rgb::grey(100.0 / PI));
         (material.emits_back, is_mesh)
     };
-    let said = |text: &str| {
+    let sidedness = |text: &str| {
         let loaded = with_square(&format!("m wall =\n{text}\nf a b c\n"));
         loaded.scene.materials[0].sidedness
     };
-    assert_eq!(said("sides 1"), Sidedness::One);
-    assert_eq!(said("sides 2"), Sidedness::Two);
-    assert_eq!(said(""), Sidedness::Unsaid);
+    assert_eq!(sidedness("sides 1"), Sidedness::One);
+    assert_eq!(sidedness("sides 2"), Sidedness::Two);
+    assert_eq!(sidedness(""), Sidedness::Unsaid);
     assert_eq!(lamp(2, "f a b c"), (true, true));
     assert_eq!(lamp(1, "f a b c"), (false, true));
     assert_eq!(lamp(2, "cyl a .1 b"), (true, true));

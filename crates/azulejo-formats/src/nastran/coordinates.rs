@@ -174,9 +174,9 @@ impl<'a> SystemResolver<'a> {
             DefiningPoints::Points(reference, _) => Ok([reference; 3]),
             DefiningPoints::Grids(grids) => {
                 let mut systems = [0; 3];
-                for (found, number) in systems.iter_mut().zip(grids) {
+                for (grid_system, number) in systems.iter_mut().zip(grids) {
                     let grid = (self.grid)(number).ok_or(SystemFault::NoGrid(system, number))?;
-                    *found = grid.system.unwrap_or(0);
+                    *grid_system = grid.system.unwrap_or(0);
                 }
                 Ok(systems)
             }

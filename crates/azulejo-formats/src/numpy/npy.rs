@@ -453,8 +453,8 @@ mod tests {
     }
 
     fn refuse(bytes: &[u8], expected: &str) {
-        let said = read(bytes).unwrap_err();
-        assert!(said.contains(expected), "{said}");
+        let error = read(bytes).unwrap_err();
+        assert!(error.contains(expected), "{error}");
     }
 
     #[test]

@@ -188,19 +188,19 @@ mod tests {
     #[test]
     fn damage_is_found_and_the_budget_holds() {
         let whole = archive();
-        let mut found = 0;
+        let mut errors = 0;
         for i in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[i] ^= 0x40;
             let Ok(mut read) = NpzReader::new(Cursor::new(&bytes), 1 << 20) else {
-                found += 1;
+                errors += 1;
                 continue;
             };
             let arrays = ["a", "names", "n"].map(|name| read.array(name));
-            found += usize::from(arrays.iter().any(|a| !matches!(a, Ok(Some(_)))));
+            errors += usize::from(arrays.iter().any(|a| !matches!(a, Ok(Some(_)))));
         }
         // Some bytes do not matter: dates, versions, permissions.
-        assert!(found > whole.len() / 2, "{found} of {}", whole.len());
+        assert!(errors > whole.len() / 2, "{errors} of {}", whole.len());
         let mut read = NpzReader::new(Cursor::new(&whole), 100).unwrap();
         assert!(read.array("a").unwrap_err().contains("memory"));
     }

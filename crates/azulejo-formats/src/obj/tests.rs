@@ -457,12 +457,12 @@ fn material(mtl: &str) -> (Material, Vec<String>) {
 }
 
 fn check_material(mtl: &str, expected: Material, warnings: &[&str]) {
-    let (found, messages) = material(mtl);
+    let (material, messages) = material(mtl);
     let expected = Material {
         name: "m".into(),
         ..expected
     };
-    assert_eq!(found, expected, "{mtl}");
+    assert_eq!(material, expected, "{mtl}");
     assert_eq!(messages, warnings, "{mtl}");
 }
 
@@ -527,9 +527,9 @@ fn diffuse_materials() {
 
 #[test]
 fn glossy_materials_are_kept() {
-    let (found, messages) = material("Kd 0.25\nKs 0.5\nNs 20");
-    assert_eq!(found.diffuse, Rgb::grey(0.25));
-    let highlight = Highlight::of(&found).unwrap();
+    let (glossy, messages) = material("Kd 0.25\nKs 0.5\nNs 20");
+    assert_eq!(glossy.diffuse, Rgb::grey(0.25));
+    let highlight = Highlight::of(&glossy).unwrap();
     assert_eq!((highlight.angle, highlight.n), (Angle::Half, 20.0));
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     assert_eq!(messages, Vec::<String>::new());
@@ -754,9 +754,9 @@ fn pictures() {
 }
 
 fn check_rough(mtl: &str, metallic: f64, roughness: f64, warnings: &[&str]) {
-    let (found, messages) = material(mtl);
+    let (material, messages) = material(mtl);
     let expected = Some((Rgb::grey(0.5), metallic, roughness));
-    assert_eq!(gltf_mr(&found), expected, "{mtl}");
+    assert_eq!(gltf_mr(&material), expected, "{mtl}");
     assert_eq!(messages, warnings, "{mtl}");
 }
 
@@ -800,8 +800,8 @@ fn check_placement(options: &str, expected: [[f64; 2]; 3], warnings: usize) {
                 usemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 2/2 4/3\n";
     let loaded = load_with(format!("{SQUARE}{text}"), &files);
     let uvs = mesh(&loaded, 0).uvs.as_ref().unwrap();
-    let found = [0, 1, 2].map(|k| uvs.at(k, k as u32).to_array());
-    assert_eq!(found, expected, "{options}");
+    let coordinates = [0, 1, 2].map(|k| uvs.at(k, k as u32).to_array());
+    assert_eq!(coordinates, expected, "{options}");
     assert_eq!(uvs.at(5, 3).to_array(), [1.0, 2.0], "{options}");
     // One warning is about the missing texture.
     assert_eq!(loaded.warnings.len(), 1 + warnings, "{options}");
@@ -879,9 +879,9 @@ fn colours_by_blender_are_srgb() {
         let azulejo_scene::Shape::Mesh(mesh) = &loaded.scene.objects[0].shape else {
             panic!("a mesh")
         };
-        let found = mesh.colors[0];
-        assert!((found.r - expected).abs() < 1e-4, "{first}: {found:?}");
-        assert_eq!((found.g, found.b), (0.0, 1.0));
+        let color = mesh.colors[0];
+        assert!((color.r - expected).abs() < 1e-4, "{first}: {color:?}");
+        assert_eq!((color.g, color.b), (0.0, 1.0));
         assert_eq!(loaded.warnings.len(), warned, "{first}");
     };
     let srgb = 0.21404;

@@ -490,7 +490,7 @@ mod tests {
         let extras = (any::<bool>(), any::<bool>(), any::<bool>());
         (faces, extras).prop_flat_map(|(faces, (normals, uvs, colors))| {
             let corners: usize = faces.iter().map(|f| f.0).sum();
-            let count = |wanted, n| if wanted { n } else { 0 };
+            let count = |is_given, n| if is_given { n } else { 0 };
             (
                 prop::collection::vec(vector(), corners),
                 prop::collection::vec(unit(), count(normals, 2 * corners)),
@@ -571,11 +571,11 @@ mod tests {
     }
 
     /// Replaces a highlight whose numbers differ only by rounding.
-    fn keep_rounded(found: &mut Material, known: &Material) {
-        if let (Some(a), Some(b)) = (Highlight::of(found), Highlight::of(known)) {
+    fn keep_rounded(material: &mut Material, known: &Material) {
+        if let (Some(a), Some(b)) = (Highlight::of(material), Highlight::of(known)) {
             let far = (a.ks - b.ks).map(f64::abs).max_channel();
             if a.n == b.n && far <= 1e-12 * b.ks.max_channel() {
-                found.brdf.clone_from(&known.brdf);
+                material.brdf.clone_from(&known.brdf);
             }
         }
     }
@@ -587,8 +587,8 @@ mod tests {
             prop_assert_eq!(scene.validate(), Ok(()));
             prop_assert_eq!(losses(&scene), Vec::<String>::new());
             let mut back = read_back(&scene);
-            for (found, known) in back.materials.iter_mut().zip(&scene.materials) {
-                keep_rounded(found, known);
+            for (material, known) in back.materials.iter_mut().zip(&scene.materials) {
+                keep_rounded(material, known);
             }
             prop_assert_eq!(back, scene);
         }

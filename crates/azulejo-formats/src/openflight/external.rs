@@ -163,7 +163,7 @@ impl FltWalker<'_> {
                 })
             }
             Err(ExternalProblem::Elsewhere(why) | ExternalProblem::Other(why)) => Err(why),
-            Ok(found) => Ok(found),
+            Ok(file) => Ok(file),
         }
     }
 

@@ -119,9 +119,9 @@ impl<'a> FoamCursor<'a> {
     /// A real number.
     pub fn scalar(&mut self) -> Result<f64, ReadError> {
         self.skip_blanks();
-        if let Some(found) = number::parse(self.text.rest()) {
-            self.text.advance(found.length);
-            return Ok(found.value);
+        if let Some(number) = number::parse(self.text.rest()) {
+            self.text.advance(number.length);
+            return Ok(number.value);
         }
         // What C++ prints for infinities and NaN.
         let before = *self;

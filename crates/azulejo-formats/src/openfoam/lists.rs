@@ -179,7 +179,7 @@ fn compact_faces(
             let expected = format!("{} labels, in ascending order", labels.len());
             return Err(cursor.error(at, found, expected));
         };
-        // Equal labels without end are no corners; ascending, the others are each in one face.
+        // Equal labels without end are not corners; ascending, the others are each in one face.
         if matches!(labels, LabelList::Uniform(..)) {
             continue;
         }

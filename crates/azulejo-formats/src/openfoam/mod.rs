@@ -77,14 +77,14 @@ impl<'a> FoamMesh<'a> {
         } else {
             ("", given(bytes, name)?)
         };
-        let file = |wanted: &str| -> Result<FoamFile<'a>, ReadError> {
-            let file = if given == Some(wanted) {
+        let file = |part: &str| -> Result<FoamFile<'a>, ReadError> {
+            let file = if given == Some(part) {
                 FoamFile {
                     name: name.to_owned(),
                     bytes: Cow::Borrowed(bytes),
                 }
             } else {
-                sibling(&[folder, wanted].concat(), files, options)?
+                sibling(&[folder, part].concat(), files, options)?
             };
             check_length(&file.bytes, &file.name)?;
             Ok(file)
@@ -147,7 +147,7 @@ impl<'a> FoamMesh<'a> {
         }
     }
 
-    /// Counts the patches that are no walls, which have these normals.
+    /// Counts the patches that are not walls, which have these normals.
     fn warn(
         &self,
         boundary: &FoamCursor,

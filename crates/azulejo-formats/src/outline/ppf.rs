@@ -544,12 +544,12 @@ mod tests {
         }
     }
 
-    fn close(found: &[f64], expected: &[f64], tolerance: f64) {
-        assert_eq!(found.len(), expected.len());
+    fn close(values: &[f64], expected: &[f64], tolerance: f64) {
+        assert_eq!(values.len(), expected.len());
         let differ = |(a, b): (&f64, &f64)| (a - b).abs() > tolerance;
         assert!(
-            !std::iter::zip(found, expected).any(differ),
-            "{found:?} {expected:?}"
+            !std::iter::zip(values, expected).any(differ),
+            "{values:?} {expected:?}"
         );
     }
 
@@ -574,8 +574,8 @@ mod tests {
                 };
                 alone.signed_area()
             };
-            let found: Vec<f64> = contours.iter().map(area).collect();
-            close(&found, &areas, 1e-4);
+            let contour_areas: Vec<f64> = contours.iter().map(area).collect();
+            close(&contour_areas, &areas, 1e-4);
         };
         check(
             "A",

@@ -337,9 +337,9 @@ mod tests {
         let (mut half, mut whole) = (Vec::new(), Vec::new());
         write_half(&image, &mut half).unwrap();
         write(&image, &mut whole).unwrap();
-        let found = read(&half).unwrap();
-        assert_eq!([found.width, found.height], [31, 7]);
-        for (a, b) in found
+        let picture = read(&half).unwrap();
+        assert_eq!([picture.width, picture.height], [31, 7]);
+        for (a, b) in picture
             .pixels
             .as_flattened()
             .iter()
@@ -373,10 +373,10 @@ mod tests {
             read(&file).unwrap().pixels,
             [[0.5, 0.25, 0.0], [1.5, -1.0, 1e10]]
         );
-        let (size, found) = read_channels(&file).unwrap();
-        let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+        let (size, channels) = read_channels(&file).unwrap();
+        let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
         assert_eq!((size, names), ((2, 1), vec!["B", "G", "R", "objectId"]));
-        assert_eq!(found[3].values, ChannelValues::Index(vec![7, 1 << 30]));
+        assert_eq!(channels[3].values, ChannelValues::Index(vec![7, 1 << 30]));
         assert!(String::from_utf8_lossy(&file).contains("what they are"));
         damage(&file, |bytes| read_channels(bytes).is_ok());
     }

@@ -331,8 +331,8 @@ mod tests {
 
     fn check(body: &[u8], expected: Option<&[[f32; 3]]>) {
         let file = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n", body].concat();
-        let found = read(&file).ok().map(|image| image.pixels);
-        assert_eq!(found.as_deref(), expected, "{}", body.escape_ascii());
+        let pixels = read(&file).ok().map(|image| image.pixels);
+        assert_eq!(pixels.as_deref(), expected, "{}", body.escape_ascii());
     }
 
     #[test]

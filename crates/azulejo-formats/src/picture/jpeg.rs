@@ -116,9 +116,9 @@ pub(crate) mod tests {
         let image = read(&bytes(hex)).unwrap();
         assert_eq!((image.width, image.height), (16, 8));
         for (x, expected) in [(0, left), (15, right)] {
-            let found = image.pixel(x, 7);
-            let near = (0..3).all(|k| (found[k] - expected[k]).abs() < 0.01);
-            assert!(near, "{found:?} {expected:?}");
+            let pixel = image.pixel(x, 7);
+            let near = (0..3).all(|k| (pixel[k] - expected[k]).abs() < 0.01);
+            assert!(near, "{pixel:?} {expected:?}");
         }
     }
 

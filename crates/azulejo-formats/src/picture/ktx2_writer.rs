@@ -306,7 +306,7 @@ mod tests {
         ] {
             let back = read(&written(&image, texels, 1)).unwrap();
             assert_eq!([back.width, back.height], [7, 5]);
-            for (found, given) in back.pixels.iter().zip(&image.pixels) {
+            for (pixel, given) in back.pixels.iter().zip(&image.pixels) {
                 let most = given[0].max(given[1]).max(given[2]);
                 for k in 0..3 {
                     let scale = if texels == Ktx2Texels::Half {
@@ -314,8 +314,8 @@ mod tests {
                     } else {
                         most
                     };
-                    let off = (found[k] - given[k]).abs();
-                    assert!(off <= step * scale + 6e-8, "{found:?}, {given:?}");
+                    let off = (pixel[k] - given[k]).abs();
+                    assert!(off <= step * scale + 6e-8, "{pixel:?}, {given:?}");
                 }
             }
         }

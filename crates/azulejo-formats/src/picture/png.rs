@@ -198,9 +198,9 @@ mod tests {
     fn check(file: &[u8], expected: [[f32; 3]; 2]) {
         let image = read(file).unwrap();
         assert_eq!((image.width, image.height), (2, 1));
-        for (found, expected) in image.pixels.iter().zip(expected) {
-            let near = (0..3).all(|k| (found[k] - expected[k]).abs() < 1e-6);
-            assert!(near, "{found:?} {expected:?}");
+        for (pixel, expected) in image.pixels.iter().zip(expected) {
+            let near = (0..3).all(|k| (pixel[k] - expected[k]).abs() < 1e-6);
+            assert!(near, "{pixel:?} {expected:?}");
         }
     }
 

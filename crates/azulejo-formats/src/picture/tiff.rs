@@ -167,8 +167,8 @@ pub(crate) mod tests {
     fn check(bytes: &[u8], expected: [[f32; 3]; 2], alpha: Option<Vec<f32>>) {
         let image = read(bytes).unwrap();
         let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-6;
-        let found = image.pixels.as_flattened().iter();
-        assert!(found.zip(expected.as_flattened()).all(near), "{image:?}");
+        let samples = image.pixels.as_flattened().iter();
+        assert!(samples.zip(expected.as_flattened()).all(near), "{image:?}");
         assert_eq!(image.alpha, alpha);
         damage(bytes, |b| b.len() == bytes.len() && read(b).is_ok());
     }

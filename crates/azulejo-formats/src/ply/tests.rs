@@ -25,8 +25,8 @@ fn check_error(text: &str, expected: &str) {
         &Memory::new(),
         &ReadOptions::default(),
     );
-    let said = error.unwrap_err().to_string();
-    assert_eq!(said.lines().next(), Some(expected));
+    let message = error.unwrap_err().to_string();
+    assert_eq!(message.lines().next(), Some(expected));
 }
 
 fn mesh(scene: &Scene, object: usize) -> &Mesh {
@@ -628,9 +628,9 @@ fn colours_by_blender_are_srgb() {
             ..ReadOptions::default()
         };
         let loaded = read(text(comment).as_bytes(), "a.ply", &Memory::new(), &options).unwrap();
-        let found = mesh(&loaded.scene, 0).colors[0];
-        assert!((found.r - expected).abs() < 1e-3, "{comment}: {found:?}");
-        assert_eq!((found.g, found.b), (0.0, 1.0));
+        let color = mesh(&loaded.scene, 0).colors[0];
+        assert!((color.r - expected).abs() < 1e-3, "{comment}: {color:?}");
+        assert_eq!((color.g, color.b), (0.0, 1.0));
         assert_eq!(loaded.warnings.len(), warned, "{comment}");
     };
     let (linear, srgb) = (188.0 / 255.0, 0.5029);
@@ -712,9 +712,9 @@ fn vertices_without_faces_need_no_values() {
         .insert(0, Object::new("cloud", Shape::Mesh(cloud)));
     scene.validate().unwrap();
     // An object without faces is not read again, and the other one is not affected.
-    let (found, given) = (read_back(&scene), solved());
-    assert_eq!(found.objects.len(), given.objects.len());
-    assert_eq!(mesh(&found, 0).positions, mesh(&given, 0).positions);
+    let (back, given) = (read_back(&scene), solved());
+    assert_eq!(back.objects.len(), given.objects.len());
+    assert_eq!(mesh(&back, 0).positions, mesh(&given, 0).positions);
     scene.objects.truncate(1);
     written(&scene);
 }
@@ -794,7 +794,7 @@ fn light() -> impl Strategy<Value = Rgb> {
 /// A mesh with per-vertex attributes only.
 fn any_mesh() -> impl Strategy<Value = Mesh> {
     (3usize..9, any::<[bool; 4]>()).prop_flat_map(|(n, [colors, uvs, lit, errors])| {
-        let count = move |wanted: bool| if wanted { n } else { 0 };
+        let count = move |is_given: bool| if is_given { n } else { 0 };
         let list = prop::collection::vec([coordinate(), coordinate(), coordinate()], n);
         let faces = prop::collection::vec(prop::collection::vec(0..n as u32, 3..300), 1..4);
         (

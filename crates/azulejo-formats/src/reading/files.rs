@@ -49,21 +49,21 @@ pub(crate) fn open_beside(
     of: &str,
     name: &str,
 ) -> Result<(String, Vec<u8>), FileError> {
-    let wanted = beside(of, name);
+    let path = beside(of, name);
     let plain = beside("", name);
     let base = plain.rsplit('/').next().unwrap_or_default().to_owned();
-    let first = files.read(&wanted);
+    let first = files.read(&path);
     if let Ok(bytes) = first {
-        return Ok((wanted, bytes));
+        return Ok((path, bytes));
     }
     for other in [plain, base] {
-        if other != wanted
+        if other != path
             && let Ok(bytes) = files.read(&other)
         {
             return Ok((other, bytes));
         }
     }
-    first.map(|bytes| (wanted, bytes))
+    first.map(|bytes| (path, bytes))
 }
 
 /// Why a named file could not be read.
@@ -159,8 +159,8 @@ impl Folder {
 fn in_other_capitals(root: &Path, path: &Path) -> Option<PathBuf> {
     let mut real = root.to_path_buf();
     for part in path.components() {
-        let wanted = match part {
-            Component::Normal(wanted) => wanted,
+        let part_name = match part {
+            Component::Normal(part_name) => part_name,
             Component::CurDir => continue,
             Component::ParentDir => {
                 real.push("..");
@@ -168,11 +168,11 @@ fn in_other_capitals(root: &Path, path: &Path) -> Option<PathBuf> {
             }
             _ => return None,
         };
-        let wanted = wanted.to_string_lossy().to_lowercase();
+        let part_name = part_name.to_string_lossy().to_lowercase();
         let mut alike: Vec<_> = fs::read_dir(&real)
             .ok()?
             .filter_map(|entry| Some(entry.ok()?.file_name()))
-            .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
+            .filter(|name| name.to_string_lossy().to_lowercase() == part_name)
             .collect();
         // The order of directory entries depends on the file system; the choice must not.
         alike.sort();
@@ -231,8 +231,8 @@ impl Files for Memory {
             let mut files = self.files.iter();
             files.find(|(other, _)| other.to_lowercase() == name.to_lowercase())
         };
-        let found = self.files.get_key_value(name).or_else(alike);
-        found
+        let entry = self.files.get_key_value(name).or_else(alike);
+        entry
             .map(|(_, content)| content.clone())
             .ok_or(FileError::Missing)
     }

@@ -28,8 +28,8 @@ fn spelled(field: &[u8]) -> Option<f64> {
         }
         text.push(byte);
     }
-    let found = number::parse(&text)?;
-    (found.length == text.len() && !found.misplaced_sign).then_some(found.value)
+    let number = number::parse(&text)?;
+    (number.length == text.len() && !number.misplaced_sign).then_some(number.value)
 }
 
 /// An integer of at most nine digits, without a sign; those are all that identify something.

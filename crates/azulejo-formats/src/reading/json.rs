@@ -23,20 +23,20 @@ pub(crate) struct Json<'a> {
 /// Malformed JSON, with line and column; no value at all.
 pub(crate) fn values<'a>(text: &'a str, file: &str) -> Result<Vec<Json<'a>>, ReadError> {
     let mut stream = serde_json::Deserializer::from_str(text).into_iter::<&RawValue>();
-    let mut found = Vec::new();
+    let mut values = Vec::new();
     let mut behind = 0;
     while let Some(value) = stream.next() {
         let value = value.map_err(|error| malformed(&error, text, behind, file))?;
         let end = stream.byte_offset();
         let start = end - value.get().len();
-        found.push(Json { text, start, end });
+        values.push(Json { text, start, end });
         behind = end;
     }
-    if found.is_empty() {
+    if values.is_empty() {
         let whole = ReadError::whole(file, "no JSON value", "an object in braces");
         return Err(whole);
     }
-    Ok(found)
+    Ok(values)
 }
 
 /// The error for malformed JSON. Its position counts from the start of the text for the first value,
@@ -133,8 +133,8 @@ impl<'a> Json<'a> {
     pub fn triple(self) -> Option<[f64; 3]> {
         let mut elements = self.elements();
         let mut next = || elements.next()?.number();
-        let found = [next()?, next()?, next()?];
-        elements.next().is_none().then_some(found)
+        let numbers = [next()?, next()?, next()?];
+        elements.next().is_none().then_some(numbers)
     }
 }
 
@@ -270,8 +270,8 @@ mod tests {
 
     #[test]
     fn sequences_and_deep_nesting() {
-        let found = values("{\"a\":1}\n{\"a\":2}\r\n\n", "a").unwrap();
-        let numbers: Vec<_> = found
+        let objects = values("{\"a\":1}\n{\"a\":2}\r\n\n", "a").unwrap();
+        let numbers: Vec<_> = objects
             .iter()
             .map(|v| v.member("a").unwrap().number())
             .collect();

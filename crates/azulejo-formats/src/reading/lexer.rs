@@ -100,9 +100,9 @@ impl<'a> Lexer<'a> {
 
     /// Takes one ASCII character if it comes next.
     pub fn eat(&mut self, wanted: u8) -> bool {
-        let found = self.peek() == Some(wanted);
-        self.cursor.advance(usize::from(found));
-        found
+        let is_next = self.peek() == Some(wanted);
+        self.cursor.advance(usize::from(is_next));
+        is_next
     }
 
     /// The next word, which is not consumed.
@@ -129,13 +129,13 @@ impl<'a> Lexer<'a> {
     /// Consumes a keyword, case-insensitively, if it comes next.
     pub fn eat_word(&mut self, keyword: &str) -> bool {
         let mut ahead = *self;
-        let found = ahead
+        let is_next = ahead
             .word()
             .is_some_and(|word| word.eq_ignore_ascii_case(keyword));
-        if found {
+        if is_next {
             *self = ahead;
         }
-        found
+        is_next
     }
 
     /// Whether a number comes next.

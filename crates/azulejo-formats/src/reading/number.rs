@@ -70,8 +70,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn check(text: &str, expected: Option<(f64, usize)>) {
-        let found = parse(text.as_bytes()).map(|n| (n.value, n.length));
-        assert_eq!(found, expected, "{text}");
+        let number = parse(text.as_bytes()).map(|n| (n.value, n.length));
+        assert_eq!(number, expected, "{text}");
     }
 
     #[test]

@@ -165,7 +165,7 @@ impl Budget {
         self.left
     }
 
-    /// Checks that at least `elements` are left, where it is known that so many will be created.
+    /// Checks that at least `elements` are left, where it is known that this many will be created.
     ///
     /// # Errors
     /// [`Exhausted`] if fewer are left.

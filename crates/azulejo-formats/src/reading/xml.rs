@@ -53,8 +53,8 @@ pub(crate) fn crowded_element(text: &str) -> Option<(usize, String)> {
 /// The place of `what` from `at` on.
 fn find(bytes: &[u8], at: usize, what: &[u8]) -> Option<usize> {
     let rest = bytes.get(at..)?;
-    let found = rest.windows(what.len()).position(|w| w == what);
-    found.map(|step| at + step)
+    let distance = rest.windows(what.len()).position(|w| w == what);
+    distance.map(|step| at + step)
 }
 
 /// The start of an element.
@@ -112,9 +112,9 @@ mod tests {
     use super::*;
 
     fn check(text: &str, expected: Option<(usize, &str)>) {
-        let found = crowded_element(text);
-        let found = found.as_ref().map(|(at, what)| (*at, &**what));
-        assert_eq!(found, expected, "{}", &text[..text.len().min(80)]);
+        let crowded = crowded_element(text);
+        let crowded = crowded.as_ref().map(|(at, what)| (*at, &**what));
+        assert_eq!(crowded, expected, "{}", &text[..text.len().min(80)]);
     }
 
     fn attributes(range: std::ops::Range<usize>, prefix: &str) -> String {

@@ -234,8 +234,8 @@ mod tests {
         faces.iter().for_each(|f| mesh.push_face(f, 0));
         assert!(mesh.is_closed());
         let cone = |f: usize| mesh.face_area_vector(f).dot(mesh.face_positions(f)[0]) / 3.0;
-        let found: f64 = (0..mesh.faces.len()).map(cone).sum();
-        assert!((found - volume).abs() < 1e-12, "{found}");
+        let mesh_volume: f64 = (0..mesh.faces.len()).map(cone).sum();
+        assert!((mesh_volume - volume).abs() < 1e-12, "{mesh_volume}");
     }
 
     #[test]

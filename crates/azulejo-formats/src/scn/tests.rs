@@ -42,19 +42,19 @@ fn as_the_original_translated() {
         let scene = std::fs::read(folder.join(format!("scenes/{name}.scn"))).expect("a scene");
         let expected = folder.join(format!("expected_sff/{name}.sff"));
         let expected = std::fs::read_to_string(expected).expect("its translation");
-        let found = printed(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let printed = printed(&scene).unwrap_or_else(|e| panic!("{e}"));
         // The first line holds limits for RTRACE. The signs of a texture's surface are an error of
         // the original.
         let expected = expected.replace("1 -0.3 -0.3 0.3", "1 0.3 0.3 0.3");
         let expected = expected.lines().skip(1).map(str::trim_end);
-        let found = found.lines().skip(1).map(str::trim_end);
-        for (found, expected) in found.clone().zip(expected.clone()) {
+        let records = printed.lines().skip(1).map(str::trim_end);
+        for (record, expected) in records.clone().zip(expected.clone()) {
             assert!(
-                same_record(found, expected),
-                "{name}: {found} for {expected}"
+                same_record(record, expected),
+                "{name}: {record} for {expected}"
             );
         }
-        assert_eq!(found.count(), expected.count());
+        assert_eq!(records.count(), expected.count());
     }
 }
 
@@ -62,14 +62,14 @@ fn as_the_original_translated() {
 fn check(scene: &str, expected: &str) {
     let printed = printed(scene.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
     let objects = printed.split_once("objects\n").expect("a section").1;
-    let found = objects.trim_end_matches("\n\nend\n");
-    let same = found
+    let records = objects.trim_end_matches("\n\nend\n");
+    let same = records
         .lines()
         .zip(expected.lines())
         .all(|(a, b)| same_record(a, b));
     assert!(
-        same && found.lines().count() == expected.lines().count(),
-        "{found}"
+        same && records.lines().count() == expected.lines().count(),
+        "{records}"
     );
     let loaded = read(
         scene.as_bytes(),
@@ -146,8 +146,8 @@ fn surfaces_and_lights() {
     let check = |scene: &str, expected: &[&str]| {
         let printed = printed(scene.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
         for line in expected {
-            let found = printed.lines().any(|l| same_record(l, line));
-            assert!(found, "{line} in {printed}");
+            let is_printed = printed.lines().any(|l| same_record(l, line));
+            assert!(is_printed, "{line} in {printed}");
         }
     };
     check(

@@ -158,9 +158,9 @@ impl ScnTokenizer<'_, '_> {
         let signed = matches!(rest, [b'+' | b'-', b'.' | b'0'..=b'9', ..]);
         let begins = rest[0].is_ascii_digit() || matches!(rest, [b'.', b'0'..=b'9', ..]);
         if (begins || signed && parentheses == 0)
-            && let Some(found) = number::parse(rest)
+            && let Some(number) = number::parse(rest)
         {
-            return Ok((ScnTokenKind::Number(found.value), found.length));
+            return Ok((ScnTokenKind::Number(number.value), number.length));
         }
         let word = rest
             .iter()

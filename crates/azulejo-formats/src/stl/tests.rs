@@ -203,10 +203,10 @@ fn check_colors(header: &[u8], extras: &[u16], expected: &[Rgb]) {
     let triangles: Vec<_> = extras.iter().map(|&extra| (TRIANGLE, extra)).collect();
     let loaded = load(&binary(header, &triangles));
     let materials = mesh(&loaded, 0).face_materials.iter();
-    let found: Vec<Rgb> = materials
+    let colors: Vec<Rgb> = materials
         .map(|&m| loaded.scene.materials[m as usize].diffuse)
         .collect();
-    assert_eq!(found, expected);
+    assert_eq!(colors, expected);
     let mut distinct: Vec<u64> = expected
         .iter()
         .map(|c| (100.0 * c.luminance()).to_bits())

@@ -41,18 +41,18 @@ impl<'a> ChunkWalker<'_> {
             self.warn(at, "stray bytes after the last chunk: skipped");
             return None;
         };
-        let Some(wanted) = (length as usize).checked_sub(HEADER) else {
+        let Some(body_length) = (length as usize).checked_sub(HEADER) else {
             let message = format!(
                 "chunk {id:04X} shorter than its own header: the rest of its parent is skipped"
             );
             self.warn(at, message);
             return None;
         };
-        if wanted > body.left() {
+        if body_length > body.left() {
             let message = format!("chunk {id:04X} longer than its parent: truncated");
             self.warn(at, message);
         }
-        let body = body.piece(wanted.min(body.left()))?;
+        let body = body.piece(body_length.min(body.left()))?;
         Some(Chunk { id, body, at })
     }
 

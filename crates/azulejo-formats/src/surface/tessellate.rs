@@ -36,7 +36,7 @@ pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
     let (Shape::Primitive(primitive), Some(light)) = (&object.shape, light_of(object)) else {
         return mesh_of(object);
     };
-    let divided = |n: u32, wanted: u32| n.max(1) * wanted.div_ceil(n.max(1));
+    let divided = |n: u32, least: u32| n.max(1) * least.div_ceil(n.max(1));
     let grids: Vec<SurfaceGrid> = std::iter::zip(grids(primitive), &light.grids)
         .map(|(shape, light)| SurfaceGrid {
             nu: divided(light.nu, shape.nu),

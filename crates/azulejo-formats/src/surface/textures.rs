@@ -217,8 +217,8 @@ mod tests {
             .with("maps/tile.hdr", picture());
         let mut textures = Textures::default();
         let results = names.iter().map(|n| textures.index(of, n, &files));
-        let (found, problems): (Vec<_>, Vec<_>) = results.unzip();
-        assert_eq!(found, indices);
+        let (texture_indices, problems): (Vec<_>, Vec<_>) = results.unzip();
+        assert_eq!(texture_indices, indices);
         let list = textures.into_list();
         let loaded: Vec<&str> = list.iter().map(|t| t.path.as_str()).collect();
         assert_eq!(loaded, paths);

@@ -351,8 +351,8 @@ fn a_window_may_hold_a_window() {
     let text = floor_with("S", WINDOW, "");
     let model = model_of(&document(&format!("{text}{inner}")));
     let areas: Vec<f64> = (0..3).map(|k| mesh(&model.scene, k).area()).collect();
-    for (found, expected) in areas.iter().zip([0.75, 0.21, 0.04]) {
-        assert!((found - expected).abs() < 1e-12, "{areas:?}");
+    for (area, expected) in areas.iter().zip([0.75, 0.21, 0.04]) {
+        assert!((area - expected).abs() < 1e-12, "{areas:?}");
     }
 }
 

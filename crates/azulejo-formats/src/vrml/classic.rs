@@ -433,9 +433,9 @@ impl<'a> ClassicParser<'a, '_, '_> {
                     break;
                 }
                 Some(_) => match parsed_flag(self.lexer.peek_word().unwrap_or_default()) {
-                    Some(found) => {
+                    Some(value) => {
                         self.lexer.word();
-                        flag = Some(found);
+                        flag = Some(value);
                     }
                     None => self.statement(&mut nodes)?,
                 },

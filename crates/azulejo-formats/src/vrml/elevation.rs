@@ -17,13 +17,13 @@ pub(super) fn surface<'n>(
 ) -> Result<Option<SurfaceFields<'n>>, ReadError> {
     let heights = node.numbers("height");
     let size = |name: &str| node.number(name, 0.0).max(0.0) as usize;
-    let (columns, wanted) = (size("xDimension"), size("zDimension"));
-    if columns < 2 || wanted < 2 {
+    let (columns, stated_rows) = (size("xDimension"), size("zDimension"));
+    if columns < 2 || stated_rows < 2 {
         return Ok(None);
     }
-    let rows = wanted.min(heights.len() / columns);
+    let rows = stated_rows.min(heights.len() / columns);
     let message = "incomplete row of an ElevationGrid: skipped";
-    builder.warn_many(&node.source, node.at, message, wanted - rows);
+    builder.warn_many(&node.source, node.at, message, stated_rows - rows);
     if rows < 2 {
         return Ok(None);
     }

@@ -129,15 +129,15 @@ impl<'a> VrmlLexer<'a> {
     pub fn number(&mut self) -> Option<f64> {
         self.skip_blanks();
         let rest = self.rest();
-        let Some(found) = number::parse(rest) else {
+        let Some(number) = number::parse(rest) else {
             return self.no_number();
         };
-        match rest.get(found.length) {
-            Some(b'x' | b'X') if found.value == 0.0 => Some(self.hexadecimal(found.length + 1)),
-            Some(b'#') => Some(self.printed_nan(found)),
+        match rest.get(number.length) {
+            Some(b'x' | b'X') if number.value == 0.0 => Some(self.hexadecimal(number.length + 1)),
+            Some(b'#') => Some(self.printed_nan(number)),
             _ => {
-                self.text.advance(found.length);
-                Some(found.value)
+                self.text.advance(number.length);
+                Some(number.value)
             }
         }
     }
@@ -157,8 +157,8 @@ impl<'a> VrmlLexer<'a> {
 
     /// A number with a `#` directly behind it: `1.#QNAN`, or a comment.
     #[cold]
-    fn printed_nan(&mut self, found: number::Number) -> f64 {
-        self.text.advance(found.length);
+    fn printed_nan(&mut self, number: number::Number) -> f64 {
+        self.text.advance(number.length);
         let words: [&[u8]; 4] = [b"#QNAN", b"#SNAN", b"#IND", b"#INF"];
         match words.iter().find(|w| self.rest().starts_with(w)) {
             Some(word) => {
@@ -167,7 +167,7 @@ impl<'a> VrmlLexer<'a> {
                 self.text.advance(digits.count());
                 f64::NAN
             }
-            None => found.value,
+            None => number.value,
         }
     }
 

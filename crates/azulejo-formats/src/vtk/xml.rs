@@ -27,9 +27,11 @@ pub(super) fn read(
         return Err(ReadError { position, ..error });
     }
     let document = Document::parse(&xml).map_err(|e| {
-        let (said, place) = (e.to_string(), e.pos());
+        let (message, place) = (e.to_string(), e.pos());
         // The crate's messages end with the position.
-        let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
+        let what = message
+            .rsplit_once(" at ")
+            .map_or(&*message, |(what, _)| what);
         let found = format!("malformed XML ({what})");
         ReadError::at_line(file, &xml, place.row, place.col, found, "well-formed XML")
     })?;

@@ -11,7 +11,7 @@ use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Gatherer, Progress, Run, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
 
-/// Works on so many threads of its own: those that all tests share may first do what others wait for.
+/// Works on this many threads of its own: those that all tests share may first do what others wait for.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.expect("threads start").install(work)

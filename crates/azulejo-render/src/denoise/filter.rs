@@ -60,11 +60,11 @@ impl NoisyImage {
             mean([0, 1, 2].map(square))
         };
         let seen: Vec<f32> = (0..count).map(between).collect();
-        let said: Vec<f32> = variance.iter().map(|&v| mean(v)).collect();
-        let [seen, said] = [seen, said].map(|v| size.box_mean(&v, VARIANCE_RADIUS));
+        let spread: Vec<f32> = variance.iter().map(|&v| mean(v)).collect();
+        let [seen, spread] = [seen, spread].map(|v| size.box_mean(&v, VARIANCE_RADIUS));
         for (k, variance) in variance.iter_mut().enumerate() {
-            let share = if said[k] > 0.0 {
-                seen[k] / said[k]
+            let share = if spread[k] > 0.0 {
+                seen[k] / spread[k]
             } else {
                 1.0
             };

@@ -74,9 +74,9 @@ fn noisy(deviation: f32) -> MeasuredImage {
 
 #[test]
 fn an_image_without_noise_is_unchanged() {
-    let found = noisy(0.0);
-    let filtered = denoise(&found, &layers(), &Progress::new()).unwrap();
-    assert_eq!(filtered.image, found.image);
+    let measured = noisy(0.0);
+    let filtered = denoise(&measured, &layers(), &Progress::new()).unwrap();
+    assert_eq!(filtered.image, measured.image);
     assert_eq!(
         [filtered.change, filtered.bias, filtered.error_after],
         [0.0; 3]
@@ -85,10 +85,10 @@ fn an_image_without_noise_is_unchanged() {
 
 #[test]
 fn noise_goes_and_textures_and_edges_stay() {
-    let found = noisy(0.2);
-    let filtered = denoise(&found, &layers(), &Progress::new()).unwrap();
+    let measured = noisy(0.2);
+    let filtered = denoise(&measured, &layers(), &Progress::new()).unwrap();
     let error = |image: &Image| crate::relative_rmse(image, &truth());
-    let (before, after) = (error(&found.image), error(&filtered.image));
+    let (before, after) = (error(&measured.image), error(&filtered.image));
     assert!(after < 0.25 * before, "{before}, then {after}");
     // Both estimates hold to a fifth of the noise that there was.
     let estimates = [filtered.error_before - before, filtered.error_after - after];
@@ -114,11 +114,11 @@ fn noise_goes_and_textures_and_edges_stay() {
 
 #[test]
 fn threads_do_not_matter() {
-    let found = noisy(0.3);
+    let measured = noisy(0.3);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().unwrap();
-        pool.install(|| denoise(&found, &layers(), &Progress::new()).unwrap())
+        pool.install(|| denoise(&measured, &layers(), &Progress::new()).unwrap())
     };
     assert_eq!(run(1), run(4));
 }

@@ -125,16 +125,16 @@ impl Shader<'_> {
         }
         let mut left = full;
         let mut passed: Vec<Owner> = Vec::new();
-        while let Some(found) = self
+        while let Some(hit) = self
             .world
             .first(&ray, |o| counts(o) && !passed.contains(&o))
         {
-            left *= found.surface.transparency;
+            left *= hit.surface.transparency;
             if !is_above(left, self.options.cut) {
                 return Rgb::BLACK;
             }
-            ray.t_min = self.world.beyond(&ray, found.distance);
-            passed.push(found.owner);
+            ray.t_min = self.world.beyond(&ray, hit.distance);
+            passed.push(hit.owner);
         }
         left
     }
@@ -220,8 +220,8 @@ mod tests {
             DVec3::new(a.sin(), a.cos(), 0.0)
         };
         let check = |factor, degrees, expected: f64| {
-            let found = intensity(&spot(factor), toward(degrees));
-            assert!((found - expected).abs() < 1e-9, "{degrees}: {found}");
+            let strength = intensity(&spot(factor), toward(degrees));
+            assert!((strength - expected).abs() < 1e-9, "{degrees}: {strength}");
         };
         check(1.0, 0.0, 1.0);
         check(1.0, 61.0, 0.0);

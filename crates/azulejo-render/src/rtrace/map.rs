@@ -60,8 +60,8 @@ mod tests {
         image.pixels[0] = [1.0; 3];
         image.pixels[3] = [0.5; 3];
         let check = |u, v, expected: f64| {
-            let found = image_at(&image, u, v).g * 256.0 / 255.0;
-            assert!((found - expected).abs() < 1e-6, "{u} {v}: {found}");
+            let green = image_at(&image, u, v).g * 256.0 / 255.0;
+            assert!((green - expected).abs() < 1e-6, "{u} {v}: {green}");
         };
         check(0.0, 0.0, 0.5);
         check(0.999_999_9, 0.999_999_9, 1.0);

@@ -122,9 +122,9 @@ impl<'a> Shader<'a> {
         counts: impl Fn(Owner) -> bool,
         sampler: &mut RaySampler,
     ) -> Option<(Rgb, Owner)> {
-        let found = self.world.first(ray, counts)?;
-        let color = self.shade(&found, ray.direction, RayState::START, sampler);
-        Some((color, found.owner))
+        let hit = self.world.first(ray, counts)?;
+        let color = self.shade(&hit, ray.direction, RayState::START, sampler);
+        Some((color, hit.owner))
     }
 
     /// The colour of rays that hit nothing.
@@ -144,7 +144,7 @@ impl<'a> Shader<'a> {
         let skip = at.found.is_passed_by(path.is_inside);
         let own = at.found.owner;
         match self.world.first(&ray, |owner| !(skip && owner == own)) {
-            Some(found) => self.shade(&found, direction, path, sampler),
+            Some(hit) => self.shade(&hit, direction, path, sampler),
             None => self.background(),
         }
     }

@@ -86,8 +86,8 @@ mod tests {
 
     #[test]
     fn the_curves_run_from_end_to_end() {
-        let check = |found: f64, expected: f64| {
-            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        let check = |factor: f64, expected: f64| {
+            assert!((factor - expected).abs() < 1e-9, "{factor} {expected}");
         };
         check(fresnel(0.0), 0.0);
         check(fresnel(1.0), 1.0);

@@ -426,11 +426,11 @@ mod tests {
 
     #[test]
     fn gloss_moves_light_from_diffuse_to_mirror() {
-        let found = textured(&[texture(Gloss { k: 0.1 })], DVec3::new(0.3, 0.7, 0.1)).surface;
+        let glossy = textured(&[texture(Gloss { k: 0.1 })], DVec3::new(0.3, 0.7, 0.1)).surface;
         let before = surface(GREY);
-        assert!(found.specular.r > before.specular.r && found.phong > 1.0);
+        assert!(glossy.specular.r > before.specular.r && glossy.phong > 1.0);
         let sum = |s: RtraceSurface| s.diffuse.r + s.specular.r;
-        assert!((sum(found) - sum(before)).abs() < 1e-12);
+        assert!((sum(glossy) - sum(before)).abs() < 1e-12);
     }
 
     #[test]
@@ -483,8 +483,8 @@ mod tests {
         for kind in wild {
             let textures = [texture(kind), texture(Checker { surface: 0 })];
             for p in points() {
-                let found = textured(&textures, 1e300 * p);
-                assert!(found.surface.color.is_finite() && found.normal.is_finite());
+                let patterned = textured(&textures, 1e300 * p);
+                assert!(patterned.surface.color.is_finite() && patterned.normal.is_finite());
             }
         }
     }

@@ -149,12 +149,12 @@ impl<'a> World<'a> {
     pub fn first(&self, ray: &Ray, counts: impl Fn(Owner) -> bool) -> Option<Intersection<'a>> {
         let mut ray = *ray;
         loop {
-            let found = self.found(&self.hit(&ray)?);
-            if counts(found.owner) {
-                return Some(found);
+            let hit = self.found(&self.hit(&ray)?);
+            if counts(hit.owner) {
+                return Some(hit);
             }
             // Rounding may find the surface once more, a little nearer: never go back.
-            ray.t_min = self.beyond(&ray, found.distance.max(ray.t_min));
+            ray.t_min = self.beyond(&ray, hit.distance.max(ray.t_min));
         }
     }
 

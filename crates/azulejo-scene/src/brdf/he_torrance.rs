@@ -76,7 +76,7 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
     ..INFO
 };
 
-/// Cotangent of an angle, in units of the slopes, from where on rounding hides that facets hide each
+/// Cotangent of an angle, in units of the slopes, beyond which rounding hides that facets hide each
 /// other.
 const ALL_SEEN: f64 = 6.0;
 

@@ -136,7 +136,7 @@ impl Reflect for Lafortune {
         if self.axes.iter().all(mirrors) {
             Spread::Glossy(angle)
         } else {
-            // However narrow, it is no perfect mirror.
+            // However narrow, it is not a perfect mirror.
             Spread::Glossy(angle.max(NARROW.to_radians()))
         }
     }

@@ -121,12 +121,12 @@ impl ExactMesh {
             // A face whose triangles omit a corner that its neighbour has.
             out.pop();
         }
-        let found = &mut out[first..];
-        found.sort_by(|a, b| {
+        let boundaries = &mut out[first..];
+        boundaries.sort_by(|a, b| {
             let order = a.hit.t.total_cmp(&b.hit.t);
             order.then(a.hit.part.cmp(&b.hit.part))
         });
-        for (k, boundary) in found.iter_mut().enumerate() {
+        for (k, boundary) in boundaries.iter_mut().enumerate() {
             boundary.hit.enters = if self.is_closed {
                 k % 2 == 0
             } else {

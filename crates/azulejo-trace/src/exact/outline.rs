@@ -423,9 +423,9 @@ mod tests {
 
     /// All crossings, by the best instruction set of this machine or in plain Rust.
     fn listed(outline: &Outline, line: &Line2, plain: bool) -> Vec<Crossing> {
-        let mut found = Vec::new();
+        let mut crossings = Vec::new();
         let list = |crossing: Crossing| {
-            found.push(crossing);
+            crossings.push(crossing);
             Some(f64::INFINITY)
         };
         let half = [0.0, f64::INFINITY];
@@ -434,7 +434,7 @@ mod tests {
         } else {
             outline.cross(line, half, list)
         };
-        found
+        crossings
     }
 
     #[test]

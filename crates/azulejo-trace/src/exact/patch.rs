@@ -47,10 +47,10 @@ impl ExactPatch {
 
     /// All hits, in no order.
     pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
-        let mut found: Vec<DVec2> = Vec::new();
-        self.search(line, &mut found);
+        let mut roots: Vec<DVec2> = Vec::new();
+        self.search(line, &mut roots);
         let length2 = line.direction.length_squared();
-        out.extend(found.iter().map(|&at| {
+        out.extend(roots.iter().map(|&at| {
             let (p, du, dv) = self.patch.at(at.x, at.y);
             let (part, parameter) = pack(at);
             let hit = LeafHit {
@@ -64,7 +64,7 @@ impl ExactPatch {
     }
 
     /// Halves pieces whose control net's box contains the line until Newton's method is safe.
-    fn search(&self, line: &Line3, found: &mut Vec<DVec2>) {
+    fn search(&self, line: &Line3, roots: &mut Vec<DVec2>) {
         let frame = Frame::from_normal(line.direction.normalize());
         let see = |p: DVec3| {
             let p = p - line.origin;
@@ -84,10 +84,10 @@ impl ExactPatch {
                 continue;
             }
             if piece.depth == 2 * FINEST {
-                add(found, piece.corner + 0.5 * piece.size);
+                add(roots, piece.corner + 0.5 * piece.size);
             } else if piece.is_one_to_one() {
                 if let Some(at) = newton(&whole, piece.corner, piece.size) {
-                    add(found, at);
+                    add(roots, at);
                 }
             } else {
                 waiting.extend(piece.halves());
@@ -153,9 +153,9 @@ fn unpack(part: u32, parameter: f32) -> DVec2 {
 
 const UNIT: f64 = ((1u32 << 30) - 1) as f64;
 
-fn add(found: &mut Vec<DVec2>, at: DVec2) {
-    if found.iter().all(|f| (*f - at).abs().max_element() > SAME) {
-        found.push(at);
+fn add(roots: &mut Vec<DVec2>, at: DVec2) {
+    if roots.iter().all(|f| (*f - at).abs().max_element() > SAME) {
+        roots.push(at);
     }
 }
 

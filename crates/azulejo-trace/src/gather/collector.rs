@@ -68,8 +68,8 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
     /// Takes what has been gathered so far, beside `direct` light, as the scale of each point.
     pub(super) fn expect(&mut self, direct: &[DirectLight], rays: usize) {
         let of = |(sums, direct): (&[[f64; 3]; REPLICATES], &DirectLight)| {
-            let found: Rgb = sums.iter().map(|&s| Rgb::from(s)).sum();
-            (direct.whole().mean() + found / (rays * REPLICATES) as f64).max_channel()
+            let indirect: Rgb = sums.iter().map(|&s| Rgb::from(s)).sum();
+            (direct.whole().mean() + indirect / (rays * REPLICATES) as f64).max_channel()
         };
         self.expected = self.sums.iter().zip(direct).map(of).collect();
     }
@@ -95,7 +95,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         let next_event = &mut self.next_event;
         follow(&gatherer.surfaces, paths, scratch, seed, |path, event| {
             let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
-            let found = match event {
+            let exitance = match event {
                 Event::Escape => gatherer.escaped_exitance(path),
                 Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
@@ -126,11 +126,11 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                 }
             };
             let sum = &mut sums[point][replicate];
-            (0..3).for_each(|k| sum[k] += path.weight[k] * found[k]);
+            (0..3).for_each(|k| sum[k] += path.weight[k] * exitance[k]);
         });
-        next_event.resolve(gatherer, |id, found| {
+        next_event.resolve(gatherer, |id, contribution| {
             let sum = &mut sums[id as usize / REPLICATES][id as usize % REPLICATES];
-            (0..3).for_each(|k| sum[k] += found[k]);
+            (0..3).for_each(|k| sum[k] += contribution[k]);
         });
     }
 

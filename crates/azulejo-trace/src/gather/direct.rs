@@ -280,7 +280,7 @@ impl<'a> Direct<'a> {
         let (first, rays) = (of_point.start, of_point.end - of_point.start);
         // The number of a term among those of its point.
         let (mut point_before, mut number) = (u32::MAX, 0);
-        let mut found = vec![TermTests::default(); terms.len()];
+        let mut term_tests = vec![TermTests::default(); terms.len()];
         self.tests.clear();
         for (t, term) in terms.iter().enumerate() {
             let point = &points[term.point as usize];
@@ -296,7 +296,7 @@ impl<'a> Direct<'a> {
             } else {
                 (REPLICATES as u32, rays)
             };
-            found[t].samples = count;
+            term_tests[t].samples = count;
             for r in 0..replicates {
                 let s = if is_shared {
                     seeds(&[seed, points[0].key, number, r / 2])
@@ -315,10 +315,10 @@ impl<'a> Direct<'a> {
             }
         }
         self.tests.trace(|test, share| {
-            let of_term = &mut found[test.tag as usize];
+            let of_term = &mut term_tests[test.tag as usize];
             of_term.weights[test.replicate as usize] += test.weight;
             of_term.visible[test.replicate as usize] += share * test.weight;
         });
-        found
+        term_tests
     }
 }

@@ -204,10 +204,10 @@ mod tests {
         let (mut sums, mut squares) = ([0.0; 6], [0.0; 6]);
         let rounds = 20_000;
         for seed in 0..rounds {
-            let found = gatherer.direct_light().single_sample(&points, seed);
-            for (k, found) in found.iter().enumerate() {
-                sums[k] += found.mean();
-                squares[k] += found.mean().powi(2);
+            let samples = gatherer.direct_light().single_sample(&points, seed);
+            for (k, sample) in samples.iter().enumerate() {
+                sums[k] += sample.mean();
+                squares[k] += sample.mean().powi(2);
             }
         }
         for k in 0..6 {

@@ -139,7 +139,7 @@ pub enum Termination {
     /// 1990). The radiosity at a hit is a control variate alone: it affects the noise, but not the
     /// mean, so its discretization does no harm, for several times the rays and more noise.
     Roulette,
-    /// The same after at most so many diffuse reflections. The light that is read must then be
+    /// The same after at most this many diffuse reflections. The light that is read must then be
     /// black: radiosity does not tell how often its light was reflected.
     Bounces(u32),
 }
@@ -337,8 +337,8 @@ impl<'a> Gatherer<'a> {
         light: &impl DiffuseLight,
     ) -> Vec<Gathered> {
         let directions = DirectionTables::new(options);
-        let found = self.gather_with(points, options, &directions, light);
-        found.iter().map(SplitIrradiance::whole).collect()
+        let irradiance = self.gather_with(points, options, &directions, light);
+        irradiance.iter().map(SplitIrradiance::whole).collect()
     }
 
     /// The direct part alone of what [`gather_with`](Gatherer::gather_with) finds with the same

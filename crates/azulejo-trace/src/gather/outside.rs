@@ -151,12 +151,12 @@ impl Gatherer<'_> {
         }
         let ray = self.surfaces().tracer.world_ray(&path.ray);
         let direction = ray.direction.normalize_or_zero();
-        let found = if path.density > 0.0 {
+        let radiance = if path.density > 0.0 {
             let weight = mis_weight(path.density.into(), outside.pdf(direction));
             outside.radiance(direction) * weight
         } else {
             outside.environment(direction)
         };
-        (ambient + found) * PI
+        (ambient + radiance) * PI
     }
 }

@@ -47,9 +47,9 @@ impl Direct<'_> {
                     let k = 2 * first + r % 2 * count + k;
                     let u = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
                     let key = hash(&[s[3], k]);
-                    if let Some(found) = self.pictured_sample(point, u, key) {
-                        let value = found.irradiance / f64::from(count);
-                        self.plan_picture(point, (index, r), found.target, value, &mut values);
+                    if let Some(sample) = self.pictured_sample(point, u, key) {
+                        let value = sample.irradiance / f64::from(count);
+                        self.plan_picture(point, (index, r), sample.target, value, &mut values);
                     }
                 }
             }
@@ -72,9 +72,9 @@ impl Direct<'_> {
         for (index, point) in points.iter().enumerate() {
             let key = hash(&[seed, point.key, 0xe4]);
             let u = [0, 1, 2].map(|d| f64::from(uniform(&[key, d])));
-            if let Some(found) = self.pictured_sample(point, u, key) {
-                let value = found.irradiance;
-                self.plan_picture(point, (index, 0), found.target, value, &mut values);
+            if let Some(sample) = self.pictured_sample(point, u, key) {
+                let value = sample.irradiance;
+                self.plan_picture(point, (index, 0), sample.target, value, &mut values);
             }
         }
         self.add_visible(&values, |index, _, value| add(index, value));

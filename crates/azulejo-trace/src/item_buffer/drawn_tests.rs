@@ -78,11 +78,11 @@ fn see(world: &World, view: View, resolution: u32, mirrors: Beyond) -> Seen {
 }
 
 fn share(seen: &Seen, side: u32, order: u8) -> f64 {
-    let found = seen
+    let entry = seen
         .shares
         .iter()
         .find(|s| (s.side, s.order) == (side, order));
-    found.map_or(0.0, |s| s.weight.r)
+    entry.map_or(0.0, |s| s.weight.r)
 }
 
 /// All shares of the first level.
@@ -104,10 +104,10 @@ fn inside_a_cube_every_wall_has_its_share() {
             assert_eq!(seen.escaped, [Rgb::BLACK; 2]);
             for (patch, polygon) in (0..).zip(&polygons) {
                 let truth = point_to_polygon(eye, DVec3::Z, polygon);
-                let found = share(&seen, 2 * patch, 0);
+                let factor = share(&seen, 2 * patch, 0);
                 assert!(
-                    (found - truth).abs() < tolerance,
-                    "{n} {patch}: {found} {truth}"
+                    (factor - truth).abs() < tolerance,
+                    "{n} {patch}: {factor} {truth}"
                 );
             }
         }
@@ -303,10 +303,10 @@ fn a_window_shows_the_mirror_image() {
                 3 => 0.0,
                 _ => 0.5 * point_to_polygon(eye, DVec3::Z, &image),
             };
-            let found = share(&seen, 2 * patch, 1);
+            let factor = share(&seen, 2 * patch, 1);
             assert!(
-                (found - truth).abs() < tolerance,
-                "{n} {patch}: {found} {truth}"
+                (factor - truth).abs() < tolerance,
+                "{n} {patch}: {factor} {truth}"
             );
         }
         assert!(seen.shares.iter().all(|s| s.order < 2 && s.side % 2 == 0));
@@ -490,8 +490,8 @@ fn error_falls_with_the_resolution() {
             };
             let truth = polygon_vector(view.eye, &polygon).z.abs();
             let seen = see(&world, view, n, LIST);
-            let found: f64 = seen.shares.iter().map(|s| s.weight.r).sum();
-            (found - truth).powi(2)
+            let factor: f64 = seen.shares.iter().map(|s| s.weight.r).sum();
+            (factor - truth).powi(2)
         };
         ((0..40).map(squared).sum::<f64>() / 40.0).sqrt()
     };

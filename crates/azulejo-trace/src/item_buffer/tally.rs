@@ -65,7 +65,7 @@ mod tests {
             tally.add(2, 1, Rgb::new(1.0, 0.0, 0.0));
             tally.add(5, 0, Rgb::grey(0.5));
             tally.add(2, 0, Rgb::WHITE);
-            let found: Vec<_> = tally
+            let sums: Vec<_> = tally
                 .take()
                 .iter()
                 .map(|s| (s.side, s.order, s.weight))
@@ -75,7 +75,7 @@ mod tests {
                 (2, 1, Rgb::new(1.0, 0.0, 0.0)),
                 (5, 0, Rgb::grey(0.75)),
             ];
-            assert_eq!(found, expected);
+            assert_eq!(sums, expected);
         }
         assert!(tally.take().is_empty());
     }

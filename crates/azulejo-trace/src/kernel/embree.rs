@@ -218,17 +218,17 @@ impl Embree {
             Some(path) => vec![path.into()],
             None => NAMES.map(OsString::from).to_vec(),
         };
-        let mut said = String::new();
+        let mut message = String::new();
         for name in &names {
             // SAFETY: the caller trusts the library's initializers.
             match unsafe { Library::new(name.as_os_str()) } {
                 Ok(library) => return Embree::of(library, Path::new(name)),
-                Err(error) => said = reason(&error),
+                Err(error) => message = reason(&error),
             }
         }
         Err(EmbreeError::Missing {
             tried: names.into_iter().map(PathBuf::from).collect(),
-            said,
+            said: message,
         })
     }
 
@@ -251,14 +251,14 @@ impl Embree {
         }
         // SAFETY: the device was just made.
         let version = unsafe { (functions.property)(device, VERSION) };
-        let found = Device {
+        let embree_device = Device {
             functions,
             device,
             version,
             _library: library,
         };
         match version / 10_000 {
-            3 | 4 => Ok(Embree(Arc::new(found))),
+            3 | 4 => Ok(Embree(Arc::new(embree_device))),
             _ => Err(EmbreeError::Version {
                 path: path.to_owned(),
                 version,
@@ -365,10 +365,10 @@ impl EmbreeScene {
     pub fn closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         let query = EmbreeQuery::new(self, self.embree.0.functions.intersect);
         for (ray, hit) in rays.iter().zip(hits) {
-            *hit = query.trace(ray).map_or(KernelHit::NOTHING, |found| {
-                match self.items.get(found.primitive as usize) {
-                    Some(&item) if found.geometry != NOTHING => {
-                        KernelHit::on_surface(found.t_far, item, found.uv)
+            *hit = query.trace(ray).map_or(KernelHit::NOTHING, |record| {
+                match self.items.get(record.primitive as usize) {
+                    Some(&item) if record.geometry != NOTHING => {
+                        KernelHit::on_surface(record.t_far, item, record.uv)
                     }
                     _ => KernelHit::NOTHING,
                 }
@@ -381,7 +381,7 @@ impl EmbreeScene {
         let query = EmbreeQuery::new(self, self.embree.0.functions.occluded);
         for (ray, blocked) in rays.iter().zip(blocked) {
             // For a blocked ray Embree sets `tfar` to −∞.
-            *blocked = query.trace(ray).is_some_and(|found| found.t_far < 0.0);
+            *blocked = query.trace(ray).is_some_and(|record| record.t_far < 0.0);
         }
     }
 }

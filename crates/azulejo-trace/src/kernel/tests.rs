@@ -40,13 +40,13 @@ fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
     let Some(prepared) = PreparedRay::new(ray) else {
         return KernelHit::NOTHING;
     };
-    let mut found = PacketHits::default();
+    let mut hits = PacketHits::default();
     for packet in &bvh.packets {
-        let mask = Portable.triangles(&prepared, packet, hit.t, &mut found);
+        let mask = Portable.triangles(&prepared, packet, hit.t, &mut hits);
         for lane in (0..PACKET).filter(|lane| mask >> lane & 1 == 1) {
-            if hit.is_after(found.t[lane], packet.items[lane]) {
-                let uv = [found.u[lane], found.v[lane]];
-                hit = KernelHit::on_surface(found.t[lane], packet.items[lane], uv);
+            if hit.is_after(hits.t[lane], packet.items[lane]) {
+                let uv = [hits.u[lane], hits.v[lane]];
+                hit = KernelHit::on_surface(hits.t[lane], packet.items[lane], uv);
             }
         }
     }

@@ -308,9 +308,9 @@ impl TraversalState {
         isa: I,
         packets: &[Packet],
     ) -> bool {
-        let mut found = PacketHits::default();
+        let mut hits = PacketHits::default();
         for packet in packets {
-            let mut mask = isa.triangles(&self.ray, packet, self.hit.t, &mut found);
+            let mut mask = isa.triangles(&self.ray, packet, self.hit.t, &mut hits);
             if ANY {
                 if mask != 0 {
                     self.hit.item = 0;
@@ -321,9 +321,9 @@ impl TraversalState {
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize % PACKET;
                 mask &= mask - 1;
-                let (t, item) = (found.t[lane], packet.items[lane]);
+                let (t, item) = (hits.t[lane], packet.items[lane]);
                 if self.hit.is_after(t, item) {
-                    let uv = [found.u[lane], found.v[lane]];
+                    let uv = [hits.u[lane], hits.v[lane]];
                     self.hit = KernelHit::on_surface(t, item, uv);
                 }
             }

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// Most columns and rows of a table: larger pictures share cells.
 const MOST_CELLS: (u32, u32) = (1024, 512);
 
-/// Columns and rows for what is no picture.
+/// Columns and rows for what is not a picture.
 const SMOOTH_CELLS: (u32, u32) = (512, 256);
 
 /// Samples per cell and direction of what is not summed pixel by pixel.

@@ -10,13 +10,13 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// Distance of a small emitter, as a multiple of its radius, from which on its integral is off by less than 1e-4.
+/// Distance of a small emitter, as a multiple of its radius, beyond which its integral is off by less than 1e-4.
 const FAR: f64 = 25.0;
 
 /// The same for its middle alone, if the height above the horizon is as much.
 const VERY_FAR: f64 = 100.0;
 
-/// Height above the horizon, in the same measure, from which on that holds: where the cosine is small, its changes count.
+/// Height above the horizon, in the same measure, above which that holds: where the cosine is small, its changes count.
 const HIGH: f64 = 4.0;
 
 /// What a surface emits, and how often it is chosen as a light.
@@ -265,14 +265,14 @@ impl FlatEmitters {
                 property: (emission, face.material.emits_back),
             });
         });
-        let mut found = FlatEmitters::default();
+        let mut lamps = FlatEmitters::default();
         for (number, MergedTile { tile, members }) in (0..).zip(merged(tiles)) {
             let of = |member: u32| (keys[member as usize], number);
-            found.faces.extend(members.into_iter().map(of));
-            found.emitters.push(FlatEmitter::new(&tile));
+            lamps.faces.extend(members.into_iter().map(of));
+            lamps.emitters.push(FlatEmitter::new(&tile));
         }
-        found.faces.sort_unstable();
-        found
+        lamps.faces.sort_unstable();
+        lamps
     }
 
     /// The emitter that a triangle belongs to.
@@ -356,10 +356,10 @@ mod tests {
                     let p = (5.0 + 200.0 * d * d) * direction;
                     let n = DVec3::new(e - 0.5, a - 0.5, d - 0.5).normalize();
                     let exact = point_to_polygon(p, n, &lamp.toward(p));
-                    let found = lamp.form_factor(p, n);
+                    let factor = lamp.form_factor(p, n);
                     assert!(
-                        (found - exact).abs() <= 1e-4 * exact,
-                        "{found} for {exact} at {p}"
+                        (factor - exact).abs() <= 1e-4 * exact,
+                        "{factor} for {exact} at {p}"
                     );
                 }
             }

@@ -323,7 +323,7 @@ mod tests {
             assert!(sun.contains(d) && sun.pdf(d) > 0.0);
             sun.radiance.r * d.dot(sun.toward()) / sun.pdf(d)
         };
-        let found = (0..n).map(of).sum::<f64>() / f64::from(n);
-        assert!((found - 40.0).abs() < 1e-9, "{found}");
+        let irradiance = (0..n).map(of).sum::<f64>() / f64::from(n);
+        assert!((irradiance - 40.0).abs() < 1e-9, "{irradiance}");
     }
 }

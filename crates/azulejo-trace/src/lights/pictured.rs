@@ -189,8 +189,8 @@ impl<'a> PicturedEmitters<'a> {
     /// Collects the triangles of all surfaces that emit pictures.
     pub fn new(surfaces: &Surfaces<'a>) -> PicturedEmitters<'a> {
         let mut triangles = shining_triangles(surfaces);
-        let wanted: f64 = triangles.iter().map(|t| t.texels().max(1.0).powi(2)).sum();
-        let coarser = (MOST_CELLS / wanted).sqrt().min(1.0);
+        let cells: f64 = triangles.iter().map(|t| t.texels().max(1.0).powi(2)).sum();
+        let coarser = (MOST_CELLS / cells).sqrt().min(1.0);
         let mut count = 0;
         for triangle in &mut triangles {
             let steps = (triangle.texels() * coarser).floor();
@@ -299,7 +299,7 @@ impl<'a> PicturedEmitters<'a> {
 /// The triangles of all surfaces that emit pictures and show some light, in the order of their keys.
 fn shining_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> {
     let scene = surfaces.scene;
-    let mut found = Vec::new();
+    let mut triangles = Vec::new();
     for (object, o) in (0..).zip(&scene.objects) {
         let Some(mesh) = o.shape.mesh() else {
             continue;
@@ -328,12 +328,12 @@ fn shining_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> {
                     first: 0,
                 };
                 if shown.area_vector() != DVec3::ZERO && !shown.is_black() {
-                    found.push(shown);
+                    triangles.push(shown);
                 }
             }
         }
     }
-    found
+    triangles
 }
 
 #[cfg(test)]
@@ -379,7 +379,7 @@ mod tests {
         scene
     }
 
-    /// ∫ L dA by so many samples, and the spread of one of them; the density must be that of hits.
+    /// ∫ L dA by this many samples, and the spread of one of them; the density must be that of hits.
     fn integral(scene: &Scene, count: u32) -> (Rgb, f64) {
         let tracer = Tracer::new(scene);
         let surfaces = Surfaces::new(scene, &tracer);
@@ -423,11 +423,11 @@ mod tests {
             (0..size * size).map(pixel).collect(),
         ));
         let expected = scene.mean_emissions()[0] * 2.0;
-        let (found, spread) = integral(&scene, 4096);
-        let off = (found - expected).map(f64::abs).max_channel();
+        let (emission, spread) = integral(&scene, 4096);
+        let off = (emission - expected).map(f64::abs).max_channel();
         assert!(
             off < 0.01 * expected.max_channel(),
-            "{found:?} {expected:?}"
+            "{emission:?} {expected:?}"
         );
         // Sampled evenly it would be 35 times the mean.
         assert!(spread < 0.5 * expected.mean(), "{spread} of {expected:?}");
@@ -446,11 +446,11 @@ mod tests {
         let lamps = PicturedEmitters::new(&Surfaces::new(&scene, &tracer));
         assert!(lamps.ends.len() as f64 <= MOST_CELLS);
         let expected = scene.mean_emissions()[0] * 2.0;
-        let (found, _) = integral(&scene, 16_384);
-        let off = (found - expected).map(f64::abs).max_channel();
+        let (emission, _) = integral(&scene, 16_384);
+        let off = (emission - expected).map(f64::abs).max_channel();
         assert!(
             off < 0.02 * expected.max_channel(),
-            "{found:?} {expected:?}"
+            "{emission:?} {expected:?}"
         );
     }
 

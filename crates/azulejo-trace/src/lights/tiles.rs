@@ -180,7 +180,7 @@ mod tests {
     use glam::dvec3;
 
     /// Fields of a grid of unit squares in a slanted plane.
-    fn fields(wanted: impl Fn(i32, i32) -> bool) -> Vec<Tile<u32>> {
+    fn fields(is_inside: impl Fn(i32, i32) -> bool) -> Vec<Tile<u32>> {
         let (x, y) = (dvec3(0.6, 0.0, 0.8), DVec3::Y);
         let at =
             |i: i32, j: i32| dvec3(3.0, 1.0, 2.0) + 0.1 * (f64::from(i) * x + f64::from(j) * y);
@@ -192,10 +192,10 @@ mod tests {
             property: 0,
         };
         let all = (0..8).flat_map(|i| (0..8).map(move |j| (i, j)));
-        all.filter(|&(i, j)| wanted(i, j)).map(tile).collect()
+        all.filter(|&(i, j)| is_inside(i, j)).map(tile).collect()
     }
 
-    /// Merges tiles into so many; none is lost, and no area.
+    /// Merges tiles into this many; none is lost, and no area.
     fn check(tiles: &[Tile<u32>], polygons: usize) -> Vec<MergedTile<u32>> {
         let merged = merged(tiles.to_vec());
         assert_eq!(merged.len(), polygons);

@@ -7,9 +7,9 @@ const MOST_BLOCKS: usize = 1 << 13;
 
 /// Items in blocks.
 ///
-/// Of one part, a block is so many items in a row. Of several, the items are dealt like cards: part k of
+/// Of one part, a block is this many items in a row. Of several, the items are dealt like cards: part k of
 /// n has the items k, k + n, k + 2 n, ..., so that all have as much to do as nearly as possible, and a
-/// block is so many of these. Block b belongs to part b mod n.
+/// block is this many of these. Block b belongs to part b mod n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Division {
     /// Number of items.

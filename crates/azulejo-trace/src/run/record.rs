@@ -50,11 +50,11 @@ impl<R: Record + Copy + Default, const N: usize> Record for [R; N] {
     }
 
     fn read(bytes: &mut RecordReader) -> Option<[R; N]> {
-        let mut found = [R::default(); N];
-        for item in &mut found {
+        let mut items = [R::default(); N];
+        for item in &mut items {
             *item = R::read(bytes)?;
         }
-        Some(found)
+        Some(items)
     }
 }
 

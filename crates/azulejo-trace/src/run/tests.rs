@@ -73,7 +73,7 @@ fn item(i: usize) -> Item {
     Item((i..17).map(|j| 1.0 / (1 + i + j) as f64).collect())
 }
 
-/// 17 items in blocks of 3, of which so many are computed at once.
+/// 17 items in blocks of 3, of which this many are computed at once.
 fn size(at_once: usize) -> LoopSize {
     LoopSize {
         items: 17,
@@ -89,11 +89,11 @@ fn run(memory: &Memory) -> (Option<Vec<Item>>, usize) {
 
 fn run_at_once(memory: &Memory, at_once: usize) -> (Option<Vec<Item>>, usize) {
     let (progress, mut computed) = (Progress::new(), 0);
-    let compute = |wanted: &[usize]| {
-        assert!(wanted.is_sorted(), "{wanted:?}");
-        assert!(wanted.len() <= at_once.max(3), "{wanted:?}");
-        computed += wanted.len();
-        Ok(wanted.iter().map(|&i| item(i)).collect())
+    let compute = |indices: &[usize]| {
+        assert!(indices.is_sorted(), "{indices:?}");
+        assert!(indices.len() <= at_once.max(3), "{indices:?}");
+        computed += indices.len();
+        Ok(indices.iter().map(|&i| item(i)).collect())
     };
     let items = Run::new(memory, &progress)
         .resumed(STAGE, size(at_once), compute)
@@ -127,8 +127,8 @@ fn blocks_that_are_computed_at_once_are_those_that_are_computed_one_by_one() {
         assert_eq!(*memory.blocks.lock().unwrap(), stored);
         // Only what is missing is computed again.
         memory.blocks.lock().unwrap().remove(&(STAGE, 0));
-        let (found, computed) = run_at_once(&memory, at_once);
-        assert_eq!(found, whole());
+        let (items, computed) = run_at_once(&memory, at_once);
+        assert_eq!(items, whole());
         assert!((1..=3).contains(&computed), "{computed}");
     }
 }
@@ -164,21 +164,21 @@ fn parts_together_are_the_whole() {
 fn processes_go_on_with_the_blocks_of_all() {
     for processes in [1, 2, 3, 5, 30] {
         let computed = AtomicUsize::new(0);
-        let found = together(processes, |blocks| {
-            let compute = |wanted: &[usize]| {
-                computed.fetch_add(wanted.len(), Ordering::Relaxed);
-                Ok(wanted.iter().map(|&i| item(i)).collect())
+        let runs = together(processes, |blocks| {
+            let compute = |indices: &[usize]| {
+                computed.fetch_add(indices.len(), Ordering::Relaxed);
+                Ok(indices.iter().map(|&i| item(i)).collect())
             };
             // Twice, so that loops are told apart.
             let progress = Progress::new();
             let run = Run::new(blocks, &progress);
             let first = run.shared((17, 3), compute).unwrap();
-            let lengths = |wanted: &[usize]| Ok(wanted.iter().map(|&i| i as u32).collect());
+            let lengths = |indices: &[usize]| Ok(indices.iter().map(|&i| i as u32).collect());
             let second = run.shared((9, 1), lengths).unwrap();
             let points = run.resumed(RunStage::Points, size(6), compute);
             (first, second, points.unwrap())
         });
-        for (first, second, points) in found {
+        for (first, second, points) in runs {
             assert_eq!((Some(first), points), (whole(), whole()));
             assert_eq!(second, (0..9).collect::<Vec<u32>>());
         }
@@ -189,9 +189,9 @@ fn processes_go_on_with_the_blocks_of_all() {
 #[test]
 fn items_stay_where_they_were_computed() {
     for processes in [1, 2, 3, 5] {
-        let found = together(processes, |blocks| {
+        let kept = together(processes, |blocks| {
             let mut kept = Vec::new();
-            let compute = |wanted: &[usize]| Ok(wanted.iter().map(|&i| item(i)).collect());
+            let compute = |indices: &[usize]| Ok(indices.iter().map(|&i| item(i)).collect());
             let keep = |i: usize, row: Item| {
                 kept.push(i);
                 row.0.len() as u64
@@ -207,7 +207,7 @@ fn items_stay_where_they_were_computed() {
             assert_eq!(lengths, (0..17).rev().map(|n| n + 1).collect::<Vec<u64>>());
             kept
         });
-        let mut all: Vec<usize> = found.into_iter().flatten().collect();
+        let mut all: Vec<usize> = kept.into_iter().flatten().collect();
         all.sort_unstable();
         assert_eq!(all, (0..17).collect::<Vec<usize>>());
     }
@@ -216,11 +216,11 @@ fn items_stay_where_they_were_computed() {
 #[test]
 fn one_that_is_cancelled_ends_all() {
     let ends = together(3, |blocks| {
-        let compute = |wanted: &[usize]| {
-            if wanted.contains(&5) {
+        let compute = |indices: &[usize]| {
+            if indices.contains(&5) {
                 return Err(Cancelled);
             }
-            Ok(wanted.iter().map(|&i| item(i)).collect::<Vec<Item>>())
+            Ok(indices.iter().map(|&i| item(i)).collect::<Vec<Item>>())
         };
         Run::new(blocks, &Progress::new()).shared((17, 1), compute)
     });

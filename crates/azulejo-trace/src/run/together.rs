@@ -24,14 +24,14 @@ pub fn together<T: Send>(processes: usize, work: impl Fn(&dyn Blocks) -> T + Syn
                     processes,
                     loops: AtomicU32::new(0),
                 };
-                let found = work(&seat);
+                let result = work(&seat);
                 seat.leave();
-                found
+                result
             })
         };
         let threads: Vec<_> = (0..processes).map(start).collect();
         let join = |thread: thread::ScopedJoinHandle<'_, T>| match thread.join() {
-            Ok(found) => found,
+            Ok(result) => result,
             Err(panic) => std::panic::resume_unwind(panic),
         };
         threads.into_iter().map(join).collect()

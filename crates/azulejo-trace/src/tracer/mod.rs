@@ -385,11 +385,11 @@ impl Tracer {
                 };
                 *to = KernelRay { t_max, ..*ray };
             }
-            let mut found = [KernelHit::NOTHING; PIECE];
-            let (nearer, found) = (&nearer[..rays.len()], &mut found[..rays.len()]);
+            let mut other_hits = [KernelHit::NOTHING; PIECE];
+            let (nearer, other_hits) = (&nearer[..rays.len()], &mut other_hits[..rays.len()]);
             self.instructions
-                .closest(&self.kernel_scene(), nearer, found);
-            for (hit, other) in hits.iter_mut().zip(&*found) {
+                .closest(&self.kernel_scene(), nearer, other_hits);
+            for (hit, other) in hits.iter_mut().zip(&*other_hits) {
                 if other.is_hit() && hit.is_after(other.t, other.item) {
                     *hit = *other;
                 }
@@ -410,10 +410,10 @@ impl Tracer {
             return;
         }
         for (rays, blocked) in rays.chunks(PIECE).zip(blocked.chunks_mut(PIECE)) {
-            let mut found = [false; PIECE];
-            let found = &mut found[..rays.len()];
-            self.instructions.any(&self.kernel_scene(), rays, found);
-            blocked.iter_mut().zip(&*found).for_each(|(b, f)| *b |= f);
+            let mut shadows = [false; PIECE];
+            let shadows = &mut shadows[..rays.len()];
+            self.instructions.any(&self.kernel_scene(), rays, shadows);
+            blocked.iter_mut().zip(&*shadows).for_each(|(b, f)| *b |= f);
         }
     }
 

@@ -138,7 +138,7 @@ impl Tracer {
     ) {
         cell.walk(
             rays,
-            |parts, found| self.own_closest(parts, found),
+            |parts, part_hits| self.own_closest(parts, part_hits),
             |ray, hit| hits[ray] = hit,
         );
     }
@@ -153,7 +153,7 @@ impl Tracer {
         blocked.fill(false);
         cell.walk(
             rays,
-            |parts, found| self.own_closest(parts, found),
+            |parts, part_hits| self.own_closest(parts, part_hits),
             |ray, _| blocked[ray] = true,
         );
     }
@@ -208,7 +208,7 @@ impl PeriodicCell {
         let mut walks: Vec<CellWalk> = (0..rays.len())
             .filter_map(|k| self.start(k, &rays[k]))
             .collect();
-        let (mut parts, mut pieces, mut found) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut parts, mut pieces, mut hits) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..MOST_CELLS {
             parts.clear();
             pieces.clear();
@@ -221,19 +221,19 @@ impl PeriodicCell {
             if parts.is_empty() {
                 return;
             }
-            found.clear();
-            found.resize(pieces.len(), KernelHit::NOTHING);
-            closest(&pieces, &mut found);
+            hits.clear();
+            hits.resize(pieces.len(), KernelHit::NOTHING);
+            closest(&pieces, &mut hits);
             walks.clear();
-            for ((part, piece), mut hit) in parts.iter().zip(&mut pieces).zip(found.iter().copied())
+            for ((part, piece), mut hit) in parts.iter().zip(&mut pieces).zip(hits.iter().copied())
             {
                 let least = rays[part.walk.ray].t_min;
                 while hit.is_hit() {
                     let t = (part.from + f64::from(hit.t)) as f32;
                     if t >= least {
-                        let mut found = hit;
-                        found.t = t;
-                        on_hit(part.walk.ray, found);
+                        let mut ray_hit = hit;
+                        ray_hit.t = t;
+                        on_hit(part.walk.ray, ray_hit);
                         break;
                     }
                     // The overlap of cells begins before the ray does.

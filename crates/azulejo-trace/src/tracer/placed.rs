@@ -144,16 +144,16 @@ impl PlacedPrimitive {
 
 impl PlacedTracer {
     fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
-        let mut found = KernelHit::NOTHING;
+        let mut inner_hit = KernelHit::NOTHING;
         let inner = [self.inner_ray(ray, hit.t)];
         self.tracer
-            .closest_into(&inner, std::slice::from_mut(&mut found));
-        if !found.is_hit() {
+            .closest_into(&inner, std::slice::from_mut(&mut inner_hit));
+        if !inner_hit.is_hit() {
             return;
         }
-        found.item += self.first_item;
-        if hit.is_after(found.t, found.item) {
-            *hit = found;
+        inner_hit.item += self.first_item;
+        if hit.is_after(inner_hit.t, inner_hit.item) {
+            *hit = inner_hit;
         }
     }
 

@@ -119,9 +119,9 @@ impl ItemTransparencies {
             };
             builder.found.of_prototypes.push(index);
         }
-        let found = builder.found;
-        let is_any = found.of_prototypes.iter().any(|&v| v > 0);
-        is_any.then_some(found)
+        let transparencies = builder.found;
+        let is_any = transparencies.of_prototypes.iter().any(|&v| v > 0);
+        is_any.then_some(transparencies)
     }
 
     /// Whether any item is not opaque, beside panes.
@@ -319,14 +319,14 @@ impl Tracer {
         let mut waiting: Vec<usize> = (0..rays.len())
             .filter(|&k| transparencies.passes(self, &rays[k], &hits[k]))
             .collect();
-        let (mut rest, mut found) = (Vec::new(), Vec::new());
+        let (mut rest, mut next_hits) = (Vec::new(), Vec::new());
         while !waiting.is_empty() {
             rest.clear();
             rest.extend(waiting.iter().map(|&k| rays[k].behind(&hits[k])));
-            found.clear();
-            found.resize(rest.len(), KernelHit::NOTHING);
-            self.kernel_closest(&rest, &mut found);
-            for (&k, hit) in waiting.iter().zip(&found) {
+            next_hits.clear();
+            next_hits.resize(rest.len(), KernelHit::NOTHING);
+            self.kernel_closest(&rest, &mut next_hits);
+            for (&k, hit) in waiting.iter().zip(&next_hits) {
                 hits[k] = *hit;
             }
             waiting.retain(|&k| transparencies.passes(self, &rays[k], &hits[k]));

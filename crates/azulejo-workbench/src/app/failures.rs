@@ -60,13 +60,13 @@ fn content(language: Language, error: &ReadError) -> String {
         let phrase = PHRASES.iter().find(|p| **p == text);
         phrase.map_or_else(|| text.to_owned(), |p| language.tr(p).to_owned())
     };
-    let [found, expected] = [language.tr("Found:"), language.tr("Expected:")];
+    let [found_label, expected] = [language.tr("Found:"), language.tr("Expected:")];
     let expected_text = match error.expected.strip_prefix("a model in ") {
         Some(formats) => format!("{} {formats}", language.tr("a model in")),
         None => known(&error.expected),
     };
     let mut text = format!(
-        "{}{place}\n{found} {}\n{expected} {expected_text}",
+        "{}{place}\n{found_label} {}\n{expected} {expected_text}",
         error.file,
         known(&error.found)
     );

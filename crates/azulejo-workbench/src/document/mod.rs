@@ -238,10 +238,10 @@ impl SceneObject {
 
 /// The materials used by a shape, without duplicates, in the order of its faces.
 fn materials_of(shape: &Shape) -> Vec<MaterialId> {
-    let (mut found, mut seen) = (Vec::new(), HashSet::new());
+    let (mut materials, mut seen) = (Vec::new(), HashSet::new());
     let mut note = |m: MaterialId| {
         if seen.insert(m) {
-            found.push(m);
+            materials.push(m);
         }
     };
     if let Some(mesh) = shape.mesh() {
@@ -259,7 +259,7 @@ fn materials_of(shape: &Shape) -> Vec<MaterialId> {
         Shape::Primitive(p) => note(p.material),
         Shape::Exact(exact) => exact.leaves().iter().for_each(|l| note(l.material())),
     }
-    found
+    materials
 }
 
 /// The bounding box of a shape in object space.

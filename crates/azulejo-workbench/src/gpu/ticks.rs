@@ -122,10 +122,10 @@ mod tests {
             is_logarithmic: true,
             ..scale(low, high)
         };
-        let near = |found: Vec<f64>, expected: &[f64]| {
-            assert_eq!(found.len(), expected.len(), "{found:?}");
-            for (a, b) in found.iter().zip(expected) {
-                assert!((a / b - 1.0).abs() < 1e-9, "{found:?}");
+        let near = |ticks: Vec<f64>, expected: &[f64]| {
+            assert_eq!(ticks.len(), expected.len(), "{ticks:?}");
+            for (a, b) in ticks.iter().zip(expected) {
+                assert!((a / b - 1.0).abs() < 1e-9, "{ticks:?}");
             }
         };
         near(log(0.9, 12.0).ticks(), &[1.0, 2.0, 5.0, 10.0]);

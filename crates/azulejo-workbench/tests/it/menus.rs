@@ -102,7 +102,7 @@ fn the_bar_of_tools_shows_what_surfaces_show() {
     let shading = window.state().app.view.shading;
     assert_eq!(shading, azulejo_workbench::view::Shading::HiddenLines);
     assert!(says(&window, "Hidden lines"));
-    assert!(!window.state().app.is_changed(), "a look is no change");
+    assert!(!window.state().app.is_changed(), "a look is not a change");
 }
 
 #[test]

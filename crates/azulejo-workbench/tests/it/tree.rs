@@ -62,7 +62,7 @@ fn a_thing_is_renamed_in_its_row() {
     assert_eq!(
         window.state().app.revision(),
         revision,
-        "the same name again is no step"
+        "the same name again is not a step"
     );
 }
 

@@ -9,10 +9,10 @@ use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{LightmapPage, srgb_bytes};
 use std::collections::HashSet;
 
-/// Brightest texel over the mean from which on bright parts are apart.
+/// Brightest texel over the mean above which bright parts are kept apart.
 const MOST: f32 = 16.0;
 
-/// Brightest texel of a chart over that of the median chart, and over the mean of the page, from which on it is
+/// Brightest texel of a chart over that of the median chart, and over the mean of the page, above which it is
 /// bright.
 const BRIGHT: f32 = 4.0;
 
@@ -48,7 +48,7 @@ impl BytePictures {
     pub fn new(baked: &Baked, separates_bright: bool) -> BytePictures {
         let layout = &baked.atlas.layout;
         let pages = &baked.lightmap.pages;
-        let mut found = BytePictures {
+        let mut bytes = BytePictures {
             pictures: Vec::new(),
             of_triangles: layout.receivers.iter().map(|r| r.pages.clone()).collect(),
             bright_share: 0.0,
@@ -72,34 +72,34 @@ impl BytePictures {
             };
             let Some(is_bright) = is_bright else {
                 let whole = picture(name, srgb_bytes(&page.irradiance));
-                found.pictures.push(whole);
+                bytes.pictures.push(whole);
                 continue;
             };
             let of_bright = picture(format!("{name}, bright"), alone(page, &is_bright));
             let is_other: Vec<bool> = is_bright.iter().map(|b| !b).collect();
-            found.pictures.push(picture(name, alone(page, &is_other)));
+            bytes.pictures.push(picture(name, alone(page, &is_other)));
             bright.push((of_bright, is_bright));
         }
         let mut areas = [0.0; 2];
         for (of_bright, is_bright) in bright {
-            let number = found.pictures.len() as u32;
-            for (of_receiver, charts) in found.of_triangles.iter_mut().zip(&layout.receivers) {
+            let number = bytes.pictures.len() as u32;
+            for (of_receiver, charts) in bytes.of_triangles.iter_mut().zip(&layout.receivers) {
                 for (picture, &chart) in of_receiver.iter_mut().zip(&charts.charts) {
                     if *picture == of_bright.page as u32 && is(&is_bright, chart) {
                         *picture = number;
                     }
                 }
             }
-            found.pictures.push(of_bright);
+            bytes.pictures.push(of_bright);
         }
-        for (r, pictures) in found.of_triangles.iter().enumerate() {
+        for (r, pictures) in bytes.of_triangles.iter().enumerate() {
             for (t, &picture) in pictures.iter().enumerate() {
                 let area = baked.atlas.receivers[r].area_vector(t).length();
                 areas[usize::from(picture as usize >= pages.len())] += area;
             }
         }
-        found.bright_share = areas[1] / f64::max(areas[0] + areas[1], f64::MIN_POSITIVE);
-        found
+        bytes.bright_share = areas[1] / f64::max(areas[0] + areas[1], f64::MIN_POSITIVE);
+        bytes
     }
 
     /// Share of the area where irradiance is below a share of the largest of its picture.

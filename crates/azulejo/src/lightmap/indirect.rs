@@ -107,7 +107,7 @@ impl IndirectLight<'_> {
         if self.bounces.is_some() {
             let mut gather =
                 |requests: &[PairRequest]| requests.iter().map(|r| self.limited(r)).collect();
-            let found = azulejo_bake::with_indirect(
+            let texels = azulejo_bake::with_indirect(
                 samples,
                 direct,
                 nodes,
@@ -116,7 +116,7 @@ impl IndirectLight<'_> {
                 self.run,
                 &mut gather,
             )?;
-            return Ok(found);
+            return Ok(texels);
         }
         for number in 1..=LOOKS {
             if self.run.progress.out_of_time() {
@@ -144,17 +144,17 @@ impl IndirectLight<'_> {
         seed: u32,
     ) -> Result<SampleLight, SolveError> {
         let (points, areas) = azulejo_bake::sample_points(samples);
-        let found = (self.solved).split(&points, &areas, rays, LOOKS + 1)?;
-        let error = found.relative_error.clamp(DIRECT_ERROR[0], DIRECT_ERROR[1]);
+        let light = (self.solved).split(&points, &areas, rays, LOOKS + 1)?;
+        let error = light.relative_error.clamp(DIRECT_ERROR[0], DIRECT_ERROR[1]);
         let direct = azulejo_bake::direct_from(
             samples,
             atlas,
             self.solved.gatherer(),
-            (&found.direct, error),
+            (&light.direct, error),
             seed,
             self.run,
         )?;
-        let indirect = found.indirect.iter().map(|e| (e.value, e.error));
+        let indirect = light.indirect.iter().map(|e| (e.value, e.error));
         Ok(SampleLight {
             all: direct.plus(indirect),
             direct,
@@ -223,14 +223,14 @@ impl IndirectLight<'_> {
         });
         let targets: Vec<PairTargets> = targets.collect();
         let field = FieldOfTexels(field);
-        let found = self.solved.path_pairs(&targets, Some(&field), look)?;
+        let pair_lists = self.solved.path_pairs(&targets, Some(&field), look)?;
         let pair = |pair: PathPair| NodePair {
             read: pair.read,
             few: pair.few,
             traced: pair.traced,
         };
-        let of_request = |found: Vec<PathPair>| found.into_iter().map(pair).collect();
-        Ok(found.into_iter().map(of_request).collect())
+        let of_request = |pairs: Vec<PathPair>| pairs.into_iter().map(pair).collect();
+        Ok(pair_lists.into_iter().map(of_request).collect())
     }
 
     /// The light at points by so many rays that read that of patches, or `field`.
@@ -246,21 +246,21 @@ impl IndirectLight<'_> {
             read: 0..rays,
             traced: 0..0,
         };
-        let found = self.solved.path_pairs(&[targets], field, look)?;
-        Ok(found.into_iter().flatten().map(|pair| pair.read).collect())
+        let pairs = self.solved.path_pairs(&[targets], field, look)?;
+        Ok(pairs.into_iter().flatten().map(|pair| pair.read).collect())
     }
 
     /// Where bounces are limited, all is path traced.
     fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
         let error = NOISE_SHARE * self.error;
-        let found = self
+        let indirect = self
             .solved
             .indirect(request.points, request.areas, error, LOOKS + 1)?;
         let node = |read| NodePair {
             read,
             ..NodePair::default()
         };
-        Ok(found.into_iter().map(node).collect())
+        Ok(indirect.into_iter().map(node).collect())
     }
 }
 

@@ -110,28 +110,28 @@ fn to_error(
     })?;
     drop(light);
     let free = |request: &PairRequest| -> Result<Vec<NodePair>, Cancelled> {
-        let found = hemispheres.free(request.points, strata)?;
+        let visibility = hemispheres.free(request.points, strata)?;
         let node = |read| NodePair {
             read,
             ..NodePair::default()
         };
-        Ok(found.into_iter().map(node).collect())
+        Ok(visibility.into_iter().map(node).collect())
     };
     azulejo_bake::with_indirect(samples, none, nodes, goal, true, run, &mut |requests| {
         requests.iter().map(free).collect()
     })
 }
 
-/// The free share at all samples, from so many rays at each.
+/// The free share at all samples, from this many rays at each.
 fn everywhere(
     hemispheres: &Hemispheres,
     (samples, none): (&Samples, &SampleDirect),
     rays: u32,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
     let (points, _) = azulejo_bake::sample_points(samples);
-    let found = hemispheres.free_of_all(&points, strata_of(rays))?;
-    let found = found.ok_or(SolveError::Elsewhere)?;
-    let free = found
+    let visibility = hemispheres.free_of_all(&points, strata_of(rays))?;
+    let visibility = visibility.ok_or(SolveError::Elsewhere)?;
+    let free = visibility
         .iter()
         .map(|free| (free.mean(), free.variance().map(f64::sqrt)));
     let texels = TexelStatistics {
@@ -158,7 +158,7 @@ fn strata(error: f64) -> u32 {
     (of_replicate as u32).clamp(STRATA[0], STRATA[1])
 }
 
-/// Strata along an axis of each replicate that take so many rays, or as few more as squares allow.
+/// Strata along an axis of each replicate that take this many rays, or as few more as squares allow.
 fn strata_of(rays: u32) -> u32 {
     let of_replicate = rays.div_ceil(REPLICATES as u32);
     let root = of_replicate.isqrt();

@@ -15,7 +15,7 @@ const DARK: f64 = 0.01;
 /// as the floor of a building whose underside sees the ground.
 const CLEARLY: f64 = 2.0;
 
-/// Difference of the light of two sides, relative to the brighter, from which on it is said.
+/// Difference of the light of two sides, relative to the brighter, above which it is reported.
 const DIFFERING: f64 = 0.1;
 
 /// The receivers whose backs somebody may see, with their objects: those outside of solids, and those that get
@@ -121,7 +121,7 @@ pub fn power_beside_patches(
     [patches, texels]
 }
 
-/// Of so many samples one is compared with patches.
+/// Of this many samples one is compared with patches.
 const EVERY: usize = 8;
 
 /// Of each chart whether its back gets more light.

@@ -340,7 +340,7 @@ mod tests {
         assert!(far.order.iter().all(Option::is_some));
         // Nothing that single precision holds is left of a room so small.
         let refused = moved(|p| 1e-60 * p);
-        let said = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
-        assert!(matches!(said, Err(SourceError::Precision)), "{said:?}");
+        let counts = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
+        assert!(matches!(counts, Err(SourceError::Precision)), "{counts:?}");
     }
 }

@@ -173,10 +173,10 @@ impl PixelSphere {
     /// The pixels that are connected to one, in ascending order.
     fn connected(&self, first: usize, belongs: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut known = vec![false; self.width * self.height];
-        let (mut found, mut next) = (Vec::new(), vec![first]);
+        let (mut pixels, mut next) = (Vec::new(), vec![first]);
         known[first] = true;
         while let Some(pixel) = next.pop() {
-            found.push(pixel);
+            pixels.push(pixel);
             for other in self.neighbours(pixel) {
                 if !known[other] && belongs(other) {
                     known[other] = true;
@@ -184,8 +184,8 @@ impl PixelSphere {
                 }
             }
         }
-        found.sort_unstable();
-        found
+        pixels.sort_unstable();
+        pixels
     }
 
     /// The pixels that touch some, in ascending order.

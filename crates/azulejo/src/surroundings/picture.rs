@@ -15,7 +15,7 @@ pub struct SurroundingPicture {
     pub projection: Projection,
 }
 
-/// Why a file is no picture of the surroundings.
+/// Why a file is not a picture of the surroundings.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum PictureFailure {
@@ -44,13 +44,13 @@ impl From<ReadFailure> for PictureFailure {
 
 impl SurroundingPicture {
     /// Reads an `.hdr` or `.exr` picture, twice as wide as high (equirectangular) or square
-    /// (angular map); also returns warnings. Pixels that are no light become black.
+    /// (angular map); also returns warnings. Pixels that are not light become black.
     ///
     /// # Errors
     /// [`PictureFailure`].
     pub fn read(path: &Path) -> Result<(SurroundingPicture, Vec<String>), PictureFailure> {
         let bytes = read_bytes(path)?;
-        let wrong = |found: String| PictureFailure::Content(format!("{}: {found}", path.display()));
+        let wrong = |fault: String| PictureFailure::Content(format!("{}: {fault}", path.display()));
         let is_hdr = bytes.starts_with(b"#?") || bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
         if !is_hdr {
             return Err(wrong(
@@ -84,7 +84,7 @@ fn projection_of(image: &Image) -> Result<Projection, String> {
     }
 }
 
-/// Makes pixels that are no light black, and says how many.
+/// Makes pixels that are not light black, and says how many.
 fn clean(image: &mut Image) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut wrong = 0;

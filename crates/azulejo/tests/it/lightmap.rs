@@ -122,7 +122,7 @@ fn texels_have_the_requested_error() {
     assert!(bias.abs() < 0.01, "{bias}");
 }
 
-/// A lightmap of so many rays at every texel.
+/// A lightmap of this many rays at every texel.
 fn with_rays(size: u32, rays: u32) -> BakeOptions {
     let options = options(size, 0.0);
     BakeOptions {

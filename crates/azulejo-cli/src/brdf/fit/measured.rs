@@ -167,22 +167,22 @@ mod tests {
 
     #[test]
     fn far_angles_do_not_count() {
-        let found = entries(&brdf("lewis kd = 0.2 ks = 0.5 n = 30"), 80f64.to_radians());
+        let data = entries(&brdf("lewis kd = 0.2 ks = 0.5 n = 30"), 80f64.to_radians());
         assert!(
-            (1000..STEPS.iter().product()).contains(&found.len()),
+            (1000..STEPS.iter().product()).contains(&data.len()),
             "{}",
-            found.len()
+            data.len()
         );
-        let lowest = found.iter().map(|e| e.wo.z.min(e.wi.z)).fold(1.0, f64::min);
+        let lowest = data.iter().map(|e| e.wo.z.min(e.wi.z)).fold(1.0, f64::min);
         assert!(lowest >= 80f64.to_radians().cos(), "{lowest}");
     }
 
     #[test]
     fn a_model_is_not_off_from_itself() {
         let model = brdf("lewis kd = 0.2 ks = 0.5 n = 30");
-        let found = errors(&entries(&model, 1.3), &model);
+        let error = errors(&entries(&model, 1.3), &model);
         assert_eq!(
-            found,
+            error,
             FitErrors {
                 compressed: 0.0,
                 relative: 0.0

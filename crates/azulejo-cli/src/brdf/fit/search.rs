@@ -318,10 +318,10 @@ mod tests {
     fn a_model_is_found_again() {
         let check = |name: &str, text: &str, expected: &[f64]| {
             let (answer, _) = fit(name, &entries(&brdf(text), 1.4), text.contains('('));
-            for ((found, ..), expected) in answer.values.iter().zip(expected) {
+            for ((value, ..), expected) in answer.values.iter().zip(expected) {
                 assert!(
-                    (found - expected).abs() < 0.01 * expected.max(0.01),
-                    "{text}: {found}"
+                    (value - expected).abs() < 0.01 * expected.max(0.01),
+                    "{text}: {value}"
                 );
             }
         };
@@ -346,11 +346,11 @@ mod tests {
             entry.value *= 1.0 + 0.1 * random;
         }
         let (answer, _) = fit("lewis", &data, false);
-        for ((found, error, _), expected) in answer.values.iter().zip([0.2, 0.5, 40.0]) {
-            assert!((found - expected).abs() < 4.0 * error, "{found} ± {error}");
+        for ((value, error, _), expected) in answer.values.iter().zip([0.2, 0.5, 40.0]) {
+            assert!((value - expected).abs() < 4.0 * error, "{value} ± {error}");
             assert!(
                 (1e-4..0.03).contains(&(error / expected)),
-                "{found} ± {error}"
+                "{value} ± {error}"
             );
         }
         let off = errors(&data, &answer.brdf).relative;

@@ -174,10 +174,10 @@ mod tests {
     #[test]
     fn values_stay_in_their_ranges() {
         let given = Model::new("lewis", []);
-        let found = variables(find("lewis").unwrap(), &given, false);
-        let names: Vec<String> = found.iter().map(FitVariable::name).collect();
+        let fit_variables = variables(find("lewis").unwrap(), &given, false);
+        let names: Vec<String> = fit_variables.iter().map(FitVariable::name).collect();
         assert_eq!(names, ["kd", "ks", "n"]);
-        for variable in found {
+        for variable in fit_variables {
             for free in [-9.0, -1.5, 0.0, 0.7, 1.6, 40.0] {
                 let value = variable.value(free);
                 let parameter = variable.parameter;
@@ -198,10 +198,10 @@ mod tests {
     #[test]
     fn colours_have_three_variables_and_what_is_given_none() {
         let given = Model::new("lewis", [("n", Value::Number(7.0))]);
-        let found = variables(find("lewis").unwrap(), &given, true);
-        let names: Vec<String> = found.iter().map(FitVariable::name).collect();
+        let fit_variables = variables(find("lewis").unwrap(), &given, true);
+        let names: Vec<String> = fit_variables.iter().map(FitVariable::name).collect();
         assert_eq!(names, ["kd.r", "kd.g", "kd.b", "ks.r", "ks.g", "ks.b"]);
-        let model = model(&given, &found, &[0.0; 6], 0.5);
+        let model = model(&given, &fit_variables, &[0.0; 6], 0.5);
         assert_eq!(
             model.to_string(),
             "lewis n = 7 kd = (0.25, 0.25, 0.25) ks = (0.25, 0.25, 0.25)"

@@ -284,7 +284,7 @@ mod tests {
         let quarter = x / (1.0 + x * x).sqrt() * (x / (1.0 + x * x).sqrt()).atan();
         let factor = 4.0 * quarter / std::f64::consts::PI;
         let light = |radiance| studio(radiance).scattered(&spot, [1, 2]).r;
-        let found = (light(1000.0) - light(0.0)) / 1000.0;
-        assert!((found / factor - 1.0).abs() < 3e-3, "{found} {factor}");
+        let slope = (light(1000.0) - light(0.0)) / 1000.0;
+        assert!((slope / factor - 1.0).abs() < 3e-3, "{slope} {factor}");
     }
 }

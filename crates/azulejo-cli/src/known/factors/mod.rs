@@ -166,7 +166,7 @@ fn read(text: &str) -> Vec<Case> {
     file.case
 }
 
-/// A surface of a scene, an object of its own; all that emit nothing and are no mirrors reflect the half.
+/// A surface of a scene, an object of its own; all that emit nothing and are not mirrors reflect the half.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CaseSurface {

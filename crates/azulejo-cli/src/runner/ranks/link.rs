@@ -13,7 +13,7 @@ use std::time::Instant;
 
 /// What the work asks for.
 pub enum Request {
-    /// Blocks that no rank has yet, so many at most.
+    /// Blocks that no rank has yet, this many at most.
     Next {
         stage: RunStage,
         division: Division,
@@ -111,7 +111,7 @@ pub fn connected() -> (Link, WorkEnd) {
 }
 
 impl Link {
-    /// The next blocks for this rank, at most so many, with their bytes if they are known already.
+    /// The next blocks for this rank, at most this many, with their bytes if they are known already.
     pub fn next(
         &self,
         stage: RunStage,
@@ -260,7 +260,7 @@ impl Request {
 /// From another rank to rank 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToRoot {
-    /// Is done with its blocks, and asks for at most so many of a stage, of `items` in blocks of `size`, not
+    /// Is done with its blocks, and asks for at most this many of a stage, of `items` in blocks of `size`, not
     /// before block `from`.
     Next {
         #[serde(with = "stage_number")]

@@ -301,7 +301,7 @@ impl<'a> Root<'a> {
             any = true;
             match ToRoot::read(&bytes) {
                 Some(message) => self.message(rank, message),
-                None => self.ended(rank, Some("sent what is no message".to_owned())),
+                None => self.ended(rank, Some("sent what is not a message".to_owned())),
             }
         }
         any
@@ -346,7 +346,7 @@ impl<'a> Root<'a> {
         }
     }
 
-    /// The next blocks of a stage that nobody has, at most so many, and fewer toward the end.
+    /// The next blocks of a stage that nobody has, at most this many, and fewer toward the end.
     fn next(
         &mut self,
         stage: RunStage,

@@ -101,7 +101,7 @@ impl Ranks {
     /// if there is one.
     ///
     /// # Errors
-    /// They do not agree; the file next to the output is no journal; the work was cancelled.
+    /// They do not agree; the file next to the output is not a journal; the work was cancelled.
     pub fn blocks(&self, plan: &DividedWork) -> Result<RankBlocks, Failure> {
         let key = (plan.key)();
         self.agree(&key)?;
@@ -162,8 +162,7 @@ fn without_mpi() -> Failure {
     )
 }
 
-/// Threads of a rank beside which there are so many on its machine, itself counted: its part of the processors, or those
-/// that it is bound to.
+/// Threads of each of this many ranks of one machine: its part of the processors, or those that it is bound to.
 #[cfg(feature = "mpi")]
 fn threads(ranks: usize) -> usize {
     let bound = std::thread::available_parallelism().map_or(1, usize::from);

@@ -61,7 +61,7 @@ impl Transport for ThreadTransport {
     }
 }
 
-/// Does the same work as so many ranks; the results in their order, and what rank 0 hears of failures.
+/// Does the same work as this many ranks; the results in their order, and what rank 0 hears of failures.
 fn run<T: Send + 'static>(
     size: usize,
     sharing: Sharing,
@@ -90,12 +90,12 @@ fn run<T: Send + 'static>(
             };
             let worker = thread::spawn(move || {
                 let file = file.map(|path| FileJournal::open(path, [7; 32]).unwrap());
-                let found = match &RankBlocks::new(&ranks, sharing, file) {
+                let result = match &RankBlocks::new(&ranks, sharing, file) {
                     Ok(blocks) => work(rank, blocks),
                     Err(_) => Err(Cancelled),
                 };
-                link.end(found.is_err().then(String::new), u8::from(found.is_err()));
-                found
+                link.end(result.is_err().then(String::new), u8::from(result.is_err()));
+                result
             });
             let (_, heard) = messenger::serve(&ThreadTransport { post, rank }, &end, &control);
             (worker.join(), heard)
@@ -104,8 +104,8 @@ fn run<T: Send + 'static>(
     let threads: Vec<_> = (0..size).map(start).collect();
     let mut heard = None;
     let ends = threads.into_iter().map(|thread| {
-        let (end, said) = thread.join().unwrap();
-        heard = heard.take().or(said);
+        let (end, message) = thread.join().unwrap();
+        heard = heard.take().or(message);
         end.unwrap_or(Err(Cancelled))
     });
     (ends.collect(), heard)
@@ -172,10 +172,10 @@ fn every_block_is_computed_once_and_known_to_all() {
     for size in [2, 3, 5] {
         let computed = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&computed);
-        let (found, heard) = run(size, Sharing::All, None, move |_, blocks| {
-            let compute = |wanted: &[usize]| {
-                counter.fetch_add(wanted.len(), Ordering::Relaxed);
-                Ok(wanted.iter().map(|&i| square(i)).collect())
+        let (ends, heard) = run(size, Sharing::All, None, move |_, blocks| {
+            let compute = |items: &[usize]| {
+                counter.fetch_add(items.len(), Ordering::Relaxed);
+                Ok(items.iter().map(|&i| square(i)).collect())
             };
             let progress = Progress::new();
             let run = Run::new(blocks, &progress);
@@ -190,7 +190,7 @@ fn every_block_is_computed_once_and_known_to_all() {
         });
         assert_eq!(heard, None);
         let mut all = 0;
-        for end in found {
+        for end in ends {
             let (first, second, kept) = end.unwrap();
             assert_eq!((first, second), (squares(100), squares(50)));
             all += kept;
@@ -201,12 +201,12 @@ fn every_block_is_computed_once_and_known_to_all() {
 
 #[test]
 fn rank_0_alone_gets_what_it_alone_needs() {
-    let (found, _) = run(3, Sharing::Root, None, |_, blocks| {
-        let compute = |wanted: &[usize]| Ok(wanted.iter().map(|&i| square(i)).collect());
+    let (ends, _) = run(3, Sharing::Root, None, |_, blocks| {
+        let compute = |items: &[usize]| Ok(items.iter().map(|&i| square(i)).collect());
         let progress = Progress::new();
         Run::new(blocks, &progress).resumed(RunStage::Rows, loop_of(64, 2), compute)
     });
-    assert_eq!(found, [Ok(Some(squares(64))), Ok(None), Ok(None)]);
+    assert_eq!(ends, [Ok(Some(squares(64))), Ok(None), Ok(None)]);
 }
 
 #[test]
@@ -218,10 +218,10 @@ fn what_a_file_has_is_not_computed_again() {
         for (round, size) in [2, 3, 2].into_iter().enumerate() {
             let computed = Arc::new(AtomicUsize::new(0));
             let counter = Arc::clone(&computed);
-            let (found, _) = run(size, sharing, Some(path.clone()), move |_, blocks| {
-                let compute = |wanted: &[usize]| {
-                    counter.fetch_add(wanted.len(), Ordering::Relaxed);
-                    Ok(wanted.iter().map(|&i| square(i)).collect())
+            let (ends, _) = run(size, sharing, Some(path.clone()), move |_, blocks| {
+                let compute = |items: &[usize]| {
+                    counter.fetch_add(items.len(), Ordering::Relaxed);
+                    Ok(items.iter().map(|&i| square(i)).collect())
                 };
                 let progress = Progress::new();
                 let run = Run::new(blocks, &progress);
@@ -230,11 +230,11 @@ fn what_a_file_has_is_not_computed_again() {
                     Sharing::All => run.shared((40, 4), compute).map(Some),
                 }
             });
-            assert_eq!(found[0], Ok(Some(squares(40))));
-            let wanted = if round == 0 { 40 } else { 0 };
+            assert_eq!(ends[0], Ok(Some(squares(40))));
+            let expected = if round == 0 { 40 } else { 0 };
             assert_eq!(
                 computed.load(Ordering::Relaxed),
-                wanted,
+                expected,
                 "{sharing:?} {round}"
             );
         }
@@ -245,30 +245,30 @@ fn what_a_file_has_is_not_computed_again() {
 #[test]
 fn the_end_of_one_is_the_end_of_all() {
     for failing in [0, 1, 2] {
-        let (found, _) = run(3, Sharing::All, None, move |rank, blocks| {
-            let compute = |wanted: &[usize]| {
+        let (ends, _) = run(3, Sharing::All, None, move |rank, blocks| {
+            let compute = |items: &[usize]| {
                 // Some rank meets it, and all of them end.
-                if rank == failing || wanted[0] > 30 {
+                if rank == failing || items[0] > 30 {
                     return Err(Cancelled);
                 }
-                Ok(wanted.iter().map(|&i| square(i)).collect::<Vec<f64>>())
+                Ok(items.iter().map(|&i| square(i)).collect::<Vec<f64>>())
             };
             Run::new(blocks, &Progress::new()).shared((100, 1), compute)
         });
-        assert_eq!(found, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
+        assert_eq!(ends, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
     }
 }
 
 #[test]
 fn a_rank_that_panics_is_named() {
-    let (found, heard) = run(3, Sharing::All, None, |rank, blocks| {
+    let (ends, heard) = run(3, Sharing::All, None, |rank, blocks| {
         if rank == 2 {
             // As a defect would.
             std::panic::resume_unwind(Box::new("a defect"));
         }
         blocks.gather(RunStage::Points, vec![1])
     });
-    assert_eq!(found[..2], [Err(Cancelled), Err(Cancelled)]);
+    assert_eq!(ends[..2], [Err(Cancelled), Err(Cancelled)]);
     assert_eq!(
         heard.as_deref(),
         Some("rank 2: the work ended unexpectedly")
@@ -277,8 +277,8 @@ fn a_rank_that_panics_is_named() {
 
 #[test]
 fn ranks_with_other_light_are_found_out() {
-    let (found, _) = run(3, Sharing::All, None, |rank, blocks| {
+    let (ends, _) = run(3, Sharing::All, None, |rank, blocks| {
         blocks.rely_on(RunStage::Points, (rank / 2) as u64)
     });
-    assert_eq!(found, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
+    assert_eq!(ends, [Err(Cancelled), Err(Cancelled), Err(Cancelled)]);
 }

@@ -182,7 +182,7 @@ fn double(pose: &mut Pose, dice: &mut Dice) {
     pose.words.push(format!("a double {far:.3e} away"));
 }
 
-/// A mesh of at most so many of the first faces of another.
+/// A mesh of at most this many of the first faces of another.
 fn first_faces(mesh: &Mesh, most: usize) -> Mesh {
     let mut part = mesh.clone();
     (part.faces, part.face_materials, part.normals) = Default::default();

@@ -177,9 +177,9 @@ mod tests {
 
     #[test]
     fn errors_and_slack_decide() {
-        let check = |found: f64, slack: f64| {
+        let check = |value: f64, slack: f64| {
             let many = |x: f64| (0..50).map(move |k| factor(&k.to_string(), x, 0.01));
-            let (a, b): (Vec<_>, Vec<_>) = (many(0.2).collect(), many(found).collect());
+            let (a, b): (Vec<_>, Vec<_>) = (many(0.2).collect(), many(value).collect());
             compare(&a, &b, slack, false).off
         };
         assert_eq!(check(0.27, 0.0), 0);
@@ -199,9 +199,9 @@ mod tests {
     #[test]
     fn what_is_missing_is_zero() {
         let a = [factor("a", 0.5, 0.0)];
-        let found = compare(&a, &[], 0.0, false);
-        assert_eq!((found.quantities, found.off), (1, 1));
-        assert_eq!(found.worst.unwrap().found, 0.0);
+        let comparison = compare(&a, &[], 0.0, false);
+        assert_eq!((comparison.quantities, comparison.off), (1, 1));
+        assert_eq!(comparison.worst.unwrap().found, 0.0);
     }
 
     #[test]

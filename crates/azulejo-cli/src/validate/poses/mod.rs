@@ -342,7 +342,7 @@ impl<'a> Poses<'a> {
         };
         let end = process::run(&folder, &arguments, LIMIT, self.progress)
             .map_err(|e| Failure::file("run in", &folder, &e))?;
-        let found = answer(&inquiry, &end);
+        let quantities = answer(&inquiry, &end);
         inquiry.site = &base.site;
         inquiry.folder = &base.folder;
         let expected = answer(&inquiry, &base.end);
@@ -365,9 +365,9 @@ impl<'a> Poses<'a> {
         Ok(expected
             .map_err(|e| format!("the original: {e}"))
             .and_then(|mut expected| {
-                let mut found = found?;
-                measures::keep_comparable(&mut expected, &mut found);
-                record.judge(&compare(&expected, &found, record.slack, is_exact));
+                let mut quantities = quantities?;
+                measures::keep_comparable(&mut expected, &mut quantities);
+                record.judge(&compare(&expected, &quantities, record.slack, is_exact));
                 Ok(())
             }))
     }

@@ -390,8 +390,8 @@ mod tests {
                 let ring: Vec<u32> = mesh.faces.get(0).iter().map(|v| v + first).collect();
                 whole.push_face(&ring, 0);
             }
-            let found = whole.enclosed_volume().unwrap();
-            assert!((found + volume).abs() < 1e-9, "{found} {volume}");
+            let enclosed = whole.enclosed_volume().unwrap();
+            assert!((enclosed + volume).abs() < 1e-9, "{enclosed} {volume}");
         }
     }
 }

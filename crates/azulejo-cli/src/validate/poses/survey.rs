@@ -124,7 +124,7 @@ impl Original {
         })
     }
 
-    /// A point on an element and its unit normal, by two random numbers; `None` for shapes that are no mesh
+    /// A point on an element and its unit normal, by two random numbers; `None` for shapes that are not a mesh
     /// and faces without area.
     pub fn point_on(&self, element: usize, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
         if element >= self.mesh.faces.len() {
@@ -313,9 +313,9 @@ mod tests {
                 (change.apply)(&mut pose, &mut Dice::new(3, change.name));
                 let scale = pose.map.matrix3.determinant().abs().cbrt();
                 let reach = 1e-9 * original.size() + 2.0 * pose.moved / scale;
-                let found = original.find(&pose.scene, &pose.map, reach);
+                let face_elements = original.find(&pose.scene, &pose.map, reach);
                 let mut areas = vec![0.0; original.areas.len()];
-                for (object, faces) in pose.scene.objects.iter().zip(&found.faces) {
+                for (object, faces) in pose.scene.objects.iter().zip(&face_elements.faces) {
                     let mesh = object.shape.mesh().unwrap();
                     for (face, elements) in faces.iter().enumerate() {
                         let is_added = object.name == "double";

@@ -14,7 +14,7 @@ const BIN: f64 = 0.5;
 /// The histogram ends here; what is beyond is in the last bin.
 const BINS: i32 = 10;
 
-/// Fewer answers than this are no histogram.
+/// Fewer answers than this are not a histogram.
 const FEW: usize = 30;
 
 /// The plots that the results have something for.
@@ -142,7 +142,7 @@ fn convergence(results: &ValidationResults) -> ChartSpec {
     }
 }
 
-/// Shares within so many standard errors, beside those of normal errors.
+/// Shares within this many standard errors, beside those of normal errors.
 fn coverage(results: &ValidationResults) -> ChartSpec {
     let curve = |name: &str, style, of: Vec<[f64; 2]>| ChartSeries {
         name: name.to_owned(),
@@ -188,11 +188,11 @@ mod tests {
 
     #[test]
     fn densities_sum_to_one() {
-        let found = densities(&[0.1, -0.1, 0.6, -99.0, 7.0]);
-        let sum: f64 = found.iter().map(|p| p[1] * BIN).sum();
+        let density = densities(&[0.1, -0.1, 0.6, -99.0, 7.0]);
+        let sum: f64 = density.iter().map(|p| p[1] * BIN).sum();
         assert!((sum - 1.0).abs() < 1e-12);
-        let middle = found.iter().find(|p| p[0] == 0.0).unwrap();
-        assert!((middle[1] - 0.8).abs() < 1e-12, "{found:?}");
-        assert!(found[0][1] > 0.0 && found[found.len() - 1][1] > 0.0);
+        let middle = density.iter().find(|p| p[0] == 0.0).unwrap();
+        assert!((middle[1] - 0.8).abs() < 1e-12, "{density:?}");
+        assert!(density[0][1] > 0.0 && density[density.len() - 1][1] > 0.0);
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Points within edges, as a multiple of the edges: many edges with many corners of others on each of
-/// them are no surface.
+/// them are not a surface.
 const MOST: usize = 16;
 
 /// Points with those that lie in one place made one.

@@ -127,7 +127,7 @@ impl Enclosure {
     }
 }
 
-/// The smallest region joins its best neighbour until so many are left, or none has one.
+/// The smallest region joins its best neighbour until this many are left, or none has one.
 fn agglomerate(regions: &mut ClusterRegions, count: usize) {
     let entry =
         |regions: &ClusterRegions, region: u32| Reverse((rank(regions.area(region)), region));

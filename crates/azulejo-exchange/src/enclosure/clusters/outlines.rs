@@ -13,7 +13,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// rounded to about that.
 const SAME: f64 = 1e-7;
 
-/// Rows that meet at one edge from which on they are no surface, and no neighbours.
+/// Rows that meet at one edge, at which they are not a surface, and not neighbours.
 const CROWD: usize = 32;
 
 /// What all rows of a cluster have in common.
@@ -28,7 +28,7 @@ pub(super) struct RowKey {
 #[derive(Clone, Debug, Default)]
 pub(super) struct OutlineMesh {
     pub(super) edges: Vec<OutlineEdge>,
-    /// The first edge of each row; [`NONE`] for rows that are no simple polygon.
+    /// The first edge of each row; [`NONE`] for rows that are not a simple polygon.
     pub(super) first: Vec<u32>,
     /// Area vector of each row.
     pub(super) vectors: Vec<DVec3>,
@@ -50,7 +50,7 @@ pub(super) struct OutlineEdge {
 }
 
 impl OutlineMesh {
-    /// The outlines of so many rows, connected where their keys are equal. Corners of one row on the
+    /// The outlines of this many rows, connected where their keys are equal. Corners of one row on the
     /// edge of another divide that edge.
     pub(super) fn new(cells: &CellMesh, rows: usize, key: impl Fn(usize) -> RowKey) -> OutlineMesh {
         let weld = PointWeld::new(&cells.points, SAME);

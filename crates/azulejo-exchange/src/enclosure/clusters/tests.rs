@@ -48,7 +48,7 @@ fn flat(x: f64, y: f64) -> DVec3 {
     DVec3::new(x, y, 0.0)
 }
 
-/// A tube of so many sides, whose corners are equal where it closes.
+/// A tube of this many sides, whose corners are equal where it closes.
 fn tube(sides: usize, rings: usize) -> Vec<Vec<DVec3>> {
     grid(sides, rings, |x, y| {
         let angle = TAU * (x % sides as f64) / sides as f64;

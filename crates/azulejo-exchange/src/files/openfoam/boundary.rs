@@ -77,11 +77,11 @@ impl<'a> Lexer<'a> {
         let column = before[start..].chars().count() as u32 + 1;
         let rest = &self.text[self.last..];
         let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
-        let found = match &rest[..end] {
+        let word = match &rest[..end] {
             "" => "the end of the file".to_owned(),
             word => word.chars().take(40).collect(),
         };
-        ReadError::at_line(self.file, self.text, line, column, found, expected)
+        ReadError::at_line(self.file, self.text, line, column, word, expected)
     }
 
     /// Skips blanks and comments.
@@ -126,7 +126,7 @@ impl<'a> Lexer<'a> {
 
     fn expect_mark(&mut self, mark: char) -> Result<(), ReadError> {
         match self.expect(&mark.to_string())? {
-            FoamToken::Mark(found) if found == mark => Ok(()),
+            FoamToken::Mark(symbol) if symbol == mark => Ok(()),
             _ => Err(self.error(&mark.to_string())),
         }
     }

@@ -96,7 +96,7 @@ impl OpenFoamCase {
         let case = OpenFoamCase::read(&bytes, &name, place, version)?;
         let takes_part = |p: &BoundaryPatch| p.groups.iter().any(|group| group == GROUP);
         if case.version != OpenFoamVersion::Org && !case.patches.iter().any(takes_part) {
-            let found = format!("no patch with inGroups ({GROUP})");
+            let lack = format!("no patch with inGroups ({GROUP})");
             let expected = match regions(&case.folder).as_slice() {
                 [] => "a patch that takes part".to_owned(),
                 regions => format!(
@@ -104,7 +104,7 @@ impl OpenFoamCase {
                     regions.join(", ")
                 ),
             };
-            return Err(ReadError::whole(&name, found, expected));
+            return Err(ReadError::whole(&name, lack, expected));
         }
         Ok(case)
     }

@@ -73,7 +73,7 @@ impl CaseRows {
             let what = if is_grouped { "faces in rows" } else { "rows" };
             return Err(refused(format!(
                 "found {} {what}, {known} of them faces of the patches that take part ({}), expected \
-                 all {faces} faces of these, and no object that is no patch: take the case's mesh as the \
+                 all {faces} faces of these, and no object that is not a patch: take the case's mesh as the \
                  model, with --by face, --cluster, or --by object for whole patches",
                 row_faces(enclosure).count(),
                 names.join(", ")
@@ -127,7 +127,7 @@ fn row_faces(enclosure: &Enclosure) -> impl Iterator<Item = (FaceId, u32)> {
     groups.iter().copied().chain(patches)
 }
 
-/// The patches that have rows and take no part; `None` if there are rows of what is no patch.
+/// The patches that have rows and take no part; `None` if there are rows of what is not a patch.
 fn left_out<'a>(
     enclosure: &'a Enclosure,
     case: &OpenFoamCase,

@@ -106,15 +106,15 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
         return Ok(None);
     }
     let writer = json.find(&["asset", "generator"]).and_then(Json::text);
-    let mut said = format!(
+    let mut message = format!(
         "{name}: {} has written the file since it was baked, and lost {}",
         shortened(writer.as_deref().unwrap_or("another program")),
         gone.join(" and ")
     );
     if !mark.entries("baked").is_empty() {
-        said += "; the lamps that were baked stay dark";
+        message += "; the lamps that were baked stay dark";
     }
-    Ok(Some(said + ": compress first, then bake"))
+    Ok(Some(message + ": compress first, then bake"))
 }
 
 /// Whether a mark is that of light on vertices.

@@ -82,11 +82,11 @@ fn irradiance(scene: &Scene, object: usize, x: f64, y: f64) -> Option<Rgb> {
     Some(lightmap.at(image, a + (b - a) * x + (c - a) * y))
 }
 
-fn near(found: Option<Rgb>, expected: f64) {
-    let found = found.expect("has a lightmap");
+fn near(irradiance: Option<Rgb>, expected: f64) {
+    let irradiance = irradiance.expect("has a lightmap");
     assert!(
-        (found.r - expected).abs() < 1e-3 * expected.max(1.0),
-        "{found:?}, expected {expected}"
+        (irradiance.r - expected).abs() < 1e-3 * expected.max(1.0),
+        "{irradiance:?}, expected {expected}"
     );
 }
 
@@ -294,9 +294,12 @@ fn written_lightmaps_are_read_again() {
         let back = back.scene;
         for (x, y) in [(0.25, 0.75), (0.25, 0.25), (0.5, 0.5), (0.75, 0.25)] {
             let expected = irradiance(&scene, 0, x, y).unwrap().r;
-            let found = irradiance(&back, 0, x, y).unwrap().r;
+            let irradiance = irradiance(&back, 0, x, y).unwrap().r;
             let step = 40.0 * f64::from(peak) / 255.0;
-            assert!((found - expected).abs() < step, "{found}, not {expected}");
+            assert!(
+                (irradiance - expected).abs() < step,
+                "{irradiance}, not {expected}"
+            );
         }
         let losses = gltf::losses(&scene);
         assert_eq!(

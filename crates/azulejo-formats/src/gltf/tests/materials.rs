@@ -75,15 +75,18 @@ fn emission_is_in_candela_per_square_metre() {
     let picture = format!("{matt},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{{\"index\":0}}");
     let half_black = picture_of(&[[255; 3], [0; 3]]);
     let without = "textured primitive without";
-    let found = scene(&picture, &half_black, &[without]);
-    let lamp = &found.materials[0];
+    let lit_scene = scene(&picture, &half_black, &[without]);
+    let lamp = &lit_scene.materials[0];
     assert_eq!(
         (lamp.emission, lamp.emission_picture),
         (Rgb::WHITE, Some(0))
     );
-    assert!((found.mean_emissions()[0].r - 0.5).abs() < 1e-6);
+    assert!((lit_scene.mean_emissions()[0].r - 0.5).abs() < 1e-6);
     let placed = picture.replace("\"index\":0", "\"index\":0,\"texCoord\":1");
-    assert_eq!(scene(&placed, &half_black, &[]).materials, found.materials);
+    assert_eq!(
+        scene(&placed, &half_black, &[]).materials,
+        lit_scene.materials
+    );
     let dark = scene(&picture, &picture_of(&[[0; 3]]), &[without]);
     assert!(!dark.materials[0].is_emitter());
     let missing = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"x.png\"}]";
@@ -127,8 +130,8 @@ fn panes_and_bodies_of_glass() {
         transmittance: Rgb::new(0.5, 0.5, 1.0),
         thin: false,
     };
-    let found = glass(&format!("{},{volume}", transmits(1.0)), &[]);
-    assert_eq!(found, (Some(body), Rgb::grey(0.5)));
+    let optics = glass(&format!("{},{volume}", transmits(1.0)), &[]);
+    assert_eq!(optics, (Some(body), Rgb::grey(0.5)));
     let little = ["transmits less than half"];
     // Smooth plastic has Schlick's Fresnel reflectance from 4 %: 4 + 96/21 % for uniform light.
     let (glass, mirror) = glass(&transmits(0.25), &little);
@@ -160,13 +163,13 @@ fn pictures_and_their_coordinates() {
          {\"KHR_texture_transform\":{\"offset\":[0,1],\"rotation\":1.5707963267948966,\
          \"scale\":[0.5,0.5],\"texCoord\":1}}}",
     );
-    let found = scene(&json, &picture_of(&[[255; 3]]), &[]);
-    assert_eq!(found.materials[0].textures, [0]);
-    assert_eq!(found.textures[0].path, "wood");
-    assert_eq!(found.textures[0].image.as_ref().unwrap().pixels, [[1.0; 3]]);
+    let scene = scene(&json, &picture_of(&[[255; 3]]), &[]);
+    assert_eq!(scene.materials[0].textures, [0]);
+    assert_eq!(scene.textures[0].path, "wood");
+    assert_eq!(scene.textures[0].image.as_ref().unwrap().pixels, [[1.0; 3]]);
     // The lower left quarter of the texture, rotated: (0, 0) is its lower left corner in azulejo,
     // the coordinates (0, 0), (0, 1) and (0, 0) of the file come from its lower edge.
-    let uvs = &super::mesh_of(&found, 0).uvs.as_ref().unwrap().values;
+    let uvs = &super::mesh_of(&scene, 0).uvs.as_ref().unwrap().values;
     let expected = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::ZERO];
     let near = |(a, b): (&DVec2, DVec2)| (*a - b).length() < 1e-6;
     assert!(uvs.iter().zip(expected).all(near), "{uvs:?}");
@@ -180,7 +183,7 @@ fn pictures_of_metalness_roughness_and_normals() {
         pbr("\"baseColorFactor\":[0.5,0.25,0,1],\"metallicFactor\":0.5,\
              \"metallicRoughnessTexture\":{\"index\":0,\"texCoord\":1}")
     );
-    let found = scene(&json, &picture_of(&[[0, 102, 255], [0, 102, 0]]), &[]);
+    let scene = scene(&json, &picture_of(&[[0, 102, 255], [0, 102, 0]]), &[]);
     let base = Rgb::new(0.5, 0.25, 0.0);
     let picture = |channel| {
         Some(NumberPicture {
@@ -188,7 +191,7 @@ fn pictures_of_metalness_roughness_and_normals() {
             channel,
         })
     };
-    let material = &found.materials[0];
+    let material = &scene.materials[0];
     let expected = FinishMaps {
         base,
         metallic: 0.5,
@@ -202,9 +205,9 @@ fn pictures_of_metalness_roughness_and_normals() {
     let (color, metallic, roughness) = gltf_mr(material).unwrap();
     assert_eq!(color, base);
     assert!((metallic - 0.25).abs() < 1e-6 && (roughness - 0.4).abs() < 1e-5);
-    found.validate().unwrap();
+    scene.validate().unwrap();
     let mut file = Vec::new();
-    crate::gltf::write(&found, &mut file).unwrap();
+    crate::gltf::write(&scene, &mut file).unwrap();
     let options = crate::ReadOptions::default();
     let loaded = crate::gltf::read(&file, "a.glb", &crate::Memory::new(), &options);
     let back = loaded.unwrap().scene;
@@ -319,7 +322,7 @@ fn pictures_of_other_formats() {
         "{\"source\":0}",
         "{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}",
     );
-    let found = scene(&json, &picture, &[]);
-    let image = found.textures[0].image.as_ref().unwrap();
+    let scene = scene(&json, &picture, &[]);
+    let image = scene.textures[0].image.as_ref().unwrap();
     assert_eq!(image.pixels, [[1.0; 3]; 2]);
 }

@@ -39,17 +39,20 @@ fn triangles_are_counted_in_the_file() {
         "\"nodes\":[{{}},{{\"mesh\":1,\"scale\":[1,1,-1]}},{{\"mesh\":1}},{{\"mesh\":0}}],\
          \"meshes\":[{{\"primitives\":[{points}]}},{{\"primitives\":[{points},{indexed},{PRIMITIVE}]}}]"
     );
-    let found = origins(&triangle(&floats, &accessors, &rest));
+    let origins = origins(&triangle(&floats, &accessors, &rest));
     let face = |primitive, triangle| FaceOrigin {
         primitive,
         triangle,
     };
-    assert_eq!(&found[0].faces[..], [face(1, 0), face(1, 2), face(2, 0)]);
-    let places: Vec<_> = found.iter().map(|o| (o.node, o.mesh, o.mirrored)).collect();
+    assert_eq!(&origins[0].faces[..], [face(1, 0), face(1, 2), face(2, 0)]);
+    let places: Vec<_> = origins
+        .iter()
+        .map(|o| (o.node, o.mesh, o.mirrored))
+        .collect();
     assert_eq!(places, [(1, 1, true), (2, 1, false)]);
-    assert!(std::sync::Arc::ptr_eq(&found[0].faces, &found[1].faces));
+    assert!(std::sync::Arc::ptr_eq(&origins[0].faces, &origins[1].faces));
     assert!(
-        found
+        origins
             .iter()
             .all(|o| o.stillness == Stillness::Still && o.instance.is_none())
     );
@@ -81,7 +84,7 @@ fn what_moves() {
         pointer("/meshes/3/weights/0"),
         pointer("/nodes/9/rotation"),
     );
-    let found: Vec<_> = origins(&triangle(&[], "", &rest))
+    let nodes: Vec<_> = origins(&triangle(&[], "", &rest))
         .iter()
         .map(|o| (o.node, o.stillness))
         .collect();
@@ -95,7 +98,7 @@ fn what_moves() {
         (8, Skinned),
         (9, Animated),
     ];
-    assert_eq!(found, expected);
+    assert_eq!(nodes, expected);
 }
 
 #[test]
@@ -106,8 +109,8 @@ fn levels_and_instances() {
          {{\"children\":[3]}},{{\"mesh\":0}},\
          {{\"mesh\":0,\"extensions\":{{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{{\"TRANSLATION\":0}}}}}}}}]"
     );
-    let found = origins(&triangle(&[], "", &rest));
-    let levels: Vec<_> = found
+    let origins = origins(&triangle(&[], "", &rest));
+    let levels: Vec<_> = origins
         .iter()
         .map(|o| (o.node, o.level_of_detail, o.instance))
         .collect();

@@ -98,7 +98,7 @@ fn surface() -> impl Strategy<Value = Material> {
 fn mesh() -> impl Strategy<Value = Mesh> {
     let extras = any::<[bool; 4]>();
     (3usize..12, 1usize..8, extras).prop_flat_map(|(vertices, faces, has)| {
-        let count = |wanted: bool| if wanted { vertices } else { 0 };
+        let count = |is_present: bool| if is_present { vertices } else { 0 };
         let vector = |most: f64| [number(most), number(most), number(most)];
         (
             prop::collection::vec(vector(1e3), vertices),
@@ -210,7 +210,7 @@ fn as_used(scene: &Scene) -> Scene {
 }
 
 /// Whether two scenes are equal up to rounding of colours and directions.
-fn assert_alike(found: &Scene, expected: &Scene) {
+fn assert_alike(back: &Scene, expected: &Scene) {
     let rounded = |scene: &Scene| {
         let mut scene = scene.clone();
         let near = |c: Rgb| c.map(|c| f64::from(c as f32));
@@ -220,7 +220,7 @@ fn assert_alike(found: &Scene, expected: &Scene) {
         }
         scene
     };
-    assert_eq!(rounded(found), rounded(expected));
+    assert_eq!(rounded(back), rounded(expected));
 }
 
 proptest! {
@@ -365,18 +365,20 @@ fn other_units_are_converted() {
     };
     let pairs = positions(&back).into_iter().zip(positions(&expected));
     assert!(pairs.into_iter().all(|(a, b)| near(a, b)));
-    let (found, wanted) = (&back.cameras[0], &expected.cameras[0]);
-    assert!(near(found.eye, wanted.eye) && near(found.axes().2, wanted.axes().2));
-    assert!(near(found.axes().1, wanted.axes().1) && found.vertical_fov == 0.75);
+    let (camera, expected_camera) = (&back.cameras[0], &expected.cameras[0]);
+    assert!(
+        near(camera.eye, expected_camera.eye) && near(camera.axes().2, expected_camera.axes().2)
+    );
+    assert!(near(camera.axes().1, expected_camera.axes().1) && camera.vertical_fov == 0.75);
     assert_eq!(back.lights.len(), 4);
     let LightKind::Ambient { radiance } = back.lights[3].kind else {
         panic!("{:?}", back.lights[3])
     };
     assert!((radiance - Rgb::WHITE).map(f64::abs).max_channel() < 1e-9);
     assert_eq!(back.lights[3].name, "lamp");
-    for (found, wanted) in back.lights.iter().zip(&expected.lights).take(3) {
+    for (lamp, expected_lamp) in back.lights.iter().zip(&expected.lights).take(3) {
         let at = DVec3::new(0.3, 0.1, -0.2);
-        match (found.kind, wanted.kind) {
+        match (lamp.kind, expected_lamp.kind) {
             (
                 LightKind::Directional { direction: a, .. },
                 LightKind::Directional { direction: b, .. },
@@ -483,15 +485,15 @@ fn opacities_come_back() {
         scene.objects.push(Object::new("", Shape::Mesh(mesh)));
         let options = ReadOptions::default();
         let back = gltf::read(&glb(&scene), "a.glb", &Memory::new(), &options).unwrap();
-        let found = back.scene.materials[0].opacity.unwrap();
+        let read_opacity = back.scene.materials[0].opacity.unwrap();
         assert_eq!(
-            (found.constant, found.mode),
+            (read_opacity.constant, read_opacity.mode),
             (opacity.constant, opacity.mode)
         );
-        assert_eq!(found.picture.is_some(), opacity.picture.is_some());
+        assert_eq!(read_opacity.picture.is_some(), opacity.picture.is_some());
         let image = back.scene.textures.first().and_then(|t| t.image.as_ref());
-        let found = image.and_then(|image| image.alpha.as_deref());
-        assert_eq!(found.unwrap_or_default(), alpha);
+        let channel = image.and_then(|image| image.alpha.as_deref());
+        assert_eq!(channel.unwrap_or_default(), alpha);
         assert_eq!(back.warnings, []);
     };
     let whole = Opacity::constant(1.0);
@@ -542,11 +544,12 @@ fn pictures_of_the_surroundings_are_no_textures() {
     let text = String::from_utf8_lossy(&bytes);
     // The picture of the material, and four levels of six faces.
     assert_eq!(text.matches("\"image/png\"").count(), 1 + 24);
-    let said = gltf::losses(&scene);
+    let losses = gltf::losses(&scene);
     assert!(
-        said.iter()
+        losses
+            .iter()
             .any(|l| l.starts_with("1 pictures of the surroundings")),
-        "{said:?}"
+        "{losses:?}"
     );
     scene.materials[0].textures = vec![0];
     assert!(
@@ -634,7 +637,7 @@ fn matt_surfaces_say_so() {
         mesh.push_face(&[0, 1, 2], material);
         scene.objects.push(Object::new("", Shape::Mesh(mesh)));
     }
-    let said = |matt| {
+    let written = |matt| {
         let mut file = Vec::new();
         gltf::write_with(&scene, matt, &mut file).unwrap();
         let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
@@ -650,14 +653,14 @@ fn matt_surfaces_say_so() {
             .collect();
         (factors, json["extensionsUsed"].to_string(), file)
     };
-    let (said_factors, used, with) = said(gltf::MattSurfaces::Said);
+    let (said_factors, used, with) = written(gltf::MattSurfaces::Said);
     let none = serde_json::Value::Null;
     assert_eq!(
         said_factors,
         [0.into(), none.clone(), none.clone(), 0.into()]
     );
     assert!(used.contains("KHR_materials_specular"), "{used}");
-    let (factors, used, without) = said(gltf::MattSurfaces::Rough);
+    let (factors, used, without) = written(gltf::MattSurfaces::Rough);
     assert!(factors.iter().all(|f| *f == none));
     assert!(!used.contains("KHR_materials_specular"), "{used}");
     assert!(without == glb(&scene));

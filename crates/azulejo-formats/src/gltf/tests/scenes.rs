@@ -172,10 +172,10 @@ fn cameras() {
         ))
     };
     let scene = read(&perspective("0.5"), &["is empty"]);
-    let found = &scene.cameras[0];
-    assert_eq!((found.name.as_str(), found.vertical_fov), ("eye", 0.5));
-    assert_eq!(found.eye, DVec3::new(1.0, 2.0, 3.0));
-    assert_eq!(found.axes(), (DVec3::X, DVec3::Y, DVec3::NEG_Z));
+    let view = &scene.cameras[0];
+    assert_eq!((view.name.as_str(), view.vertical_fov), ("eye", 0.5));
+    assert_eq!(view.eye, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(view.axes(), (DVec3::X, DVec3::Y, DVec3::NEG_Z));
     read(&perspective("4"), &["without a usable view", "is empty"]);
     let flat = "\"type\":\"orthographic\",\
         \"orthographic\":{\"xmag\":1,\"ymag\":1,\"znear\":0,\"zfar\":1}";
@@ -216,11 +216,11 @@ fn image_based_light() {
     assert!((radiance - Rgb::grey(2.0)).map(f64::abs).max_channel() < 1e-12);
     // Brighter above, by bands: L = c₀ Y₀₀ / π + c₁ Y₁₋₁ 3 / 2π, where Y₁₋₁ = −y for Babylon.js.
     let smooth = format!("{{\"irradianceCoefficients\":{}}}", coefficients(9.0, -3.0));
-    let found = scene(&smooth, "");
-    let LightKind::Environment(sky) = found.lights[0].kind else {
+    let scene = scene(&smooth, "");
+    let LightKind::Environment(sky) = scene.lights[0].kind else {
         panic!("it is brighter above")
     };
-    let image = found.textures[0].image.as_ref();
+    let image = scene.textures[0].image.as_ref();
     let truth = 9.0 * constant / std::f64::consts::PI + 3.0 * 0.4886 * 1.5 / std::f64::consts::PI;
     let above = sky.radiance(DVec3::new(0.01, 1.0, 0.01).normalize(), image);
     assert!((above.g - truth).abs() < 0.01 * truth, "{above:?}, {truth}");

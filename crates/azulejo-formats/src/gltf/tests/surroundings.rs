@@ -90,15 +90,15 @@ fn check(given: &Scene, tolerance: f64) {
     let most = most.fold(0.0, f64::max);
     for (normal, expected) in of_given {
         let turned = y_up(given.units.up, normal);
-        let found = irradiance(&back, turned);
+        let irradiance = irradiance(&back, turned);
         let terms = coefficients.iter().zip(harmonics(turned));
         let smooth: Rgb = terms.map(|(c, y)| Rgb::from(*c) * (y * intensity)).sum();
         for k in 0..3 {
             // What is nearly black need not be exact beside the rest.
             let room = tolerance * expected[k].max(0.02 * most);
             assert!(
-                (found[k] - expected[k]).abs() <= room,
-                "by the cube map, {normal}: {found:?}, not {expected:?}"
+                (irradiance[k] - expected[k]).abs() <= room,
+                "by the cube map, {normal}: {irradiance:?}, not {expected:?}"
             );
             // Nine coefficients cannot follow what is small and bright (Ramamoorthi and Hanrahan 2001).
             assert!(
@@ -244,9 +244,9 @@ fn pictures_with_bright_windows_and_ambient_light_beside_them() {
         Some(image),
     );
     check(&scene, 0.03);
-    let said = gltf::losses(&scene).join(", ");
-    assert!(said.contains("become one"), "{said}");
-    assert!(!said.contains("a sun or a lamp"), "{said}");
+    let losses = gltf::losses(&scene).join(", ");
+    assert!(losses.contains("become one"), "{losses}");
+    assert!(!losses.contains("a sun or a lamp"), "{losses}");
 }
 
 #[test]
@@ -274,10 +274,13 @@ fn a_sun_in_the_picture_is_said() {
     image.pixels[64 * 8] = [1e5; 3];
     let around = Environment::picture(0, Projection::Equirectangular, Up::Y);
     let scene = scene(Up::Y, vec![LightKind::Environment(around)], Some(image));
-    let said = gltf::losses(&scene).join(", ");
-    assert!(said.contains("a sun or a lamp"), "{said}");
+    let losses = gltf::losses(&scene).join(", ");
+    assert!(losses.contains("a sun or a lamp"), "{losses}");
     // Nothing is cut off: its power stays.
     let back = read_back(&scene);
-    let [found, expected] = [&back, &scene].map(|s| irradiance(s, DVec3::Y).g);
-    assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+    let [irradiance, expected] = [&back, &scene].map(|s| irradiance(s, DVec3::Y).g);
+    assert!(
+        (irradiance / expected - 1.0).abs() < 0.1,
+        "{irradiance} {expected}"
+    );
 }

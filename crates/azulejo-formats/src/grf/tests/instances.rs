@@ -15,7 +15,7 @@ fn read_with(files: &Memory, text: &str) -> Scene {
 fn instance(scene: &Scene, object: usize) -> &MeshInstance {
     match &scene.objects[object].shape {
         Shape::Instance(instance) => instance,
-        _ => panic!("object {object} is no instance"),
+        _ => panic!("object {object} is not an instance"),
     }
 }
 

@@ -241,11 +241,11 @@ mod tests {
         (sum(&w.values), sum(&w.slopes))
     }
 
-    fn check(found: (f64, f64), expected: (f64, f64)) {
+    fn check(value_and_slope: (f64, f64), expected: (f64, f64)) {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(
-            near(found.0, expected.0) && near(found.1, expected.1),
-            "{found:?}, expected {expected:?}"
+            near(value_and_slope.0, expected.0) && near(value_and_slope.1, expected.1),
+            "{value_and_slope:?}, expected {expected:?}"
         );
     }
 

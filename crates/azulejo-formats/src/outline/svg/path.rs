@@ -219,9 +219,9 @@ mod tests {
 
     /// Checks that other commands draw the same figure.
     fn check_same(a: &str, b: &str) {
-        let (found, outcome) = drawn(a);
+        let (figure, outcome) = drawn(a);
         assert_eq!(outcome, PathProblems::default(), "{a}");
-        assert_eq!(found, drawn(b).0, "{a}");
+        assert_eq!(figure, drawn(b).0, "{a}");
     }
 
     #[test]

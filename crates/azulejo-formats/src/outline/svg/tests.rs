@@ -31,10 +31,10 @@ fn check_warning(content: &str, shapes: usize, message: &str) {
 #[test]
 fn shapes_have_their_areas() {
     let check = |content: &str, area: f64| {
-        let found = only(content).figure.signed_area().abs();
+        let drawn_area = only(content).figure.signed_area().abs();
         assert!(
-            (found - area).abs() < 1e-4 * area.max(1.0),
-            "{content} {found} {area}"
+            (drawn_area - area).abs() < 1e-4 * area.max(1.0),
+            "{content} {drawn_area} {area}"
         );
     };
     let pi = std::f64::consts::PI;
@@ -157,8 +157,8 @@ fn what_is_hidden_is_not_drawn() {
 fn use_draws_with_its_own_transform() {
     let defs = "<defs><g id='a'><rect id='r' width='1' height='1'/></g></defs>";
     let check = |content: &str, min: [f64; 2]| {
-        let found = only(&format!("{defs}{content}")).figure.bounds().min;
-        assert_eq!(found, DVec2::from(min), "{content}");
+        let corner = only(&format!("{defs}{content}")).figure.bounds().min;
+        assert_eq!(corner, DVec2::from(min), "{content}");
     };
     check("<use href='#a'/>", [0.0, 99.0]);
     check(
@@ -245,19 +245,19 @@ fn crowded_elements_take_no_quadratic_time() {
         read.unwrap_err().to_string()
     };
     let many: String = (0..300_000).map(|k| format!(" a{k}=''")).collect();
-    let said = error(&format!("<g/><g{many}/>"));
-    assert!(said.contains("more than 1000 attributes"), "{said}");
+    let message = error(&format!("<g/><g{many}/>"));
+    assert!(message.contains("more than 1000 attributes"), "{message}");
     let spaces: String = (0..900).map(|k| format!(" xmlns:a{k}='u{k}'")).collect();
-    let said = error(&format!("<g{spaces}>{}</g>", "<a899:g/>".repeat(100_000)));
-    assert!(said.contains("more than 256 namespaces"), "{said}");
+    let message = error(&format!("<g{spaces}>{}</g>", "<a899:g/>".repeat(100_000)));
+    assert!(message.contains("more than 256 namespaces"), "{message}");
     // A hundred thousand classes with as many declarations.
     let fill = "fill:red;".repeat(100_000);
     let classes = "a ".repeat(100_000);
     let path = "<path d='M0 0h4v3z'/>";
-    let found = drawing(&format!(
+    let drawing = drawing(&format!(
         "<style>.a{{{fill}fill:blue}}</style><g class='{classes}'>{path}</g>"
     ));
-    assert_eq!(found.shapes[0].color, Some(Rgb::new(0.0, 0.0, 1.0)));
+    assert_eq!(drawing.shapes[0].color, Some(Rgb::new(0.0, 0.0, 1.0)));
     // A long element in a million places.
     let uses = |k: usize| {
         format!(
@@ -268,6 +268,6 @@ fn crowded_elements_take_no_quadratic_time() {
     };
     let doubling: String = (0..6).map(uses).collect();
     let long = format!("<g id='u0' class='{classes}'>{path}</g>");
-    let said = error(&format!("<defs>{long}{doubling}</defs><use href='#u6'/>"));
-    assert!(said.contains("expand to more than"), "{said}");
+    let message = error(&format!("<defs>{long}{doubling}</defs><use href='#u6'/>"));
+    assert!(message.contains("expand to more than"), "{message}");
 }

@@ -86,10 +86,10 @@ mod tests {
     #[test]
     fn transforms_are_applied_from_the_right() {
         let check = |text: &str, expected: [f64; 2]| {
-            let found = transform(text)
+            let point = transform(text)
                 .unwrap()
                 .transform_point2(DVec2::new(1.0, 2.0));
-            assert!(found.distance(expected.into()) < 1e-12, "{text} {found}");
+            assert!(point.distance(expected.into()) < 1e-12, "{text} {point}");
         };
         check("", [1.0, 2.0]);
         check("translate(10)", [11.0, 2.0]);

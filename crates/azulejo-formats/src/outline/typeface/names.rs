@@ -55,7 +55,7 @@ mod tests {
         let font = Font {
             glyphs: names.map(glyph).into(),
         };
-        let found: Vec<(char, String)> = encoding_of(&font)
+        let encoding: Vec<(char, String)> = encoding_of(&font)
             .names
             .into_iter()
             .map(|(code, name)| (char::from_u32(code).unwrap(), name))
@@ -68,6 +68,6 @@ mod tests {
             ('€', "uni20AC"),
             ('−', "minus"),
         ];
-        assert_eq!(found, expected.map(|(c, n)| (c, n.to_owned())));
+        assert_eq!(encoding, expected.map(|(c, n)| (c, n.to_owned())));
     }
 }

@@ -196,8 +196,8 @@ mod tests {
                 text[run.bytes].to_owned()
             }
         };
-        let found: Vec<String> = visual_runs(text).into_iter().map(shown).collect();
-        assert_eq!(found, expected);
+        let runs: Vec<String> = visual_runs(text).into_iter().map(shown).collect();
+        assert_eq!(runs, expected);
     }
 
     #[test]

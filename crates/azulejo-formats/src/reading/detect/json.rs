@@ -14,17 +14,17 @@ pub(super) fn json_model(bytes: &[u8]) -> Detection {
         b"accessors",
         b"buffers",
     ];
-    let mut found = Err("JSON that is not glTF, CityJSON or epJSON");
+    let mut format = Err("JSON that is not glTF, CityJSON or epJSON");
     for name in TopLevelNames::new(bytes) {
         match name {
             b"CityObjects" => return Ok(Format::CityJson),
             _ if is_energyplus(name) => return Ok(Format::EnergyPlus),
             b"asset" => return Ok(Format::Gltf),
-            _ if GLTF.contains(&name) => found = Ok(Format::Gltf),
+            _ if GLTF.contains(&name) => format = Ok(Format::Gltf),
             _ => {}
         }
     }
-    found
+    format
 }
 
 /// The names of the outermost object of JSON, which need not be well-formed.

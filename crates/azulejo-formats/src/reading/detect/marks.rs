@@ -50,7 +50,7 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
     }
     let text = decoded(&bytes[..bytes.len().min(LOOKED_AT)]);
     let mark = MARKS.iter().find(|(mark, _)| text.starts_with(mark));
-    mark.map(|(_, found)| *found)
+    mark.map(|(_, format)| *format)
         .or_else(|| is_openflight(bytes).then_some(Ok(OpenFlight)))
         .or_else(|| is_3ds(bytes).then_some(Ok(Studio3ds)))
         .or_else(|| is_binary_stl(bytes).then_some(Ok(Stl)))

@@ -169,12 +169,12 @@ const MOST_UNPACKED: u64 = 1 << 24;
 /// [`Unrecognized`], which names the actual format if it is well known.
 pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognized> {
     let start = unpacked_start(bytes);
-    let found = match known_mark(&start) {
-        Some(found) => found,
+    let format = match known_mark(&start) {
+        Some(format) => format,
         // The whole file: a comment at its start may be of any length.
         None => by_words(&decoded(&start)),
     };
-    found.map_err(|looks_like| Unrecognized { looks_like })
+    format.map_err(|looks_like| Unrecognized { looks_like })
 }
 
 /// The bytes, or the first of their decompressed bytes.

@@ -1,6 +1,6 @@
 //! Input of programs that compute with finite elements or volumes.
 
-/// Whether the first line that is no comment is a keyword with which input of Abaqus or CalculiX begins.
+/// Whether the first line that is not a comment is a keyword with which input of Abaqus or CalculiX begins.
 pub(super) fn is_abaqus<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     const FIRST: [&[u8]; 17] = [
         b"HEADING",

@@ -4,8 +4,8 @@ use flate2::write::GzEncoder;
 use std::io::Write;
 
 fn check(bytes: &[u8], expected: Result<Format, &str>) {
-    let found = detect(bytes).map_err(|e| e.looks_like);
-    assert_eq!(found, expected, "{}", bytes.escape_ascii());
+    let format = detect(bytes).map_err(|e| e.looks_like);
+    assert_eq!(format, expected, "{}", bytes.escape_ascii());
 }
 
 #[test]

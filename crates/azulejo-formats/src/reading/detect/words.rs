@@ -32,8 +32,8 @@ pub(super) fn by_words(head: &[u8]) -> Detection {
     let mut rest = lines.clone();
     while let Some(line) = rest.next() {
         let next = || first_word(rest.clone().next().unwrap_or_default());
-        if let Some(found) = by_line(line, next, head) {
-            return found;
+        if let Some(format) = by_line(line, next, head) {
+            return format;
         }
     }
     // `o` and `p` are keywords of OBJ and of MGF; OBJ is more likely.

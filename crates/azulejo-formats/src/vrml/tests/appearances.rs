@@ -89,9 +89,9 @@ fn what_materials_lose_is_said() {
         .collect();
     assert_eq!(places.len(), expected.len(), "{warnings:?}");
     assert_eq!(scene.materials[0].opacity, Some(Opacity::constant(0.5)));
-    for (found, expected) in warnings.iter().zip(expected) {
+    for (message, expected) in warnings.iter().zip(expected) {
         let words = expected.splitn(4, ':').nth(3).unwrap_or_default();
-        assert!(found.contains(words), "{found} is not {expected}");
+        assert!(message.contains(words), "{message} is not {expected}");
     }
     let (scene, warnings) = look("material Material { transparency 1 }", "");
     assert!(
@@ -165,7 +165,7 @@ fn alpha_channels() {
     };
     assert_eq!(of(4, "0xFF000033", ""), (Some(pictured), Some(vec![0.2])));
     assert_eq!(of(2, "0xFF33", ""), (Some(pictured), Some(vec![0.2])));
-    // All pixels are opaque, so that it is no channel.
+    // All pixels are opaque, so that it is not a channel.
     assert_eq!(of(2, "0xFFFF", ""), (Some(Opacity::constant(0.5)), None));
     assert_eq!(of(2, "0xFF33", "alphaMode \"OPAQUE\"").0, None);
     let (masked, _) = of(2, "0xFF33", "alphaMode \"MASK\" alphaCutoff 0.25");

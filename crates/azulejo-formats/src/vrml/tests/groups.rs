@@ -221,7 +221,7 @@ fn viewpoints_background_and_fog() {
     assert!((camera.eye - DVec3::new(1.0, 0.0, 20.0)).length() < 1e-12);
     assert!((camera.target - camera.eye - DVec3::NEG_X).length() < 1e-12);
     let Some(SceneBackground::Environment(sky)) = scene.background else {
-        panic!("a gradient is no colour: {:?}", scene.background)
+        panic!("a gradient is not a colour: {:?}", scene.background)
     };
     let picture = scene.textures[sky.texture().unwrap() as usize]
         .image
@@ -283,8 +283,8 @@ fn xml_is_read_like_the_classic_encoding() {
           Group { children USE s } ] }
         Switch { whichChoice 0 children [ Shape { appearance Appearance { material USE red } geometry Cone { height 4 } } ] }
         Viewpoint { description \"front\" position 0 0 5 }";
-    let ((from_xml, said), (from_classic, _)) = (load(xml), load(classic));
-    assert_eq!(said, [""; 0]);
+    let ((from_xml, messages), (from_classic, _)) = (load(xml), load(classic));
+    assert_eq!(messages, [""; 0]);
     assert_eq!(from_xml, from_classic);
     assert_eq!(
         described(&from_xml),

@@ -61,9 +61,9 @@ fn check(text: &str, objects: &[&str]) {
 
 /// Checks the objects and the beginnings of the warnings after the file name.
 fn check_lossy(text: &str, objects: &[&str], warnings: &[&str]) {
-    let (scene, found) = load(text);
+    let (scene, messages) = load(text);
     assert_eq!(described(&scene), objects, "{text}");
-    expect_warnings(&found, warnings);
+    expect_warnings(&messages, warnings);
 }
 
 fn expect_warnings(messages: &[String], expected: &[&str]) {

@@ -57,7 +57,7 @@ fn check_warning(body: &str, expected: &str, count: usize) {
 fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh,
-        other => panic!("{other:?} is no mesh"),
+        other => panic!("{other:?} is not a mesh"),
     }
 }
 

@@ -130,7 +130,7 @@ impl Counts {
             Quantity::Positions => self.positions,
             Quantity::Faces => self.faces,
             Quantity::Triangles => self.triangles,
-            Quantity::Bounds => unreachable!("a box is no count"),
+            Quantity::Bounds => unreachable!("a box is not a count"),
         }
     }
 }

@@ -62,7 +62,7 @@ pub const RULES: Rules = Rules {
             path: "flt/vrjuggler/head.flt",
             quantity: Faces,
             expected: Expected::Count(63),
-            why: "12 corners are no vertex of the palette, which leaves 5 faces with fewer than \
+            why: "12 corners are not a vertex of the palette, which leaves 5 faces with fewer than \
                   three; OpenSceneGraph has the same 72 triangles",
         },
         Exception {

@@ -75,7 +75,7 @@ impl Reflect for Table {
 const WIDE: f64 = 35.0;
 
 /// The angle about the normal that contains half of the light reflected at normal incidence.
-/// However narrow, measurements are no perfect mirrors: their peaks are as wide as the lamp of the
+/// However narrow, measurements are not perfect mirrors: their peaks are as wide as the lamp of the
 /// measurement.
 fn spread(model: &dyn Reflect) -> Spread {
     let wo = DVec3::Z;

@@ -65,7 +65,7 @@ fn light_arrives_with_its_measures() {
     let report = lighting.solution.as_ref().and_then(|s| s.report.as_ref());
     assert!(report.is_some_and(|r| r.error <= 0.2), "{report:?}");
     assert!(lighting.range.is_some_and(|r| r.usual > 0.0));
-    let has = |wanted: fn(&Measure) -> bool| lighting.measures.iter().any(|m| wanted(&m.measure));
+    let has = |test: fn(&Measure) -> bool| lighting.measures.iter().any(|m| test(&m.measure));
     assert!(has(|m| matches!(m, Measure::Residual { .. })));
     assert!(has(|m| matches!(m, Measure::Error(_))));
     let took = lighting.stopwatch.elapsed();

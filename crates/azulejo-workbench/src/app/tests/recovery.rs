@@ -111,11 +111,11 @@ fn what_a_crash_left_is_recovered_with_its_name() {
     assert!(copies(&folder).is_empty(), "it ended in good order");
 
     let mut app = app_in(&next, 1);
-    let [found] = app.recoverable() else {
+    let [recoverable] = app.recoverable() else {
         panic!("{:?}", app.recoverable())
     };
-    assert_eq!(found.original.as_deref(), Some(&*model));
-    let copy = found.copy.clone();
+    assert_eq!(recoverable.original.as_deref(), Some(&*model));
+    let copy = recoverable.copy.clone();
     run(&mut app, Command::Recover(copy.clone()));
     check_no_error(&app);
     assert_eq!(app.document.scene(), scene);

@@ -83,7 +83,7 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
                 return;
             }
         }
-        if !self.found.as_ref().is_some_and(|(found, _)| found == key) {
+        if !self.found.as_ref().is_some_and(|(known, _)| known == key) {
             self.running = Some(start(key.clone(), job, worker, ctx.clone()));
         }
     }

@@ -32,7 +32,7 @@ impl ModelChecks {
         let albedos = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
         albedos.fold(
             (0.0, 0.0),
-            |most, found| if found.0 > most.0 { found } else { most },
+            |most, albedo| if albedo.0 > most.0 { albedo } else { most },
         )
     }
 }

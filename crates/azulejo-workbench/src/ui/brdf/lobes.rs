@@ -169,7 +169,7 @@ pub(super) fn largest_difference(a: &LobeSurface, b: &LobeSurface) -> (f64, f64)
     });
     off.fold(
         (0.0, 0.0),
-        |most, found| if found.0 > most.0 { found } else { most },
+        |most, value| if value.0 > most.0 { value } else { most },
     )
 }
 
@@ -183,7 +183,7 @@ pub(super) fn largest_albedo_difference(a: &AlbedoCurve, b: &AlbedoCurve) -> (f6
     });
     off.fold(
         (0.0, 0.0),
-        |most, found| if found.0 > most.0 { found } else { most },
+        |most, value| if value.0 > most.0 { value } else { most },
     )
 }
 

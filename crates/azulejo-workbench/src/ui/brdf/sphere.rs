@@ -188,14 +188,14 @@ mod tests {
     use super::*;
 
     fn first(material: &Material, light: &PreviewLight) -> SphereImage {
-        let (progress, mut found) = (Progress::new(), None);
+        let (progress, mut image) = (Progress::new(), None);
         let key = SphereKey::new(material, light, 48);
         let stopped = draw(&key, &progress, &mut |picture| {
-            found.get_or_insert(picture);
+            image.get_or_insert(picture);
             progress.cancel();
         });
         assert!(stopped.is_err(), "cancelled after its first image");
-        found.unwrap()
+        image.unwrap()
     }
 
     /// The centre of the sphere.

@@ -84,7 +84,7 @@ fn points(ui: &mut Ui, cx: &PanelContext, settings: &mut TaskPlaneSettings) {
 
 /// Irradiance and its uniformity with standard errors.
 fn figures(ui: &mut Ui, cx: &PanelContext, plane: &TaskPlane) {
-    let Some(found) = plane.figures() else {
+    let Some(figures) = plane.figures() else {
         ui.weak(cx.tr("All points lie inside solids."));
         return;
     };
@@ -96,17 +96,17 @@ fn figures(ui: &mut Ui, cx: &PanelContext, plane: &TaskPlane) {
     let share = |(value, error): (f64, f64)| format!("{value:.3} ± {error:.3}");
     let grid = Grid::new("task plane figures").num_columns(2).striped(true);
     grid.spacing([12.0, 4.0]).show(ui, |ui| {
-        row(ui, cx.tr("Minimum"), "", light(found.least));
-        row(ui, cx.tr("Mean"), "", light(found.mean));
-        row(ui, cx.tr("Maximum"), "", light(found.most));
+        row(ui, cx.tr("Minimum"), "", light(figures.least));
+        row(ui, cx.tr("Mean"), "", light(figures.mean));
+        row(ui, cx.tr("Maximum"), "", light(figures.most));
         let about = cx.tr("Smallest irradiance relative to the mean.");
-        row(ui, cx.tr("Uniformity U0"), about, share(found.uniformity));
+        row(ui, cx.tr("Uniformity U0"), about, share(figures.uniformity));
         let about = cx.tr("Smallest irradiance relative to the largest.");
         row(
             ui,
             cx.tr("Minimum to maximum"),
             about,
-            share(found.diversity),
+            share(figures.diversity),
         );
     });
     if TaskGrid::of(&cx.app.document, &cx.app.task_plane.settings) != Some(plane.grid) {

@@ -72,9 +72,9 @@ pub(super) fn bring_back(context: &eframe::CreationContext<'_>, place: WindowPla
     if place.is_maximized || is_within(&screens, position, size) {
         return;
     }
-    if let (Some([[left, top], _]), Ok(mut found)) = (screens.first(), window.outer_position()) {
-        (found.x, found.y) = (left + GRIP, top + GRIP);
-        window.set_outer_position(found);
+    if let (Some([[left, top], _]), Ok(mut corner)) = (screens.first(), window.outer_position()) {
+        (corner.x, corner.y) = (left + GRIP, top + GRIP);
+        window.set_outer_position(corner);
     }
 }
 

@@ -76,7 +76,7 @@ impl Craft {
         self.floats(&values, "VEC3")
     }
 
-    /// Indices of the triangles of those squares, in so many bytes each.
+    /// Indices of the triangles of those squares, in this many bytes each.
     pub fn triangles(&mut self, quads: usize, size: usize) -> usize {
         let corners = (0..quads as u32).flat_map(|q| [0, 2, 1, 1, 2, 3].map(|k| 2 * q + k));
         let bytes: Vec<u8> = corners

@@ -32,17 +32,17 @@ fn coordinates_stay_and_are_found_again() {
         options: &options,
     };
     let (_, origins) = read_with_origins(&bytes, "a.glb", &files, &options).unwrap();
-    let found = coordinates(&original, &origins, 1).unwrap();
-    assert!(!found.is_named && !found.is_own && found.pages[0].picture == Ok(None));
-    let first: &ObjectLayout = found.objects[0].as_ref().unwrap();
+    let uv_set = coordinates(&original, &origins, 1).unwrap();
+    assert!(!uv_set.is_named && !uv_set.is_own && uv_set.pages[0].picture == Ok(None));
+    let first: &ObjectLayout = uv_set.objects[0].as_ref().unwrap();
     assert_eq!((first.uvs.len(), first.uvs[0][0]), (4, [0.0, 0.0]));
     // The mirrored node has the corners of each face in the other order.
-    let second = found.objects[1].as_ref().unwrap();
+    let second = uv_set.objects[1].as_ref().unwrap();
     let [a, b, c] = first.uvs[1];
     assert_eq!(second.uvs[1], [a, c, b]);
 
     let pictures = pages(1);
-    let mut edit = usual(&found.objects, &pictures);
+    let mut edit = usual(&uv_set.objects, &pictures);
     edit.uvs = LightmapUvs::Existing(1);
     let patched = with_lightmap(&original, &origins, &edit).unwrap();
     let json = json_of(&patched);
@@ -62,7 +62,7 @@ fn coordinates_stay_and_are_found_again() {
     };
     let again = found_lightmap(&baked, &origins, None).unwrap();
     assert!(again.is_named && again.is_own && again.is_one_set);
-    assert_eq!((again.set, &again.objects), (1, &found.objects));
+    assert_eq!((again.set, &again.objects), (1, &uv_set.objects));
     assert_eq!(again.pages.len(), 1);
     let picture = Ok(Some(pictures[0].picture.clone()));
     assert_eq!(again.pages[0].picture, picture);
@@ -79,14 +79,14 @@ fn what_has_no_coordinates_is_refused() {
         options: &options,
     };
     let (_, origins) = read_with_origins(&bytes, "a.glb", &files, &options).unwrap();
-    let found = coordinates(&original, &origins, 1).unwrap();
-    assert!(found.objects[0].is_some() && found.objects[1].is_none());
+    let uv_set = coordinates(&original, &origins, 1).unwrap();
+    assert!(uv_set.objects[0].is_some() && uv_set.objects[1].is_none());
     assert!(coordinates(&original, &origins, 2).unwrap().objects[0].is_none());
     let pictures = pages(1);
-    let whole = vec![found.objects[0].clone(); 2];
+    let whole = vec![uv_set.objects[0].clone(); 2];
     let mut edit = usual(&whole, &pictures);
     edit.uvs = LightmapUvs::Existing(1);
     let refused = with_lightmap(&original, &origins, &edit).unwrap_err();
     assert!(refused.to_string().contains("TEXCOORD_1"), "{refused}");
-    assert_ne!(found.objects[0].as_ref().unwrap().pages[0], NO_PAGE);
+    assert_ne!(uv_set.objects[0].as_ref().unwrap().pages[0], NO_PAGE);
 }

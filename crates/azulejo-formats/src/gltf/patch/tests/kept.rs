@@ -140,16 +140,16 @@ pub fn check_coordinates(
     let parts = Parts::of(file.bytes, file.name).unwrap();
     let json = Json::parse(parts.text, 2 * MOST_LEVELS).unwrap();
     let set = json.find(&MARK).unwrap().get("texCoord").unwrap();
-    let found = coordinates(file, origins, set.index().unwrap() as u32).unwrap();
+    let uv_set = coordinates(file, origins, set.index().unwrap() as u32).unwrap();
     let mut seen = std::collections::HashSet::new();
-    for ((origin, layout), found) in origins.iter().zip(layouts).zip(&found.objects) {
+    for ((origin, layout), object) in origins.iter().zip(layouts).zip(&uv_set.objects) {
         let Some(layout) = layout.as_ref().filter(|layout| !layout.uvs.is_empty()) else {
             continue;
         };
         // A node that occurs twice has the coordinates of its first place.
         if seen.insert(origin.node) {
-            let found = found.as_ref().map(|found| &found.uvs);
-            assert_eq!(found, Some(&layout.uvs), "{}", file.name);
+            let uvs = object.as_ref().map(|object| &object.uvs);
+            assert_eq!(uvs, Some(&layout.uvs), "{}", file.name);
         }
     }
 }

@@ -138,9 +138,9 @@ fn occlusion_goes_to_materials_that_have_none() {
     let to_occlusion = |e: &mut LightmapEdit| e.convention = Convention::Occlusion;
     let patched = edit(&bytes, &[Some(0); 2], to_occlusion).unwrap();
     let json = json_of(&patched);
-    let found = [0, 1].map(|m| &json["materials"][m]["occlusionTexture"]);
-    assert_eq!(found[0], &json!({ "index": 1, "texCoord": 1 }));
-    assert_eq!(found[1], &json!({ "index": 0 }));
+    let occlusions = [0, 1].map(|m| &json["materials"][m]["occlusionTexture"]);
+    assert_eq!(occlusions[0], &json!({ "index": 1, "texCoord": 1 }));
+    assert_eq!(occlusions[1], &json!({ "index": 0 }));
     assert!(patched.notes.iter().any(|n| n.contains("keeps it")));
     assert_eq!(lightmap(&json, 0), &Value::Null);
 }
@@ -196,7 +196,7 @@ fn lights_do_not_shine_twice() {
 fn another_program_in_between() {
     let bytes = file(&[Some(0), None], &[0, 1], "{\"name\":\"a\"}", LIGHTS);
     let patched = edit(&bytes, &[Some(0); 2], |_| {}).unwrap();
-    // Blanks are no change, another order is.
+    // Blanks are not changes, another order is one.
     let parts = Parts::of(&patched.bytes, "a").unwrap();
     let text = parts.text.replace(",\"", " ,\n\"");
     let bin: (&[u8; 4], &[u8]) = (b"BIN\0", parts.bin().unwrap());
@@ -406,14 +406,14 @@ fn other_containers() {
             old: &files,
             new: &patched.files,
         };
-        let (again, found) = read_with_origins(&patched.bytes, "a", &all, &options).unwrap();
+        let (again, new_origins) = read_with_origins(&patched.bytes, "a", &all, &options).unwrap();
         kept::check_scene(&loaded.scene, &again.scene);
         let file = GltfFile {
             bytes: &patched.bytes,
             files: &all,
             ..file
         };
-        kept::check_coordinates(&file, &found, &objects);
+        kept::check_coordinates(&file, &new_origins, &objects);
         let names: Vec<&str> = patched.files.iter().map(|(n, _)| n.as_str()).collect();
         let text = json_of(&patched);
         if container == Container::Glb {

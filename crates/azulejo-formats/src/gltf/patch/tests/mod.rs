@@ -81,7 +81,7 @@ pub fn layouts(
         .collect()
 }
 
-/// Pages with pictures that are no pictures.
+/// Pages with pictures that are not pictures.
 pub fn pages(count: u32) -> Vec<LightmapPage> {
     (0..count)
         .map(|i| LightmapPage {
