@@ -193,9 +193,10 @@ fn a_studio_is_added_to_what_shines() {
     folder.write("lamp.obj", format!("mtllib lamp.mtl\nusemtl lamp\n{CUBE}"));
     folder.ok("convert lamp.obj -o lit.grf --studio");
     let lamps = &folder.json("info lit.grf")["lights"]["area"];
-    assert_eq!(lamps, &json!(9), "six faces and three lamps");
+    assert_eq!(lamps, &json!(4), "the box and three lamps");
     // A lightmap would not show the lamps.
-    folder.ok("bake box.obj --studio --size 16 --error 20% -o baked.glb");
+    folder.write("box.obj", CUBE);
+    folder.ok("bake box.obj --studio --size 64 --error 20% -o baked.glb");
     folder.fails("render baked.glb -o x.png --studio", 2, "bake --strip");
 }
 
@@ -237,7 +238,9 @@ fn black_pictures_say_why() {
         "lamp.obj",
         "mtllib lamp.mtl\nusemtl lamp\nv 0.4 0.5 0.4\nv 0.6 0.5 0.4\nv 0.5 0.5 0.6\nf 1 2 3\n",
     );
-    let black = folder.run("render box.obj lamp.obj -o x.png --size 16x16 --error 20%");
+    let black = folder.run(
+        "render box.obj lamp.obj -o x.png --size 16x16 --error 20% --from 3,4,3 --at 0.5,0.5,0.5",
+    );
     assert_eq!(black.code, Some(0), "{}", black.err);
     assert!(black.err.contains("no light reaches"), "{}", black.err);
     let away = "render box.obj -o x.png --studio --size 16x16 --error 20% --from 9,90,9 --at 9,99,9 --up 0,0,1";
