@@ -656,6 +656,10 @@ impl SolverInputs<'_> {
         };
         progress.limit_phase(REFINEMENT_SHARE);
         let coarse = &radiosity.solution;
+        // Light that does not die out may exceed what numbers of rays hold.
+        if pass.bounces.is_none() && !coarse.convergence.is_reached {
+            return Ok(Some(radiosity));
+        }
         if coarse.error(patches) <= goal.error || progress.phase_is_over() {
             return Ok(Some(radiosity));
         }

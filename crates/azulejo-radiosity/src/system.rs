@@ -83,7 +83,7 @@ impl Convergence {
     /// Whether light hardly dies out: what is reflected most lasts longest, so that changes never fall faster than they
     /// have begun to.
     fn is_endless(&self) -> bool {
-        self.iterations >= 2 * PERIOD && self.rate >= ENDLESS
+        self.residual.is_infinite() || self.iterations >= 2 * PERIOD && self.rate >= ENDLESS
     }
 
     /// Notes the change of a bounce; every [`PERIOD`] returns how much of it is still to come, if it goes on to fall so
@@ -397,7 +397,12 @@ impl<'j> System<'j> {
             largest = largest.max(value.max_channel());
         }
         state.iterations += 1;
-        state.residual = if largest > 0.0 { change / largest } else { 0.0 };
+        // Maxima pass over what is not a number.
+        state.residual = match largest {
+            _ if !next.iter().all(|value| value.mean().is_finite()) => f64::INFINITY,
+            0.0 => 0.0,
+            largest => change / largest,
+        };
         let to_come = state.note(change).filter(|_| !is_limited).unwrap_or(0.0);
         for (u, value) in self.unknowns.iter().zip(next) {
             let old = &mut reflected[u.side as usize];

@@ -2,8 +2,11 @@
 
 use crate::rooms::*;
 use azulejo_radiosity::{FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
+use azulejo_scene::brdf::Description;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
-use azulejo_scene::{LightKind, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape};
+use azulejo_scene::{
+    Brdf, LightKind, Material, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
+};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
 
@@ -141,6 +144,35 @@ fn twice_the_same_place() {
             Err(error) => assert!(matches!(error, SolveError::Endless(_)), "{error}"),
         }
     }
+}
+
+/// Light that grows beyond the numbers of rays is not refined: that gave NaN, and 0% as its error. Here between walls
+/// that are there twice, of a gloss so wide that few paths bring most of its light.
+#[test]
+fn light_that_grows_is_refused() {
+    let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 1.0)));
+    let gloss = Description::model(
+        "blinn",
+        [("n", 0.0.into()), ("ks", 0.8.into()), ("kd", 0.19.into())],
+    );
+    for material in &mut scene.materials {
+        let brdf = std::sync::Arc::new(Brdf::new(gloss.clone()).unwrap());
+        *material = Material {
+            emission: Rgb::grey(1e36),
+            ..Material::with_brdf("", brdf)
+        };
+    }
+    let mut reversed = scene.objects[0].clone();
+    if let Shape::Mesh(mesh) = &mut reversed.shape {
+        mesh.faces.corners.reverse();
+    }
+    scene.objects.push(reversed);
+    let pass = FirstPass {
+        error: Some(0.01),
+        ..small()
+    };
+    let grown = run(&scene, &pass);
+    assert!(matches!(grown, Err(SolveError::Endless(1..))), "{grown:?}");
 }
 
 #[test]

@@ -89,14 +89,14 @@ fn brightness(units: Units) -> f64 {
     if units.photometric { 100.0 } else { 1.0 }
 }
 
-/// A studio for the scene of this tracer: lamps, a floor unless the model is a [`Room`], and the
-/// camera `studio`, which sees the model. `None` for a model without extent. Everything else of the
+/// A studio for the scene of this tracer: lamps, a floor unless the model is a [`Room`] or the scene's first camera
+/// looks from below it, and the camera `studio`, which sees the model. `None` for a model without extent. Everything else of the
 /// scene is default.
 pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
     let units = scene.units;
     match Room::find(scene, tracer) {
         Some(room) => Some(in_room(&room, tracer, units)),
-        None => around(tracer.bounds(), units),
+        None => around(tracer.bounds(), units, scene.cameras.first()),
     }
 }
 
@@ -127,8 +127,8 @@ fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
     scene
 }
 
-/// A floor below a model of these bounds, and three lamps around it.
-fn around(bounds: Aabb, units: Units) -> Option<Scene> {
+/// A floor below a model of these bounds, unless it would hide it from `viewed_by`, and three lamps around it.
+fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scene> {
     let size = bounds.diagonal();
     if bounds.is_empty() || size <= 0.0 || !size.is_finite() {
         return None;
@@ -149,12 +149,13 @@ fn around(bounds: Aabb, units: Units) -> Option<Scene> {
     scene.background = Some((BACKDROP * brightness(units)).into());
     let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
     let right = up.cross(front);
-    let floor = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));
-    let half = FLOOR * size;
-    let floor = graded_floor(ground, (half * front, half * up.cross(front)), floor);
-    scene
-        .objects
-        .push(Object::new(STUDIO_FLOOR, Shape::Mesh(floor)));
+    if viewed_by.is_none_or(|camera| camera.eye.dot(up) > bottom) {
+        let grey = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));
+        let half = FLOOR * size;
+        let floor = graded_floor(ground, (half * front, half * up.cross(front)), grey);
+        let floor = Object::new(STUDIO_FLOOR, Shape::Mesh(floor));
+        scene.objects.push(floor);
+    }
     for lamp in &LAMPS {
         let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
         let (high, level) = lamp.elevation.to_radians().sin_cos();
@@ -241,6 +242,20 @@ mod tests {
             studio(&Scene::default(), &Tracer::new(&Scene::default())),
             None
         );
+    }
+
+    /// A model that is drawn with another axis up is seen from below.
+    #[test]
+    fn a_camera_below_the_model_sees_it_without_a_floor() {
+        let mut scene = azulejo_scene::synthetic::cube_room();
+        scene.materials[0].sidedness = azulejo_scene::Sidedness::Two;
+        for (height, objects) in [(3.0, 4), (-3.0, 3)] {
+            let mut camera = Camera::framing(scene.bounds(), 1.0, scene.units.up.axis());
+            camera.eye += (height - camera.eye.dot(camera.up)) * camera.up;
+            scene.cameras = vec![camera];
+            let added = studio(&scene, &Tracer::new(&scene)).unwrap();
+            assert_eq!(added.objects.len(), objects, "{height}");
+        }
     }
 
     #[test]
