@@ -221,7 +221,7 @@ fn mirrors_and_glass_alone() {
     // Every ray continues to the limit of a thousand mirrors.
     check_sane_with("mirrors", &mirrors, &rays(16));
     let mut scene = Scene::default();
-    let glass = scene.add_material(azulejo_scene::Material::dielectric("glass", 1.5));
+    let glass = scene.add_material(Material::dielectric("glass", 1.5));
     scene.objects.push(Object::new(
         "ball",
         Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, glass)),

@@ -7,15 +7,15 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 4410),
+    ("azulejo", 4450),
     ("azulejo-bake", 6400),
-    ("azulejo-cli", 25_250),
+    ("azulejo-cli", 25_300),
     ("azulejo-exchange", 7700),
-    ("azulejo-factors", 17_700),
+    ("azulejo-factors", 17_750),
     ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 2900),
-    ("azulejo-radiosity", 6600),
+    ("azulejo-radiosity", 6610),
     ("azulejo-render", 5200),
     ("azulejo-scene", 14_800),
     ("azulejo-testing", 540),
