@@ -143,7 +143,7 @@ fn what_cannot_be_baked_is_said() {
         (
             "bake room.obj -o room.glb --light ao --as moz",
             2,
-            "no light",
+            "a share, not light",
         ),
         ("bake room.obj -o room.glb --as occlusion", 2, "--light ao"),
         ("bake room.obj -o room.glb --ao-distance 2", 2, "--light ao"),
