@@ -65,7 +65,7 @@ impl FormFactors {
     /// If there are no such rows.
     pub fn cover(&mut self, mask: usize, base: usize, area: f64) {
         let whole = self.areas[base] + area;
-        self.rest[base] = scaled_rest(&self.rest[base], self.areas[base] / whole);
+        self.rest[base] = self.rest[base].scaled(self.areas[base] / whole);
         self.areas[base] = whole;
         self.areas[mask] += area;
         self.exchange.add(mask.min(base), mask.max(base), area);
@@ -258,11 +258,6 @@ impl FormFactors {
         };
         (0..n).into_par_iter().map(row).collect()
     }
-}
-
-/// The remainder of a row scaled to `share`.
-fn scaled_rest(rest: &RowRemainder, share: f64) -> RowRemainder {
-    RowRemainder::from_array(rest.to_array().map(|part| part * share))
 }
 
 /// The whole matrix by rows, which sweeps need one after the other.

@@ -144,6 +144,11 @@ impl RowRemainder {
         }
     }
 
+    /// All shares and errors times `factor`.
+    pub(super) fn scaled(self, factor: f64) -> RowRemainder {
+        RowRemainder::from_array(self.to_array().map(|part| part * factor))
+    }
+
     /// The sum of all shares.
     pub fn sum(&self) -> f64 {
         self.escaped() + self.hidden + self.cut + self.lost

@@ -99,7 +99,7 @@ impl RayRow {
             entry.mean *= scale as f32;
             entry.variance *= (scale * scale) as f32;
         }
-        self.rest = RowRemainder::from_array(self.rest.to_array().map(|share| scale * share));
+        self.rest = self.rest.scaled(scale);
     }
 }
 
