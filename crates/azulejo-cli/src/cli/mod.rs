@@ -67,7 +67,7 @@ pub enum Command {
     #[command(mut_args = short_help::showing(short_help::FORM_FACTORS), after_help = short_help::ending(form_factors::args::EXAMPLES),
               after_long_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
-    /// Combine the parts that several runs of a command computed with --shard
+    /// Combine the parts that several runs of a command computed
     #[command(after_help = parts::EXAMPLES)]
     Merge(MergeArgs),
     /// Radiative exchange from form factors: conductances, temperatures and heat fluxes

@@ -3,11 +3,11 @@
 use clap::Arg;
 
 /// The common options of `solve`, separated by blanks.
-pub const SOLVE: &str = "output in-place keep-mesh sides shard patches patch-size error rays time engine place up unit \
+pub const SOLVE: &str = "output in-place keep-mesh sides patches patch-size error rays time engine place up unit \
                          recipe sun sky environment studio";
 
 /// The common options of `bake`.
-pub const BAKE: &str = "output strip check shard size texels-per-metre double-sided light lightmap error-map as image \
+pub const BAKE: &str = "output strip check size texels-per-metre double-sided light lightmap error-map as image \
                         error rays time engine place recipe sun sky environment studio";
 
 /// The common options of `render`.
@@ -15,11 +15,11 @@ pub const RENDER: &str = "output size spp gather reference layers denoise exposu
                           place recipe sun sky environment studio look";
 
 /// The common options of `probe`.
-pub const PROBE: &str = "points radiance hits normals output shard patches error rays time engine place recipe sun sky \
+pub const PROBE: &str = "points radiance hits normals output patches error rays time engine place recipe sun sky \
                          environment studio";
 
 /// The common options of `form-factors`.
-pub const FORM_FACTORS: &str = "output format materials shard patches patch-size rays two-sided periodic memory closure \
+pub const FORM_FACTORS: &str = "output format materials patches patch-size rays two-sided periodic memory closure \
                                 engine by cluster truncate compress zone place unit recipe";
 
 /// The common options of `exchange`.

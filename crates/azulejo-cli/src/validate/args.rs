@@ -16,14 +16,6 @@ pub struct ValidateArgs {
     /// Run only the checks whose part of the report, case or scene has this in its name
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
-    /// Compare instead the results of N random scenes and commands with those of the same scenes in another
-    /// place, unit, order, division or file format: writes poses.csv and poses.json
-    #[arg(long, value_name = "N", conflicts_with_all = ["engine", "full"])]
-    pub poses: Option<u64>,
-    /// Run only this pose, and keep its files: its number, or SCENE:COMMAND:CHANGE+CHANGE. May be given
-    /// several times
-    #[arg(long, value_name = "POSE", conflicts_with_all = ["engine", "full", "only"])]
-    pub pose: Vec<String>,
     /// Use all rays, pixels and repetitions: eight times as many rays, in ten times the time
     #[arg(long)]
     pub full: bool,
@@ -39,9 +31,6 @@ Examples:
   azulejo validate -o report --full
   azulejo validate -o report --engine rays,analytic
   azulejo validate -o report --only \"error bars\"
-  azulejo validate -o report --poses 300 --seed 7
-  azulejo validate -o report --seed 7 --pose 41
-  azulejo validate -o report --pose cube:probe:motion+format
 
 The report tells what was compared with what, and when a check passes. docs/validation.md has the figures
 of a release.

@@ -10,7 +10,6 @@
 //! | `repeatability` | the same bits for any number of threads |
 //! | `engines`, `record` | what is checked, and what came out |
 //! | `report` | page, plots and tables |
-//! | `poses` | all commands on scenes that are moved, divided, rounded and written in other formats |
 
 pub mod args;
 mod balances;
@@ -18,7 +17,6 @@ mod closed_forms;
 mod engines;
 mod error_bars;
 mod exchanges;
-mod poses;
 mod record;
 mod repeatability;
 mod report;
@@ -146,9 +144,6 @@ pub fn run(
     args: &ValidateArgs,
     session: &mut Session,
 ) -> Result<(Report, Result<(), Failure>), Failure> {
-    if args.poses.is_some() || !args.pose.is_empty() {
-        return poses::run(args, session);
-    }
     let effort = if args.full { FULL } else { USUAL };
     let engines = CheckedEngines::new(&args.engine, effort.resolution)?;
     // Before the work, not after it.

@@ -16,7 +16,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("merge", 4),
     ("exchange", 47),
     ("experiment", 4),
-    ("validate", 7),
+    ("validate", 5),
     ("text", 18),
     ("font convert", 4),
     ("font sheet", 4),

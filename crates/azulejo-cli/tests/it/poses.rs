@@ -1,7 +1,12 @@
-//! `validate --poses`: a fixed set in which each change and each command comes at least once.
+//! Poses: a fixed set in which each change and each command comes at least once.
 
-use crate::support::{Folder, Run, project};
-use serde_json::Value;
+// The machine of `cargo bench --bench poses`, of which tests need but a part.
+#[allow(dead_code, unused_imports)]
+#[path = "../../benches/pose/mod.rs"]
+mod pose;
+
+use crate::support::Folder;
+use pose::{PoseChoice, PoseOutcome, PoseRecord};
 
 const FACTORS: &[&str] = &[
     "cube:form-factors rays by row:motion+float32",
@@ -46,54 +51,58 @@ const OTHERS: &[&str] = &[
     "cube:exchange:triangles+scale",
 ];
 
-/// Runs poses in the project's folder, where the examples are.
-fn poses(folder: &Folder, arguments: &[&str]) -> Run {
-    let mut command = folder.command("validate --json -o");
-    command.arg(folder.path("report")).args(arguments);
-    command.current_dir(project()).env_remove("AZULEJO_DATA");
-    Run::of(command.output().unwrap())
+/// Runs `count` poses, or those that are named.
+fn run(seed: u64, count: u64, only: &str, named: &[&str]) -> Result<Vec<PoseRecord>, String> {
+    let folder = Folder::new();
+    let choice = PoseChoice {
+        seed,
+        count,
+        only: Some(only.to_owned()),
+        named: named.iter().map(|&name| name.to_owned()).collect(),
+        folder: folder.path("runs"),
+        has_corpus: false,
+    };
+    let mut records = Vec::new();
+    pose::run(&choice, &mut |record| records.push(record))?;
+    Ok(records)
 }
 
-fn named(poses_of: &[&str]) {
-    let folder = Folder::new();
-    let pairs = poses_of.iter().flat_map(|name| ["--pose", name]);
-    let run = poses(&folder, &pairs.collect::<Vec<_>>());
-    let table = String::from_utf8(folder.read("report/poses.csv")).unwrap();
-    assert_eq!(run.code, Some(0), "{}\n{table}", run.err);
-    let report: Value = serde_json::from_str(&run.out).unwrap();
-    assert_eq!(report["right"].as_u64(), Some(poses_of.len() as u64));
-    assert_eq!(table.lines().count(), poses_of.len() + 1);
+fn stays(poses: &[&str]) {
+    let records = run(0, 0, "", poses).unwrap();
+    assert_eq!(records.len(), poses.len());
+    for record in records {
+        assert_eq!(record.outcome, PoseOutcome::Right, "{record:?}");
+        assert!(record.quantities > 0, "{record:?}");
+    }
 }
 
 #[test]
 fn form_factors_stay() {
-    named(FACTORS);
+    stays(FACTORS);
 }
 
 /// Rotated rooms with rounded coordinates.
 #[test]
 fn closed_forms_stay() {
-    named(CLOSED_FORMS);
+    stays(CLOSED_FORMS);
 }
 
 #[test]
 fn light_stays() {
-    named(LIGHT);
+    stays(LIGHT);
 }
 
 #[test]
 fn areas_and_exchange_stay() {
-    named(OTHERS);
+    stays(OTHERS);
 }
 
-/// The fixed set has every change and every command: those that the program names when it refuses another.
+/// The fixed set has every change and every command: those that are named when another is refused.
 #[test]
 fn each_comes_at_least_once() {
-    let folder = Folder::new();
     let names = |pose: &str| -> Vec<String> {
-        let refused = poses(&folder, &["--pose", pose]).err;
-        let names = refused.lines().next().unwrap_or_default().to_owned();
-        let names = names.split_once("there are ").unwrap().1;
+        let refusal = run(0, 0, "", &[pose]).unwrap_err();
+        let names = refusal.split_once("there are ").unwrap().1;
         names.split(", ").map(str::to_owned).collect()
     };
     let fixed = [FACTORS, CLOSED_FORMS, LIGHT, OTHERS].concat();
@@ -110,33 +119,25 @@ fn each_comes_at_least_once() {
 /// The same number is the same pose, and what is unknown is refused with what there is.
 #[test]
 fn poses_are_drawn_by_their_numbers() {
-    let folder = Folder::new();
-    let keys = |arguments: &[&str]| {
-        poses(&folder, arguments);
-        let table = folder.read("report/poses.json");
-        let records: Vec<Value> = serde_json::from_slice(&table).unwrap();
-        let words = |r: &Value| {
-            format!(
-                "{} {} {} {}",
-                r["key"], r["scene"], r["command"], r["words"]
-            )
-        };
-        records.iter().map(words).collect::<Vec<_>>()
+    let words = |records: Vec<PoseRecord>| -> Vec<String> {
+        let words = |r: &PoseRecord| format!("{} {} {} {}", r.key, r.scene, r.command, r.words);
+        records.iter().map(words).collect()
     };
-    let drawn = keys(&["--poses", "3", "--only", ":info:"]);
-    let number = drawn[1].split('"').nth(1).unwrap().to_owned();
-    assert_eq!(keys(&["--pose", &number]), drawn[1..2]);
-    assert_ne!(keys(&["--pose", &number, "--seed", "1"]), drawn[1..2]);
+    let drawn = run(0, 3, ":info:", &[]).unwrap();
+    let number = drawn[1].key.clone();
+    let drawn = words(drawn);
+    let same = words(run(0, 0, "", &[&number]).unwrap());
+    assert_eq!(same, drawn[1..2]);
+    let other = words(run(1, 0, "", &[&number]).unwrap());
+    assert_ne!(other, drawn[1..2]);
     for (pose, expected) in [
         ("cube", "SCENE:COMMAND:CHANGE"),
         ("cube:info:nothing", "motion"),
         ("cube:nothing:motion", "probe"),
         ("nothing:info:motion", "squares"),
     ] {
-        let run = poses(&folder, &["--pose", pose]);
-        assert_eq!(run.code, Some(2));
-        assert!(run.err.contains(expected), "{}", run.err);
+        let refusal = run(0, 0, "", &[pose]).unwrap_err();
+        assert!(refusal.contains(expected), "{refusal}");
     }
-    let run = poses(&folder, &["--poses", "1", "--only", "nothing"]);
-    assert_eq!(run.code, Some(2));
+    run(0, 1, "nothing", &[]).unwrap_err();
 }

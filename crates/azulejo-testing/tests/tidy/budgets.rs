@@ -9,7 +9,7 @@ use std::path::Path;
 const BUDGETS: [(&str, usize); 14] = [
     ("azulejo", 4450),
     ("azulejo-bake", 6400),
-    ("azulejo-cli", 25_300),
+    ("azulejo-cli", 22_750),
     ("azulejo-exchange", 7700),
     ("azulejo-factors", 17_750),
     ("azulejo-formats", 65_500),

@@ -1,7 +1,7 @@
 //! The scenes that are changed.
 
 use super::dice::Dice;
-use crate::known::factors::cases;
+use super::known_factors::cases;
 use azulejo::models;
 use azulejo_factors::form_factors::Plan;
 use azulejo_factors::{FormFactorOptions, PatchSize};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// A scene with a name.
 #[derive(Clone, Debug)]
 pub struct PosedScene {
-    /// Its name in tables and in `--pose`.
+    /// Its name in tables and in names of poses.
     pub name: String,
     /// The scene; its objects are called `part0`, `part1` and so on.
     pub scene: Scene,
@@ -52,10 +52,11 @@ const MODEL_BYTES: u64 = 60_000;
 const MODELS: usize = 30;
 const MODELS_OF_A_FORMAT: usize = 4;
 
-/// All families: made by formulas, with known answers, of the folder `examples`, of the corpus. The last
-/// two are empty where there is no such folder.
-pub fn families() -> Vec<SceneFamily> {
-    let families = [made(), known(), examples(), corpus()];
+/// All families: made by formulas, with known answers, of the folder `examples`, and of the corpus if it takes part
+/// and is there.
+pub fn families(has_corpus: bool) -> Vec<SceneFamily> {
+    let corpus = if has_corpus { corpus() } else { Vec::new() };
+    let families = [made(), known(), examples(), corpus];
     families.into_iter().filter(|f| !f.is_empty()).collect()
 }
 
@@ -116,9 +117,10 @@ fn known() -> SceneFamily {
     scenes.filter(|s| s.traits().faces <= MODEL_FACES).collect()
 }
 
-/// The models in the folder `examples` of the project, if that is where the program runs.
+/// The models in the folder `examples` of the project.
 fn examples() -> SceneFamily {
-    let files = files_below(Path::new("examples"), 1).into_iter();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let files = files_below(Path::new(folder), 1).into_iter();
     // The screen of box.vs3 is two sheets back to back: with two sides each, four in one place.
     let is_model = |path: &PathBuf| path.extension().is_some_and(|e| e == "grf");
     files.filter(is_model).filter_map(|p| model(&p)).collect()

@@ -306,7 +306,7 @@ mod tests {
     /// Every face of every change is found, each at the one element that it is a part of.
     #[test]
     fn elements_are_found() {
-        for posed in &families()[0] {
+        for posed in &families(false)[0] {
             let original = Original::new(posed);
             for change in CHANGES {
                 let mut pose = Pose::new(posed.scene.clone(), &["grf"]);
@@ -347,7 +347,7 @@ mod tests {
     /// A part of a face without width, which rounding has turned, is not taken for a face that was added.
     #[test]
     fn slivers_are_not_added() {
-        let posed = &families()[0][0];
+        let posed = &families(false)[0][0];
         let original = Original::new(posed);
         let (point, normal) = original.point_on(0, [0.3, 0.3]).unwrap();
         let along = 1e-3 * original.size() * normal.any_orthonormal_vector();

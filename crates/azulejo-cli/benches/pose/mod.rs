@@ -19,6 +19,10 @@ mod changes;
 mod commands;
 mod compare;
 mod dice;
+// Of the reader of known answers, poses need the scenes.
+#[allow(dead_code, unused_imports)]
+#[path = "../../src/known/factors/mod.rs"]
+mod known_factors;
 mod measures;
 mod process;
 mod scenes;
@@ -26,12 +30,6 @@ mod site;
 mod survey;
 mod table;
 
-use super::args::ValidateArgs;
-use crate::clock::Clock;
-use crate::failure::Failure;
-use crate::report::{Report, count};
-use crate::session::Session;
-use azulejo_trace::Progress;
 use changes::{CHANGES, Change, Pose};
 use commands::{Measure, PosedCommand};
 use compare::{Quantity, compare};
@@ -41,11 +39,12 @@ use process::RunEnd;
 use scenes::{PosedScene, SceneFamily};
 use site::Site;
 use std::collections::HashMap;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use survey::{Original, Partition};
-use table::{PoseCounts, PoseOutcome, PoseRecord};
+pub use table::{PoseCounts, PoseOutcome, PoseRecord, csv_heading, tables};
 
 /// Longest time of a run: far beyond what any takes alone, since others may run beside it.
 const LIMIT: Duration = Duration::from_secs(180);
@@ -57,17 +56,24 @@ const MOST_CHANGES: usize = 4;
 /// those between them on both sides.
 const SLACK: f64 = 4.0;
 
-/// Probability that a normal variable is beyond five standard deviations.
-const CHANCE: f64 = 5.73e-7;
-
-/// Poses that are tried for each that `--only` leaves.
+/// Poses that are tried for each that a part of a name leaves.
 const TRIES: u64 = 10_000;
 
-/// Folders of runs, below that of the report.
-const RUNS: &str = "poses";
-
-/// Failures that the summary names.
-const LISTED: usize = 50;
+/// Which poses are run, and where.
+pub struct PoseChoice {
+    /// Seed of all that is random.
+    pub seed: u64,
+    /// How many poses are drawn, unless some are named.
+    pub count: u64,
+    /// Of those drawn, the ones that have this in SCENE:COMMAND:CHANGES.
+    pub only: Option<String>,
+    /// Poses by their numbers, or as SCENE:COMMAND:CHANGE+CHANGE.
+    pub named: Vec<String>,
+    /// Folder of the runs, with one folder a pose.
+    pub folder: PathBuf,
+    /// Whether models of the folder `AZULEJO_DATA` are among the scenes.
+    pub has_corpus: bool,
+}
 
 /// A scene, a command and changes.
 struct PosePlan<'a> {
@@ -90,80 +96,56 @@ struct Base {
 /// All that poses need.
 struct Poses<'a> {
     seed: u64,
-    folder: PathBuf,
+    folder: &'a Path,
     families: &'a [SceneFamily],
     commands: &'a [PosedCommand],
     originals: HashMap<&'a str, Rc<Original>>,
     bases: HashMap<(&'a str, &'a str), Rc<Base>>,
-    progress: &'a Progress,
 }
 
-/// Runs `validate --poses`: the summary, and whether there are no more failures than chance makes.
-pub fn run(
-    args: &ValidateArgs,
-    session: &Session,
-) -> Result<(Report, Result<(), Failure>), Failure> {
-    let (families, commands) = (scenes::families(), commands::commands());
+/// Runs poses one after another, and tells each record as soon as it is there.
+///
+/// # Errors
+/// Poses that do not exist, and folders that cannot be written. What fails in a pose is in its record.
+pub fn run(choice: &PoseChoice, tell: &mut dyn FnMut(PoseRecord)) -> Result<(), String> {
+    let (families, commands) = (scenes::families(choice.has_corpus), commands::commands());
     let mut poses = Poses {
-        seed: args.seed,
-        folder: args.output.join(RUNS),
+        seed: choice.seed,
+        folder: &choice.folder,
         families: &families,
         commands: &commands,
         originals: HashMap::new(),
         bases: HashMap::new(),
-        progress: session.progress(),
     };
-    let plans = poses.plans(args)?;
-    let folder = poses.folder.clone();
-    std::fs::create_dir_all(&folder).map_err(|e| Failure::file("create", &folder, &e))?;
-    let mut records = Vec::new();
-    let run = session.with_progress(|progress| poses.run(plans, session, progress, &mut records));
-    // The poses before a cancellation are written.
-    run.or_else(|failure| match failure {
-        Failure::Cancelled => Ok(()),
-        failure => Err(failure),
-    })?;
-    write(&args.output, "poses.csv", &table::csv(&records))?;
-    let json = serde_json::to_string_pretty(&records).map_err(Failure::failed)?;
-    write(&args.output, "poses.json", &json)?;
-    // Those of thousands of poses take longer than a cancelled program has.
-    if args.pose.is_empty() {
-        std::fs::remove_dir_all(&folder).map_err(|e| Failure::file("remove", &folder, &e))?;
+    for plan in poses.plans(choice)? {
+        let start = Instant::now();
+        let mut record = poses.judged(plan).map_err(|e| e.to_string())?;
+        record.seconds = start.elapsed().as_secs_f64();
+        tell(record);
     }
-    let counts = PoseCounts::of(&records);
-    let expected = records.iter().map(|r| r.quantities as f64).sum::<f64>() * CHANCE;
-    let is_good = counts.failures() as f64 <= expected + 3.0 * expected.sqrt();
-    let end = match is_good {
-        _ if session.progress().is_cancelled() => Err(Failure::Cancelled),
-        true => Ok(()),
-        false => Err(Failure::Found),
-    };
-    Ok((summary(args, &records, counts), end))
-}
-
-fn write(folder: &Path, name: &str, content: &str) -> Result<(), Failure> {
-    let path = folder.join(name);
-    std::fs::write(&path, content).map_err(|e| Failure::file("write", &path, &e))
+    Ok(())
 }
 
 impl<'a> Poses<'a> {
     /// The poses that are asked for.
-    fn plans(&self, args: &ValidateArgs) -> Result<Vec<PosePlan<'a>>, Failure> {
-        if !args.pose.is_empty() {
-            let plans = args.pose.iter().map(|words| self.named(words));
+    fn plans(&self, choice: &PoseChoice) -> Result<Vec<PosePlan<'a>>, String> {
+        if !choice.named.is_empty() {
+            let plans = choice.named.iter().map(|words| self.named(words));
             return plans.collect();
         }
-        let count = args.poses.unwrap_or(0);
-        let drawn = (0..count.saturating_mul(TRIES)).map(|k| self.drawn(k));
+        let drawn = (0..choice.count.saturating_mul(TRIES)).map(|k| self.drawn(k));
         let is_wanted = |plan: &PosePlan| {
             let name = plan.name();
-            args.only.as_ref().is_none_or(|only| name.contains(only))
+            choice.only.as_ref().is_none_or(|only| name.contains(only))
         };
-        let plans: Vec<PosePlan> = drawn.filter(is_wanted).take(count as usize).collect();
-        match (plans.is_empty(), &args.only) {
-            (true, Some(only)) => Err(Failure::misuse(format_args!(
+        let plans: Vec<PosePlan> = drawn
+            .filter(is_wanted)
+            .take(choice.count as usize)
+            .collect();
+        match (plans.is_empty(), &choice.only) {
+            (true, Some(only)) => Err(format!(
                 "no pose has \"{only}\" in its name, which is SCENE:COMMAND:CHANGE+CHANGE"
-            ))),
+            )),
             _ => Ok(plans),
         }
     }
@@ -192,22 +174,18 @@ impl<'a> Poses<'a> {
     }
 
     /// A pose by its number, or by names of its scene, command and changes.
-    fn named(&self, words: &str) -> Result<PosePlan<'a>, Failure> {
+    fn named(&self, words: &str) -> Result<PosePlan<'a>, String> {
         if let Ok(number) = words.parse() {
             return Ok(self.drawn(number));
         }
         let wrong = |what: &str, name: &str, names: Vec<&str>| {
             let names = names.join(", ");
-            Failure::misuse(format_args!(
-                "--pose: no {what} \"{name}\"; there are {names}"
-            ))
+            format!("no {what} \"{name}\"; there are {names}")
         };
         let parts: Vec<&str> = words.split(':').collect();
         let [scene, command, changes] = parts[..] else {
             let form = "a number or SCENE:COMMAND:CHANGE+CHANGE";
-            return Err(Failure::misuse(format_args!(
-                "--pose {words}: expected {form}"
-            )));
+            return Err(format!("pose {words}: expected {form}"));
         };
         let mut scenes = self.families.iter().flatten();
         let posed = scenes.clone().find(|s| s.name == scene).ok_or_else(|| {
@@ -244,35 +222,8 @@ impl<'a> Poses<'a> {
         })
     }
 
-    fn run(
-        &mut self,
-        plans: Vec<PosePlan<'a>>,
-        session: &Session,
-        progress: &Progress,
-        records: &mut Vec<PoseRecord>,
-    ) -> Result<(), Failure> {
-        progress.begin("poses", plans.len() as u64);
-        for plan in plans {
-            let clock = Clock::start();
-            let mut record = self.judged(plan)?;
-            record.seconds = clock.wall();
-            // Its run may have been cancelled, too; those before it stay.
-            if progress.is_cancelled() {
-                break;
-            }
-            if record.outcome != PoseOutcome::Right {
-                session.tell(&line(&record));
-            }
-            records.push(record);
-            if progress.advance(1).is_err() {
-                break;
-            }
-        }
-        Ok(())
-    }
-
     /// Runs a pose; what fails in it is in the record.
-    fn judged(&mut self, mut plan: PosePlan<'a>) -> Result<PoseRecord, Failure> {
+    fn judged(&mut self, mut plan: PosePlan<'a>) -> io::Result<PoseRecord> {
         let mut pose = Pose::new(
             plan.posed.scene.clone(),
             plan.command.formats(plan.posed.traits()),
@@ -306,7 +257,7 @@ impl<'a> Poses<'a> {
         plan: &PosePlan<'a>,
         pose: &Pose,
         record: &mut PoseRecord,
-    ) -> Result<Result<(), String>, Failure> {
+    ) -> io::Result<Result<(), String>> {
         let original = self.original(plan.posed);
         let base = match self.base(plan, &original)? {
             Ok(base) => base,
@@ -318,7 +269,7 @@ impl<'a> Poses<'a> {
             .map(|c| if c.is_alphanumeric() { c } else { '-' })
             .collect();
         let folder = self.folder.join(name);
-        std::fs::create_dir_all(&folder).map_err(|e| Failure::file("create", &folder, &e))?;
+        std::fs::create_dir_all(&folder)?;
         let site = match Site::new(&folder, &original, pose) {
             Ok(site) => site,
             Err(problem) => return Ok(Err(problem)),
@@ -340,8 +291,7 @@ impl<'a> Poses<'a> {
             Ok(arguments) => arguments,
             Err(problem) => return Ok(Err(problem)),
         };
-        let end = process::run(&folder, &arguments, LIMIT, self.progress)
-            .map_err(|e| Failure::file("run in", &folder, &e))?;
+        let end = process::run(&folder, &arguments, LIMIT)?;
         let quantities = answer(&inquiry, &end);
         inquiry.site = &base.site;
         inquiry.folder = &base.folder;
@@ -384,13 +334,13 @@ impl<'a> Poses<'a> {
         &mut self,
         plan: &PosePlan<'a>,
         original: &Original,
-    ) -> Result<Result<Rc<Base>, String>, Failure> {
+    ) -> io::Result<Result<Rc<Base>, String>> {
         let key = (plan.posed.name.as_str(), plan.command.name.as_str());
         if let Some(base) = self.bases.get(&key) {
             return Ok(Ok(base.clone()));
         }
         let folder = self.folder.join(format!("original-{}", self.bases.len()));
-        std::fs::create_dir_all(&folder).map_err(|e| Failure::file("create", &folder, &e))?;
+        std::fs::create_dir_all(&folder)?;
         let pose = Pose::new(plan.posed.scene.clone(), &[]);
         let site = match Site::new(&folder, original, &pose) {
             Ok(site) => site,
@@ -410,8 +360,7 @@ impl<'a> Poses<'a> {
             Ok(arguments) => arguments,
             Err(problem) => return Ok(Err(problem)),
         };
-        let end = process::run(&folder, &arguments, LIMIT, self.progress)
-            .map_err(|e| Failure::file("run in", &folder, &e))?;
+        let end = process::run(&folder, &arguments, LIMIT)?;
         let base = Rc::new(Base { folder, site, end });
         self.bases.insert(key, base.clone());
         Ok(Ok(base))
@@ -450,44 +399,4 @@ fn answer(inquiry: &Inquiry, end: &RunEnd) -> Result<Vec<Quantity>, String> {
         RunEnd::Refused(words) => Err(words.clone()),
         RunEnd::Unfinished => Err("unfinished".to_owned()),
     }
-}
-
-fn line(record: &PoseRecord) -> String {
-    format!(
-        "pose {}: {}: {}: {}: {}",
-        record.key, record.scene, record.command, record.words, record.problem
-    )
-}
-
-fn summary(args: &ValidateArgs, records: &[PoseRecord], counts: PoseCounts) -> Report {
-    let mut report = Report::default();
-    table::tables(records)
-        .into_iter()
-        .for_each(|line| report.plain(line));
-    report.plain("");
-    let failures = records.iter().filter(|r| r.outcome != PoseOutcome::Right);
-    for record in failures.clone().take(LISTED) {
-        report.plain(line(record));
-    }
-    if counts.failures() > 0 {
-        report.plain(format!(
-            "run one alone, and keep its files: azulejo validate -o FOLDER --seed {} --pose NUMBER",
-            args.seed
-        ));
-    }
-    let words = format!(
-        "{} right, {} off, {} unfinished",
-        count(counts.right),
-        count(counts.off),
-        count(counts.unfinished)
-    );
-    report.fact("poses", counts.run, "poses", words);
-    report.value("right", counts.right);
-    report.value("off", counts.off);
-    report.value("unfinished", counts.unfinished);
-    let failed: Vec<&str> = failures.map(|r| r.key.as_str()).collect();
-    report.value("failures", failed);
-    let path = args.output.join("poses.csv").display().to_string();
-    report.fact("output", path.clone(), "report", path);
-    report
 }

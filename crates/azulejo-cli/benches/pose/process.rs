@@ -1,6 +1,5 @@
-//! Runs of this program, as users start it, with a time limit.
+//! Runs of the program, as users start it, with a time limit.
 
-use azulejo_trace::Progress;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -14,7 +13,7 @@ pub enum RunEnd {
     Done(String),
     /// With an error: its last lines.
     Refused(String),
-    /// Not within the time, or before everything was cancelled, so that it was stopped.
+    /// Not within the time, so that it was stopped.
     Unfinished,
 }
 
@@ -25,21 +24,16 @@ const POLL: Duration = Duration::from_millis(5);
 const WORDS: usize = 300;
 
 /// Runs the program with these arguments in a folder, which keeps both streams.
-pub fn run(
-    folder: &Path,
-    arguments: &[String],
-    limit: Duration,
-    progress: &Progress,
-) -> io::Result<RunEnd> {
+pub fn run(folder: &Path, arguments: &[String], limit: Duration) -> io::Result<RunEnd> {
     let (out, err) = (folder.join("stdout"), folder.join("stderr"));
-    let mut child = Command::new(std::env::current_exe()?)
+    let mut child = Command::new(env!("CARGO_BIN_EXE_azulejo"))
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::null())
         .stdout(File::create(&out)?)
         .stderr(File::create(&err)?)
         .spawn()?;
-    let Some(is_success) = wait(&mut child, limit, progress)? else {
+    let Some(is_success) = wait(&mut child, limit)? else {
         return Ok(RunEnd::Unfinished);
     };
     let text = |path: &Path| {
@@ -55,13 +49,13 @@ pub fn run(
 }
 
 /// Whether it succeeded; `None` if it had to be stopped.
-fn wait(child: &mut Child, limit: Duration, progress: &Progress) -> io::Result<Option<bool>> {
+fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<bool>> {
     let start = Instant::now();
     loop {
         if let Some(status) = child.try_wait()? {
             return Ok(Some(status.success()));
         }
-        if start.elapsed() > limit || progress.is_cancelled() {
+        if start.elapsed() > limit {
             // It may have ended meanwhile, which is no reason to fail.
             let _ = child.kill();
             child.wait()?;

@@ -3,12 +3,10 @@
 use super::changes::CHANGES;
 use super::commands::commands;
 use super::compare::Comparison;
-use serde::Serialize;
 use std::fmt;
 
 /// The result of one pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PoseOutcome {
     /// The same within the errors.
     Right,
@@ -19,9 +17,9 @@ pub enum PoseOutcome {
 }
 
 /// One scene, command and combination of changes, and what came out.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct PoseRecord {
-    /// What `--pose` takes to run it alone.
+    /// What names it, to run it alone.
     pub key: String,
     /// Name of the scene.
     pub scene: String,
@@ -48,7 +46,7 @@ pub struct PoseRecord {
 }
 
 /// Counts of outcomes.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PoseCounts {
     /// All.
     pub run: usize,
@@ -85,7 +83,7 @@ impl PoseRecord {
     }
 
     /// A line of the table as CSV.
-    fn line(&self) -> String {
+    pub fn csv_line(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let outcome = format!("{:?}", self.outcome).to_lowercase();
         format!(
@@ -139,11 +137,9 @@ impl fmt::Display for PoseCounts {
     }
 }
 
-/// All records as CSV.
-pub fn csv(records: &[PoseRecord]) -> String {
-    let heading = "pose,scene,command,changes,details,outcome,quantities,off,nearness,slack,seconds,problem\n";
-    let lines = records.iter().map(PoseRecord::line);
-    heading.to_owned() + &lines.collect::<String>()
+/// First line of a table of records as CSV.
+pub fn csv_heading() -> &'static str {
+    "pose,scene,command,changes,details,outcome,quantities,off,nearness,slack,seconds,problem\n"
 }
 
 /// Counts by change and by command, in aligned columns.
