@@ -212,6 +212,7 @@ fn at_centres(
     };
     let mut left: Vec<u32> = (0..count as u32).collect();
     let mut sparse = None;
+    // Before a deadline, gather at a sparse lattice first, from which all samples can be interpolated.
     if progress.has_deadline() {
         let lattice = Lattice::new(samples, SPARSE);
         let light = in_counted_batches(&lattice.nodes, (BATCH, BLOCK), run, |batch| {
@@ -228,6 +229,7 @@ fn at_centres(
         left.retain(|&s| is_left[s as usize]);
         sparse = Some((lattice, light));
     }
+    // Gather at the other samples as long as there is time.
     let light = in_counted_batches(&left, (BATCH, BLOCK), run, |batch| {
         Ok(if progress.out_of_time() {
             vec![None; batch.len()]
@@ -242,6 +244,7 @@ fn at_centres(
             None => missing.push(sample),
         }
     }
+    // Interpolate at those for which there was none, and state the error of that as variance.
     if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
         direct.interpolate(samples, lattice, light, &missing, run)?;
     }

@@ -28,6 +28,7 @@ impl<'a> TexelField<'a> {
         surfaces: &'a Surfaces<'a>,
     ) -> TexelField<'a> {
         let mut of_object = vec![(Vec::new(), Vec::new()); surfaces.scene.objects.len()];
+        // List the receivers of each object, and once for all of them the first triangles of its faces.
         for (receiver, &object) in objects.iter().enumerate() {
             let (receivers, starts) = &mut of_object[object as usize];
             receivers.push(receiver as u32);
@@ -40,6 +41,7 @@ impl<'a> TexelField<'a> {
                 (0..mesh.faces.len()).map(first).collect()
             });
         }
+        // Spread the light over the pages: the first sample of a texel counts, and texels without any are NaN.
         let mut pages: Vec<Vec<[f32; 3]>> = samples
             .pages
             .iter()
@@ -52,6 +54,7 @@ impl<'a> TexelField<'a> {
                 pages[page][index] = light.irradiance;
             }
         }
+        // Texels are as wide as the root of their area on each triangle.
         let width = |r: usize, t: usize| {
             let in_texels = signed_area(atlas.layout.texels(r, t)).abs();
             let area = atlas.receivers[r].area_vector(t).length();

@@ -71,6 +71,7 @@ pub fn chart_importance(
     seed: u32,
     run: Run,
 ) -> Result<ChartImportance, Cancelled> {
+    // Larger texels and a larger error show where the edges of shadows are, at a small part of the cost.
     let mut coarse = atlas.clone();
     for size in coarse.layout.pages.iter_mut().flatten() {
         *size = (*size / COARSER).max(LEAST_PAGE);
@@ -85,6 +86,7 @@ pub fn chart_importance(
             .iter()
             .take_while(|s| s.page as usize == page)
             .count();
+        // A texel with several samples has the light of the last one.
         let mut of_texels = vec![Rgb::BLACK; coverage.texels.len()];
         for sample in first..first + of_page {
             let texel = samples.samples[sample].texel as usize;
@@ -97,6 +99,7 @@ pub fn chart_importance(
             chart.area += f64::from(texel.area);
             chart.texels += 1.0;
             let [column, row] = rows.place(texel.index);
+            // Sum the squared steps between neighbours of a chart, each pair once.
             for next in [rows.at(column + 1, row), rows.at(column, row + 1)] {
                 let Some(n) = next.filter(|&n| coverage.texels[n as usize].chart == texel.chart)
                 else {

@@ -318,6 +318,7 @@ impl BetweenTexels<'_> {
     ) -> Result<f64, E> {
         let classes = self.classes(rest);
         let (mut points, mut uvs, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        // Look at one place in each of a few texels of every class, chosen by keys.
         for (class, members) in classes.iter().enumerate() {
             let mut order: Vec<&ShownSample> = members.clone();
             order.sort_by_cached_key(|shown| hash(&[self.seed, shown.page, shown.at, 0x1d7]));
@@ -332,6 +333,7 @@ impl BetweenTexels<'_> {
             }
         }
         let gathered = gather(&points)?;
+        // Average the squared differences to what viewers interpolate, less noise and stated errors.
         let mut squares = vec![([0.0; 3], 0.0); classes.len()];
         for ((indirect, uv), (class, shown)) in gathered.iter().zip(uvs).zip(owners) {
             let page = &rest.pages[shown.page as usize];
@@ -345,6 +347,7 @@ impl BetweenTexels<'_> {
                 sums[k] += area * (difference[k].powi(2) - variance[k] - error[k].powi(2));
             }
         }
+        // All texels of a class get its mean, because single differences say little.
         let (mut sum, mut whole) = (0.0, 0.0);
         for (members, (sums, areas)) in classes.iter().zip(squares) {
             let missed = sums.map(|s| f64::max(s, 0.0) / f64::max(areas, f64::MIN_POSITIVE));

@@ -384,6 +384,7 @@ impl<'a> PageSampler<'a> {
     ) -> Vec<TexelSample> {
         let covered = &self.coverage.texels[texel];
         let [column, row] = rows.place(covered.index);
+        // Take the neighbours in the same chart that belong to a region.
         let around: Vec<u32> = rows
             .around(column, row)
             .filter(|&n| self.coverage.texels[n as usize].chart == covered.chart)
@@ -391,6 +392,7 @@ impl<'a> PageSampler<'a> {
             .collect();
         let corner = DVec2::new(column.into(), row.into());
         let centre = DVec2::from(covered.centre.map(f64::from));
+        // Assign each of the finest parts of the texel to the region of the first neighbour that it sees.
         let mut regions: Vec<(u32, u32, f64, SurfacePoint)> = Vec::new();
         for k in 0..FINE * FINE {
             let step = DVec2::new((k % FINE).into(), (k / FINE).into());
@@ -406,6 +408,7 @@ impl<'a> PageSampler<'a> {
                 continue;
             };
             let (region, distance) = (region_of[seen as usize], place.distance(centre));
+            // A region is sampled at the part nearest to the centre of what the texel covers.
             match regions.iter_mut().find(|f| f.0 == region) {
                 Some(known) => {
                     known.1 += 1;
@@ -416,6 +419,7 @@ impl<'a> PageSampler<'a> {
                 None => regions.push((region, 1, distance, point)),
             }
         }
+        // Keep the two largest regions, with their shares of the texel; without any, sample the texel as it is.
         regions.sort_by_key(|f| std::cmp::Reverse(f.1));
         regions.truncate(2);
         let all: u32 = regions.iter().map(|f| f.1).sum();

@@ -42,8 +42,10 @@ type Row = Vec<(u32, f64)>;
 pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
     let starts = page_starts(lightmap);
     let mut rows = rows(lightmap, atlas, &starts);
+    // Leave out points where light changes abruptly: made equal, both sides would be wrong.
     let all = rows.len();
     rows.retain(|row| is_even(row, lightmap, &starts));
+    // Number the texels along seams, so that the system has no others.
     let mut numbers: HashMap<u32, u32> = HashMap::new();
     let mut texels = Vec::new();
     let system: Vec<Row> = rows
@@ -65,6 +67,7 @@ pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
         abrupt: all - rows.len(),
         ..SeamErrors::default()
     };
+    // Solve for each channel, and measure the seams before and after.
     for channel in 0..3 {
         let given: Vec<f64> = texels
             .iter()

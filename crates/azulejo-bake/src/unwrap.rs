@@ -213,7 +213,9 @@ pub fn repack_charts(
 ) -> Result<Layout, LayoutError> {
     let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
     progress.begin("charts", count as u64);
+    // Charts of nearly the same density are packed as one mesh.
     let class_of = |chart: u32| (DENSITY_CLASSES * densities[chart as usize].log2()).round() as i32;
+    // The shapes of charts stay: meshes have the coordinates of the given layout.
     let meshes: Vec<UnwrapMesh> = receivers
         .iter()
         .enumerate()
@@ -233,6 +235,7 @@ pub fn repack_charts(
         receivers: meshes.iter().map(none).collect(),
         ..Layout::default()
     };
+    // Pack each page anew, as members with one class of one receiver each.
     for page in 0..layout.pages.len() as u32 {
         let is_on_page = |r: &usize| {
             let of_receiver = &layout.receivers[*r];

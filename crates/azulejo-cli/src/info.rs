@@ -329,8 +329,10 @@ fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
 }
 
 fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    // Objects that emit are lamps with an area; the power is theirs alone.
     let lamps: Vec<&ObjectSummary<'_>> = parts.iter().filter(|p| p.power.is_some()).collect();
     let power: Rgb = lamps.iter().filter_map(|p| p.power).sum();
+    // Count the other lights by their kind.
     let mut kinds = [
         ("point", 0),
         ("spot", 0),
@@ -348,6 +350,7 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
         };
         kinds[kind].1 += 1;
     }
+    // The line names only the kinds that the scene has; the JSON has all of them.
     let mut words: Vec<String> = Vec::new();
     if !lamps.is_empty() {
         let n = count(lamps.len());

@@ -183,6 +183,7 @@ fn read_all_for(
     purpose: Purpose,
     session: &mut Session,
 ) -> Result<Scene, Failure> {
+    // A direction given by --up turns the picture and not the scene, so only images have a use for it.
     if !session.makes_image() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
         return Err(Failure::misuse(
             "--up: expected y or z; a direction applies to images only",
@@ -197,6 +198,7 @@ fn read_all_for(
             model.units.up = placement.up.unwrap_or(model.units.up);
             model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
         }
+        // The command line or else the first model sets axes and unit of the scene; other models are adapted.
         let units = scene_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
         for change in models::changes(model.units, units) {
             let hint = match (change, input.reading.up) {
@@ -212,6 +214,7 @@ fn read_all_for(
             session.note(&format!("{}: {change}{hint}", path.display()));
         }
         let mut model = model.adapted(units);
+        // The steps of a placement are in the axes and unit of the scene, so they come after these.
         if let Some(placement) = placement {
             let map = placement.scene_from_model(model.bounds(), units.up);
             model = model.transformed(&map);
@@ -220,6 +223,7 @@ fn read_all_for(
         if let Some(branch) = placement.and_then(|p| p.name.clone()).or(branch) {
             models::name_branch(&mut model, &branch);
         }
+        // A model with a unit gives it to the models before it, if these have none.
         match &mut whole {
             None => whole = Some(model),
             Some(scene) => {
@@ -229,6 +233,7 @@ fn read_all_for(
         }
     }
     let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
+    // Recipes, flips and lights apply to the whole scene, not to single models.
     for path in &input.reading.recipe {
         apply_recipe(path, &mut scene, input.reading.strict, session)?;
     }

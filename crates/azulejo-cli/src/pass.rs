@@ -192,8 +192,10 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
+    // A result that cannot be trusted is refused before anything of it is reported.
     refuse_imbalance(&pass.balance, args)?;
     prepared.describe(&pass.engine_used, report);
+    // State the method, and the patches and memory that it takes.
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",
@@ -211,6 +213,7 @@ pub fn describe(
     };
     report.fact("patches", pass.patches, "patches", words);
     report.value("matrix_bytes", pass.bytes);
+    // Count the rays of patches and of points apart: they reduce different parts of the error.
     let gathered = pass.points as u64 * u64::from(pass.point_rays);
     report.line(
         "rays",
@@ -239,6 +242,7 @@ pub fn describe(
     report.value("points", pass.points);
     report.value("rays_per_point", pass.point_rays);
     report.value("rays", pass.patch_rays + gathered);
+    // Only light between patches has bounces that converge, and an energy balance.
     if pass.method != Method::Paths {
         let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
         report.fact("iterations", pass.iterations, "bounces", words);
@@ -264,6 +268,7 @@ pub fn refuse_imbalance(balance: &EnergyBalance, args: &FirstPassArgs) -> Result
 
 /// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
 fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
+    // State the error by its causes; what these do not explain is energy that is unaccounted for.
     let parts = pass.error_parts;
     let stated = parts.noise.hypot(parts.discretization);
     let balance = if pass.error > 1.001 * stated.hypot(parts.interpolation) {
@@ -283,6 +288,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     words.push(')');
     words += balance;
     report.fact("error", number(pass.error), "estimated error", words);
+    // An error requested for each point is held against that of each point, not against that of the whole.
     let mut reached = pass.error;
     if let Some(requested) = args.error_each {
         reached = pass.error_each;
@@ -297,6 +303,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     report.value("error_noise", number(parts.noise));
     report.value("error_discretization", number(parts.discretization));
     report.value("error_interpolation", number(parts.interpolation));
+    // Split the error from dark to bright: one number may hide that the dark is known less well.
     let relative = pass
         .quarters
         .map(|q| q.error / q.mean.max(f64::MIN_POSITIVE));
@@ -314,6 +321,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     );
     report.value("quarter_means", numbers(pass.quarters.map(|q| q.mean)));
     report.value("quarter_errors", numbers(pass.quarters.map(|q| q.error)));
+    // State how many points have light of another kind: by paths from there, or between other points.
     if pass.path_traced > 0.0 && pass.method != Method::Paths {
         let share = percent(pass.path_traced);
         let points = if pass.points == 1 { "point" } else { "points" };
@@ -327,6 +335,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     }
     report.value("interpolated", number(pass.interpolated));
     report.value("rays_needed", number(pass.rays_needed));
+    // State what the requested error would take if it was not reached and more rays would help.
     if let Some(requested) = args.requested_error()
         && reached > requested
         && pass.rays_needed > 1.0

@@ -317,6 +317,7 @@ impl<'a> RayEstimator<'a> {
             let weight = path.weight * scale;
             match event {
                 Event::Escape => {
+                    // Tell sky from ground by the direction in which the path leaves.
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
                     row.escaped[replicate][usize::from(!is_up)] += weight;
                     let light = weight * self.gatherer.escaped_exitance(path);
@@ -327,13 +328,16 @@ impl<'a> RayEstimator<'a> {
                 Event::Absorbed => row.absorbed += weight * share,
                 Event::Surface { hit, front } => {
                     let material = surfaces.material(hit.item);
+                    // What glass absorbs is an event of its own.
                     if material.dielectric.is_none() {
                         let kept = Rgb::WHITE - material.mirror - material.diffuse;
                         row.absorbed += weight * kept * share;
                     }
+                    // Add the emission that the direct light leaves out; glossy surfaces sample the lights besides.
                     row.stray[replicate] +=
                         weight * self.gatherer.stray_exitance(path, &hit, front);
                     next_event.add(self.gatherer, path, &hit, 0, chances);
+                    // Keep the columns: a solver needs only those that reflect diffusely.
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
                         let (side, order) = (side(patch, front), order(path));
@@ -347,6 +351,7 @@ impl<'a> RayEstimator<'a> {
                 }
             }
         });
+        // Trace the shadow rays of glossy surfaces together.
         next_event.resolve(self.gatherer, |_, contribution| {
             row.stray[replicate] += contribution * scale
         });

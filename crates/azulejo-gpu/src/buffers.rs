@@ -60,6 +60,7 @@ impl Buffers {
         reduction: Option<Reduction>,
     ) -> Result<Buffers, DrawError> {
         shared.check()?;
+        // Software drivers profit from smaller clusters of facets: drawing costs them more than culling.
         let cluster = if shared.is_software {
             CLUSTER_SOFTWARE
         } else {
@@ -69,6 +70,7 @@ impl Buffers {
         let cube = Hemicube::new(settings.resolution);
         let (has_mirrors, has_bent) = (mesh.has_mirrors(), mesh.has_bent());
         let is_windowed = matches!(settings.mirrors, Beyond::Windows { depth: 1.., .. });
+        // Limits on pixels, on tiles and, if the card adds, on the size of its sums determine the atlas.
         let most = if shared.is_software {
             MOST_PIXELS_SOFTWARE
         } else {
@@ -80,8 +82,10 @@ impl Buffers {
             let tiles = most_sums(&shared) / sum_bytes(mesh.patches);
             atlas = atlas.with_tiles(tiles.min(u64::from(u32::MAX)) as u32);
         }
+        // The card adds integers: `scale` is what a form factor of 1 becomes.
         let weights = exact_weights(&cube);
         let (whole, scale) = whole_weights(&weights);
+        // Nearness is stored where rays continue from pixels: at bent patches and listed mirrors.
         let mut options = TargetOptions {
             atlas,
             nearness: has_bent || (has_mirrors && settings.mirrors == Beyond::List),
@@ -90,6 +94,7 @@ impl Buffers {
             weights: &whole,
             patches: mesh.patches,
         };
+        // If memory is short, the targets have fewer tiles than requested.
         let targets = targets(&shared, &mut options)?;
         let atlas = options.atlas;
         shared.check()?;

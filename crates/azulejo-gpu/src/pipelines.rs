@@ -20,6 +20,7 @@ pub struct Pipelines {
 
 impl Pipelines {
     pub fn new(device: &wgpu::Device, can_compute: bool) -> Pipelines {
+        // The face is a uniform at a dynamic offset, so one bind group serves many drawings.
         let layout = |binding: wgpu::BindingType, stages: wgpu::ShaderStages| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: None,
@@ -43,6 +44,7 @@ impl Pipelines {
         };
         let face = layout(uniform, wgpu::ShaderStages::VERTEX_FRAGMENT);
         let windows = layout(texture, wgpu::ShaderStages::FRAGMENT);
+        // The variants differ in fragment shader and targets; only those of windows bind their numbers.
         let shader = device.create_shader_module(wgpu::include_wgsl!("draw.wgsl"));
         let draw = |is_window: bool, entry: &str, is_far: bool| {
             let groups = [Some(&face), is_window.then_some(&windows)];

@@ -373,9 +373,11 @@ impl Sums {
                 mapped_at_creation: false,
             })
         };
+        // The sums of a tile: of each side of each patch, and of light that leaves upwards and downwards.
         let atlas = &wanted.atlas;
         let slots = 2 * wanted.patches + 2;
         let bytes = sum_bytes(wanted.patches) * u64::from(atlas.tiles);
+        // Weights and sizes are the same in every atlas: write them once.
         let weights = buffer("weights", 4 * wanted.weights.len() as u64, storage);
         shared
             .queue
@@ -386,9 +388,11 @@ impl Sums {
         shared
             .queue
             .write_buffer(&sizes, 0, bytemuck::cast_slice(&numbers));
+        // The other buffers change with each atlas: the directions of up, and the sums.
         let ups = buffer("ups", 16 * u64::from(atlas.tiles), storage);
         let sums = buffer("sums", bytes, storage | wgpu::BufferUsages::COPY_SRC);
         let view = sides.create_view(&wgpu::TextureViewDescriptor::default());
+        // Bind the resources in the order of the bindings in sum.wgsl.
         let resources = [
             sizes.as_entire_binding(),
             wgpu::BindingResource::TextureView(&view),

@@ -94,12 +94,14 @@ pub fn solve_exchange(
     let matrices: Vec<Arc<Enclosure>> = factors.iter().map(|f| f.enclosure.clone()).collect();
     let first = matrices.first();
     let first = first.ok_or_else(|| refused("there are no form factors"))?;
+    // A name in the table that no row has is worth a note, but no error.
     let unused = materials.table.unused(first);
     if !unused.is_empty() {
         let names = unused.join("\", \"");
         let place = &materials.place;
         notes.push(format!("{place}no row has the name \"{names}\""));
     }
+    // Refuse a network that would not fit in memory before any long work.
     let nodes = choices::node(&args.by)?;
     let memory = args.memory.or_else(azulejo::machine::memory);
     forecast::check(
@@ -108,11 +110,13 @@ pub fn solve_exchange(
         materials.table.bands.len(),
         memory.unwrap_or(u64::MAX),
     )?;
+    // Look up materials and conditions by the rows of the first matrix; solving checks the others.
     let properties = materials.table.of_rows(first);
     let properties = properties.map_err(|e| materials.refuse(e))?;
     let surroundings = conditions.as_ref().map_or([None; 2], |c| c.surroundings);
     let given = conditions.map(|c| c.of_rows(first, &mut notes));
     let (given, bands) = (given.transpose()?, ranges(&materials.table));
+    // Solve in another thread, without the interpreter, while this one listens for Ctrl-C.
     let (solution, lost) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let (matrices, lost) = owned(&matrices, args.lost_to_sky);
         let model = ThermalModel {

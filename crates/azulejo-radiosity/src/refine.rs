@@ -90,12 +90,14 @@ pub fn refine(
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
         run,
     };
+    // Start from what the coarse rows give in the light R₀.
     let reference: Vec<Rgb> = refiner.reference.iter().map(rgb).collect();
     let known = arriving(system, &reference)?;
     let mut rows = refiner.begin(system, &known, rays);
     let costs = [1.0, gatherer.direct_cost()];
     let most = [most as u32, MOST_POSITIONS];
     let mut spent = RefinementWork::default();
+    // Each round goes a few doublings towards the goal, with what is known of the variances by then.
     for _ in 0..MOST_ROUNDS {
         let strengths = strengths(&rows, system, patches);
         let reached = reached(&rows, &strengths);
@@ -111,6 +113,7 @@ pub fn refine(
         spent.rays += refiner.round(&mut rows, &work)?;
     }
     spent.rows = rows.iter().filter(|r| r.is_refined).count();
+    // State as stray light what the rays gather beyond X R₀: the system adds X R, with R₀ as control variate.
     for (i, row) in rows.iter().enumerate() {
         let beyond: [Rgb; REPLICATES] =
             std::array::from_fn(|r| row.parts[RAYS].values[r] - known[r][i]);

@@ -128,6 +128,7 @@ impl<'a> SolvedPatches<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         let mut reflectance = reflectances(scene, &patches);
         let seed = hash(&[pass.key(), 0]);
+        // Where needed, a few paths show what a budget of rays affords, and whether paths or patches cost less.
         let light = PatchLight::unknown(gatherer.surfaces(), &patches, &reflectance);
         let pilot = pilot(&gatherer, &light, (&patches, pass), purpose, seed, progress);
         let pass = match &pilot {
@@ -155,6 +156,7 @@ impl<'a> SolvedPatches<'a> {
         };
         let mut radiosity = solve(&reflectance)?;
         let mut absorbed_by_limit = 0.0;
+        // If light does not die out, solve again with limited reflectances, unless these absorb too much.
         if pass.bounces.is_none() && !radiosity.solution.convergence.is_reached {
             let endless = SolveError::Endless(radiosity.solution.convergence.iterations);
             let limited = limited_reflectances(scene, &patches, &reflectance);
@@ -167,6 +169,7 @@ impl<'a> SolvedPatches<'a> {
             radiosity.engine_used.notes.push(note);
             reflectance = limited;
         }
+        // Paths leave no radiosity on patches whose error could be stated.
         if radiosity.method != Method::Paths {
             progress.measured(Measure::PatchError(radiosity.solution.error(&patches)));
         }
@@ -536,11 +539,13 @@ impl SolverInputs<'_> {
                 key: s as u32,
             }
         };
+        // Only vertices need to know which side is lit: the side of points is given.
         let count = match purpose {
             PatchPurpose::Vertices => 2 * patches.len(),
             PatchPurpose::Points(_) | PatchPurpose::Result => 0,
         };
         let sides: Vec<GatherPoint> = (0..count).map(point).collect();
+        // If there are too many sides, some stand for those around them.
         let cells = RecordCells::at_most(&sides, self.seed, MOST_SIDES);
         let records: Vec<GatherPoint> = cells.records().map(|k| sides[k as usize]).collect();
         progress.begin("irradiance of patches", records.len() as u64);
@@ -555,6 +560,7 @@ impl SolverInputs<'_> {
                 Ok(gatherer.gather_with(points, &options, &directions, &light))
             })
             .collect::<Result<_, SolveError>>()?;
+        // Give all sides of a cell the light of its record.
         let means = irradiance.iter().flatten().map(|e| e.whole().mean());
         for (mean, inside) in means.zip(cells.points()) {
             for &k in inside {

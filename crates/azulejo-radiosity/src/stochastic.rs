@@ -74,6 +74,7 @@ pub fn solve(
     let Some(direct) = shooter.direct(progress)? else {
         return Ok(None);
     };
+    // Divide the rays among independent replicates, whose spread gives the error.
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
     let mut radiosity = RadiositySolution::new(2 * patches.len());
     let mut missing = Vec::new();
@@ -82,11 +83,13 @@ pub fn solve(
         let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
         let mut solution = vec![Rgb::BLACK; incident.len()];
         let share = 1.0 / REPLICATES as f64;
+        // Of light that no patch emitted, the first surface absorbs what it does not reflect.
         for (s, (_, external)) in direct.iter().enumerate() {
             let (area, rho) = (patches.area(s / 2), reflectance[s / 2]);
             radiosity.balance.emitted += *external * (area * share);
             radiosity.balance.absorbed += *external * (Rgb::WHITE - rho) * (area * share);
         }
+        // Shoot the emission, of which only what the direct light leaves out counts.
         let exitance: Vec<Rgb> = (0..incident.len())
             .map(|s| shooter.exitance(s as Side))
             .collect();
@@ -113,6 +116,7 @@ pub fn solve(
             ..Convergence::default()
         };
         let mut shots = 0.0;
+        // Follow one bounce an iteration, by rays in proportion to the power that was reflected last.
         loop {
             solution.iter_mut().zip(&unshot).for_each(|(x, u)| *x += *u);
             let power = shooter.total(&unshot).max_channel();
@@ -149,6 +153,7 @@ pub fn solve(
             state.iterations += 1;
         }
         radiosity.add_replicate(solution, &incident, state);
+        // All replicates share one balance: what this one misses is in the difference to that before.
         let mut own = radiosity.balance;
         own.add(&before, -1.0);
         missing.push(own.missing());

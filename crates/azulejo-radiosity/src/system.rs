@@ -210,6 +210,7 @@ impl<'j> System<'j> {
             sides: 2 * patches.len(),
             rays: 0,
         };
+        // The first wave has the fronts of patches that reflect or emit, and the backs that emit.
         let mut is_planned = vec![false; system.sides];
         let mut wave: Vec<Side> = (0..patches.len())
             .filter(|&p| reflects(p))
@@ -218,6 +219,7 @@ impl<'j> System<'j> {
         let emits_back = |&p: &usize| materials[patches.material(p) as usize].emits_back;
         let backs = (0..patches.len()).filter(emits_back);
         wave.extend(backs.map(|p| side(p as u32, false)));
+        // If no light starts before a side of the wave, as in a room that is inside out, the other backs come too.
         let begins = |&s: &Side| {
             let material = &materials[patches.material((s / 2) as usize) as usize];
             material.is_emitter() || !direct(gatherer, patches, seed, s).external().is_black()
@@ -232,7 +234,9 @@ impl<'j> System<'j> {
         wave.iter().for_each(|&s| is_planned[s as usize] = true);
         let diffuse = |j: usize| materials[patches.material(j) as usize].diffuse;
         let lost = |j: usize| diffuse(j) - reflectance[j];
+        // Follow the light from wave to wave: each has the sides that rows of the one before reach first.
         while !wave.is_empty() {
+            // Compute the part of H₀ that formulas give; what the rays of the rows add to it follows.
             progress.begin("direct light", wave.len() as u64);
             let light = |&i: &usize| {
                 progress.advance(1)?;
@@ -264,6 +268,7 @@ impl<'j> System<'j> {
                     outcomes: [Rgb::BLACK; 3],
                 });
             }
+            // Trace the rows; give up as soon as their pace shows that the phase will end before they do.
             progress.begin("form factors", wave.len() as u64);
             let (watch, all) = (PhaseWatch::new(progress), wave.len() as f64);
             let (mut done, mut is_hopeless) = (0, false);
@@ -280,6 +285,7 @@ impl<'j> System<'j> {
                     .map(|row| TracedRow::new(row, channels, diffuse, lost));
                 Ok(traced.collect())
             };
+            // Rows stay in this process, which tells all others the sides that they reach, each once in a wave.
             let mut is_told = is_planned.clone();
             let keep = |i: usize, row: TracedRow| {
                 let reached = row.rows.iter().flat_map(|row| &row.columns);
@@ -306,6 +312,7 @@ impl<'j> System<'j> {
             if is_hopeless {
                 return Ok(None);
             }
+            // Complete the unknowns, and merge the sides reached, as several processes may tell of the same.
             let mut reached = Vec::new();
             for (unknown, row) in system.unknowns[first..].iter_mut().zip(summaries?) {
                 unknown.stray = row.stray;

@@ -122,6 +122,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         permitted: &[f64],
         most: u32,
     ) -> Result<(), Cancelled> {
+        // Compare stratum after stratum, each in its part of the time.
         let mut samples = Vec::new();
         for (stratum, permitted_here) in permitted.iter().enumerate() {
             let rest = (permitted.len() - stratum) as f64;
@@ -136,6 +137,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             else {
                 continue;
             };
+            // All strata read patches at first; what stays open counts with its doubt.
             let (square, is_bad) = match verdict {
                 Verdict::Good(square) => (square, false),
                 Verdict::Bad(square) => (square, true),
@@ -145,6 +147,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             samples.push((spent, sample, is_bad));
         }
         self.run.progress.limit_phase(1.0);
+        // Path trace what the goal demands if there is time, else what lowers the error most.
         let seconds = planned_seconds(self.run.progress);
         let errors = all.errors();
         let ways: Vec<StratumWays> = (0..samples.len())
@@ -246,6 +249,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         most: u32,
     ) -> Result<Vec<Compared>, Cancelled> {
         let most = most.min(MOST_SAMPLE_RAYS);
+        // Rays double from round to round; before a deadline the first round is a quarter as large.
         let first = if self.run.progress.has_deadline() {
             FIRST_RAYS / 2
         } else {
@@ -267,6 +271,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             if open.is_empty() {
                 return Ok(samples.into_iter().map(|sample| sample.0).collect());
             }
+            // Gather both ways from the same directions, so that their difference has little noise.
             let ways = [Termination::Radiosity, Termination::Roulette];
             let lists = open.iter().flat_map(|(compared, ..)| {
                 ways.map(|termination| PointList {
@@ -296,6 +301,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                     }
                 }
                 let mut verdict = judge(all, &compared.sample, *allowed);
+                // Few rays may miss rare light and underestimate the noise: they do not condemn the patches yet.
                 if let (Verdict::Bad(square), true) = (&verdict, spent < LEAST_SURE && !is_last) {
                     verdict = Verdict::Open(*square, *square);
                 }

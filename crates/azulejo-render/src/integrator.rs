@@ -465,6 +465,7 @@ impl<'a> CameraPath<'_, 'a> {
         is_lit: bool,
     ) {
         let scene = &self.integrator.scene;
+        // Seen sharply, matt lobes are sampled too, and a relief whole, as its irradiance is not known.
         let parts = match segment.is_sharp() {
             true if scene.has_relief(hit) => Parts::All,
             true => Parts::MattAndLobes,
@@ -478,18 +479,21 @@ impl<'a> CameraPath<'_, 'a> {
         };
         let share = mirrored(material, -at.direction.dot(at.shading_normal));
         let mirror = at.mirrored(share);
+        // A surface that only mirrors needs neither samples nor lamps.
         if shading.is_black() {
             if !share.is_black() {
                 self.send(segment, at, mirror);
             }
             return;
         }
+        // At first interfaces follow both parts; then one by chance, so that paths do not multiply.
         let splits = segment.depth < SPLIT_DEPTH;
         let branching = Branching::new(splits, share.mean(), || shading.likely());
         let (of_mirror, of_lobes) = branching.choose(|| self.chance());
         if let Some(probability) = of_mirror {
             self.send(segment, at, mirror.over(probability));
         }
+        // A relief that the camera sees itself takes more samples, because all of its light comes from them.
         let is_first = segment.depth == 0 && parts == Parts::All;
         let count = if is_first { RELIEF_SAMPLES } else { 1 };
         let mut light = Rgb::BLACK;

@@ -151,6 +151,7 @@ impl Mesh {
         let Some(back) = self.back.take() else {
             return doubled;
         };
+        // Copy the vertices of the doubled faces, as both sides have values of their own.
         let first = self.faces.len();
         let corners: Vec<usize> = doubled
             .iter()
@@ -160,6 +161,7 @@ impl Mesh {
         let originals = &copies.originals;
         copies.extend(&mut self.positions, |p| p);
         copies.extend(&mut self.colors, |c| c);
+        // Give the copies the light of the backs, and normals that point to their side.
         let light = |&v: &usize| back.irradiance[v].unwrap_or(Rgb::BLACK);
         self.irradiance.extend(originals.iter().map(light));
         if !self.irradiance_error.is_empty() {
@@ -175,6 +177,7 @@ impl Mesh {
         {
             copies.extend_attribute(uvs, &corners, |uv| uv);
         }
+        // Append the reversed faces behind all others, whose numbers stay.
         let mut ring = Vec::new();
         for &face in &doubled {
             let order = reversed(self.faces.corner_range(face));
@@ -287,6 +290,7 @@ impl Mesh {
 
     /// Removes faces, and the vertices that only they used.
     fn remove_faces(&mut self, is_removed: &[bool]) {
+        // A vertex goes if removed faces use it and kept ones do not; those that no face used stay.
         let (mut is_kept, mut is_dropped) = (
             vec![false; self.positions.len()],
             vec![false; self.positions.len()],
@@ -300,6 +304,7 @@ impl Mesh {
             corners.iter().for_each(|&v| uses[v as usize] = true);
         }
         let stays = |v: usize| is_kept[v] || !is_dropped[v];
+        // Write the kept faces with the new numbers of their vertices.
         let old = std::mem::take(&mut self.faces);
         let mut number = 0;
         let new: Vec<u32> = (0..self.positions.len())
@@ -316,6 +321,7 @@ impl Mesh {
                 self.faces.push(&ring);
             }
         }
+        // Remove the values of what has gone, per vertex, corner and face.
         retain(&mut self.positions, stays);
         retain(&mut self.colors, stays);
         retain(&mut self.irradiance, stays);

@@ -176,6 +176,7 @@ fn checked_triangles(
     let mut list = Vec::new();
     let mut charts = 0;
     for (r, (receiver, placed)) in receivers.iter().zip(&layout.receivers).enumerate() {
+        // Leave out triangles without area, coordinates or page.
         let is_visible = receiver.visible_triangles();
         let is_checked = |t: &usize| {
             let page = placed.pages.get(*t).copied().unwrap_or(0);
@@ -185,6 +186,7 @@ fn checked_triangles(
         let is_charted = |t: &usize| placed.charts.get(*t) != Some(&NO_CHART);
         let all = (0..receiver.triangles.len()).filter(is_checked);
         let (kept, bare): (Vec<usize>, Vec<usize>) = all.partition(is_charted);
+        // Form the charts of the receiver, and count the creases inside of them.
         let islands = islands::of(receiver, placed, &kept);
         for crease in islands.creases(receiver, options.crease) {
             let id = TriangleId {
@@ -193,6 +195,7 @@ fn checked_triangles(
             };
             found.creases.add(crease.0, id);
         }
+        // Triangles without a chart come last, and cover nothing on the page.
         let none = IslandTriangle {
             chart: NO_CHART,
             is_border: [false; 3],

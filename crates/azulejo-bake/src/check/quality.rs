@@ -32,6 +32,7 @@ pub(super) fn find(
     layout: &Layout,
     found: &mut AtlasCheck,
 ) {
+    // Sum up the charts first: orientation and stretch are relative to the chart of a triangle.
     let charts = chart_sums(triangles, found.charts);
     let whole: f64 = triangles.iter().map(|t| t.area).sum();
     let share = |area: f64| area / whole.max(f64::MIN_POSITIVE);
@@ -45,6 +46,7 @@ pub(super) fn find(
             found.collapsed_share += own;
             continue;
         }
+        // The side to which most of a chart's surface faces is right, and the rest is mirrored.
         let chart = &charts[triangle.chart as usize];
         if (triangle.texels > 0.0) != (chart.area[0] >= chart.area[1]) {
             found.mirrored.add(own, triangle.id);
@@ -57,12 +59,14 @@ pub(super) fn find(
             0.0
         };
         densities.push(((triangle.texels.abs() / triangle.area).sqrt(), own));
+        // Measure the stretch relative to the density of the chart, which has a measure of its own.
         let receiver = &receivers[triangle.id.receiver as usize];
         let space = receiver.corners(triangle.id.triangle as usize);
         let scale = chart.texels / (chart.area[0] + chart.area[1]);
         let [mean, most] = stretch(triangle.corners, space).map(|s| s * scale.sqrt());
         weight += own;
         squares += own * mean * mean;
+        // Keep the largest stretch of all triangles, but count only those where it is much.
         let count = found.most_stretch.count + usize::from(most > MUCH_STRETCH);
         found.most_stretch.add(most, triangle.id);
         found.most_stretch.count = count;

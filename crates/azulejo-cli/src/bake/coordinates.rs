@@ -48,6 +48,7 @@ pub fn choose(
     if args.texels.uv == Some(UvArg::New) {
         return Ok(new);
     }
+    // Where nothing could be kept, new charts are made in silence, unless the user insists.
     let reason = match () {
         () if !source.is_given => Some("only a glTF file has coordinates to keep"),
         () if charts.pages > 1 => {
@@ -62,6 +63,7 @@ pub fn choose(
             Ok(new)
         };
     }
+    // Read the coordinates of the file; where only some objects have them, that is worth a note.
     let given = match given(args, source)? {
         Ok(given) => given,
         Err(why) if must_keep => return Err(refused(&why.text)),
@@ -72,6 +74,7 @@ pub fn choose(
             return Ok(new);
         }
     };
+    // Keep coordinates that pass the tests of an atlas at the size that their page would have.
     let size = page_size(&given, charts);
     let Some(why) = given.fault(size, charts) else {
         session.note(&format!(
@@ -93,6 +96,7 @@ pub fn choose(
     if must_keep {
         return Err(refused(&why));
     }
+    // Objects with good charts that are only in each other's way need no new charts, only other places.
     if given.are_fit_alone(size, charts) {
         session.note(&format!("{why}: the charts of the objects are repacked"));
         return Ok(ChosenCoordinates {

@@ -197,6 +197,7 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = Output::check(path)?;
     session.claim_stdout(output.is_stdout())?;
     let stripped = source::stripped(input, session.progress())?;
+    // The file comes back in the container in which it was written last, and its name has to fit that.
     let is_glb = stripped.bytes.starts_with(b"glTF");
     let (kind, other) = if is_glb {
         ("glb", "gltf")
@@ -212,6 +213,7 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
             path.display()
         )));
     }
+    // A file that another program or version has written since cannot be restored exactly.
     stripped.notes.iter().for_each(|note| session.note(note));
     if !stripped.is_exact {
         session.note("the file is not what it was before");
@@ -222,6 +224,7 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let shown = output.path().display().to_string();
     report.fact("output", shown.clone(), "wrote", format!("{shown}, {size}"));
     report.value("exact", stripped.is_exact);
+    // Files that only the lightmap used stay on the disk, and are named for the user to remove.
     if !stripped.unused_files.is_empty() {
         let names = stripped.unused_files.join(", ");
         report.fact(

@@ -149,6 +149,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
         return;
     };
     let (mesh, layout) = (placed.mesh, &baked.atlas.layout.receivers[receiver]);
+    // A mesh of the page has one material and one lightmap, so an object falls into parts.
     let mut parts: HashMap<(u32, u32), (PageMesh, HashMap<Key, u32>)> = HashMap::new();
     let mut order = Vec::new();
     let mut number = 0;
@@ -166,6 +167,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
                 };
                 (new, HashMap::new())
             });
+            // Triangles without a chart have no place in the lightmap, and are left out.
             let is_charted = layout.charts[number] != NO_CHART;
             for (k, &corner) in triangle.iter().enumerate().filter(|_| is_charted) {
                 let corner = first + corner as usize;
@@ -175,6 +177,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
                     normal.unwrap_or_else(|| placed.face_area_vector(face).normalize_or(DVec3::Z));
                 let uv = mesh.uvs.as_ref().map(|uvs| uvs.at(corner, vertex));
                 let place = layout.uvs[number][k];
+                // Corners that agree in all attributes share a vertex; floats are compared by their bits.
                 let key = (
                     vertex,
                     normal.to_array().map(f64::to_bits),
@@ -197,6 +200,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
             number += 1;
         }
     }
+    // A part of which no triangle has a chart stays empty, and is dropped.
     let filled = order.into_iter().filter_map(|part| parts.remove(&part));
     let filled = filled
         .map(|(mesh, _)| mesh)

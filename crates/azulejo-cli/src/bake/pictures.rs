@@ -46,9 +46,11 @@ pub fn pictures(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Pictures, Failure> {
+    // Pictures of irradiance and of occlusion do not depend on the colours of surfaces.
     match args.convention() {
         ConventionArg::Plain => return Ok(Pictures::by_pages(baked, Vec::new())),
         ConventionArg::Moz | ConventionArg::Mx => {
+            // 8 bits cover a small range of light, so much brighter surfaces may have a picture of their own.
             let bytes = BytePictures::new(baked, args.separates_bright());
             if bytes.bright_share > 0.0 {
                 session.note(&format!(
@@ -79,6 +81,7 @@ pub fn pictures(
         }
         ConventionArg::Emissive | ConventionArg::Unlit => {}
     }
+    // The other conventions show radiance: irradiance times the colour of the surface at each texel.
     let radiance = session
         .with_progress(|progress| TexelRadiance::new(baked, &source.scene, padding, progress))?;
     let unit = if source.scene.units.photometric {

@@ -81,6 +81,7 @@ fn pages(baked: &Baked, scene: &Scene, report: &mut Report) {
 
 /// Adds how light was gathered, its mean and its errors.
 fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report) {
+    // Only light has a first pass with a report; occlusion is a share, without a unit of irradiance.
     let is_light = baked.report.is_some();
     let nodes = if baked.texels.nodes == baked.texels.samples {
         "gathered at every texel".to_owned()
@@ -96,6 +97,7 @@ fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report
         (false, _) => ("occlusion", "mean", "of the hemisphere is free"),
     };
     report.fact("nodes", baked.texels.nodes, what, nodes);
+    // State the mean, to which errors are relative, and the error beside the requested one.
     let mean = baked.lightmap.mean();
     report.fact(
         "mean",
@@ -113,6 +115,7 @@ fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report
         "estimated error",
         format!("{} of the {}{request}", percent(error), mean_name),
     );
+    // State apart what interpolation between texels misses: more texels reduce that part, more rays do not.
     if is_light {
         let between = baked.between_texels / mean.mean();
         report.fact(

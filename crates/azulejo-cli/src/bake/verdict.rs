@@ -122,12 +122,14 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
             ..TestRow::new(key, name, text, finding.amount, limit, grade)
         }
     };
+    // Charts that share texels show each other's light, which is a defect; others too close are poor.
     let near = match atlas.near.count {
         0 => Grade::Good,
         _ if atlas.near.amount < SHARED => Grade::Defect,
         _ => Grade::Poor,
     };
     let area_share = |share: f64| format!(", {} of the area", percent(share));
+    // These tests count triangles, edges or charts, and name the worst of them.
     let mut rows = vec![
         row(
             "outside",
@@ -186,6 +188,7 @@ pub fn atlas_rows(atlas: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
             Grade::poor_if(atlas.thin.count > 0),
         ),
     ];
+    // Measures of quality are of the whole atlas, and most of them name no triangle.
     rows.extend(quality_rows(atlas));
     rows
 }
@@ -261,6 +264,7 @@ pub fn place(row: &TestRow, receivers: &[Receiver]) -> String {
 
 /// Adds the tests as a table, and as JSON.
 pub fn table(rows: &[TestRow], receivers: &[Receiver], report: &mut Report) {
+    // Lay out the tests as text, with the heads as the first line.
     let heads = ["test", "found", "limit", "verdict", "worst"].map(str::to_owned);
     let cells = |row: &TestRow| {
         [
@@ -274,6 +278,7 @@ pub fn table(rows: &[TestRow], receivers: &[Receiver], report: &mut Report) {
     let lines: Vec<[String; 5]> = std::iter::once(heads)
         .chain(rows.iter().map(cells))
         .collect();
+    // Columns are as wide as their widest cell; the last one ends the line and needs no width.
     let width = |k: usize| {
         lines
             .iter()
@@ -287,6 +292,7 @@ pub fn table(rows: &[TestRow], receivers: &[Receiver], report: &mut Report) {
         let line = format!("{name:<a$}  {result:<b$}  {limit:<c$}  {verdict:<d$}  {worst}");
         report.plain(line.trim_end());
     }
+    // The JSON has numbers in place of words, and the worst triangle by its object.
     let tests: Vec<Value> = rows
         .iter()
         .map(|row| {

@@ -89,8 +89,10 @@ impl BakeOutputs {
         session: &mut Session,
         report: &mut Report,
     ) -> Result<(), Failure> {
+        // All files stay drafts until the last is complete, so that a failure replaces none of them.
         let mut drafts = DraftList::default();
         let pages = &baked.lightmap.pages;
+        // Lightmap and error map have floats of 16 bits where these can hold them, unless 32 are requested.
         for (path, values) in [
             (
                 &self.lightmap,
@@ -125,6 +127,7 @@ impl BakeOutputs {
                          --baked-lights keep leaves lamps as they are, as does --light indirect",
                     );
                 }
+                // A file in another folder takes along the files that it names, which it would not reach from there.
                 for (name, file) in copied(output.path(), source, &patched)? {
                     drafts.add(&output.path().with_file_name(name), &file)?;
                 }

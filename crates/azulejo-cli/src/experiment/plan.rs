@@ -296,6 +296,7 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
     };
     let (facets, mirrors) = (table.facets.options(), table.mirrors.options());
     let detail = table.detail.unwrap_or(1.0);
+    // A parameter that a file or a generator does not have is an error, rather than ignored.
     let only = |facets: bool, mirrors: bool, detail: bool| -> Result<(), Failure> {
         let extra = [
             (!facets && table.facets != OneOrMany::default(), "facets"),
@@ -311,10 +312,12 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
         );
         Err(source.wrong(table.name.span().start, message))
     };
+    // The test is stated so that it also refuses a detail that is not a number.
     if !(detail > 0.0 && detail <= 16.0) {
         let message = format_args!("detail is {detail}, expected more than 0 and at most 16");
         return Err(source.wrong(table.name.span().start, message));
     }
+    // A list of facets or mirrors makes one scene for each of its values.
     let origins = match (&table.file, &table.generator) {
         (Some(file), None) => {
             only(false, false, false)?;

@@ -23,6 +23,7 @@ pub fn run(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Vec<TaskRecord>, Failure> {
+    // An optional engine that is missing skips its task; that of a reference has to be there.
     let missing = match task {
         Task::Run(_, setting, _) | Task::Truths(setting) => setting.missing(),
         Task::Reference(..) => None,
@@ -31,6 +32,7 @@ pub fn run(
         task: task.to_string(),
         reason,
     };
+    // Particles have light without a matrix, and are compared with the reference by radiosities alone.
     let outcomes = match task {
         _ if missing.is_some() => missing.into_iter().map(skipped).collect(),
         Task::Reference(scene, setting, rows) => {
@@ -51,6 +53,7 @@ pub fn run(
         }
         Task::Run(scene, setting, seed) => {
             let matrix = ComputedMatrix::new(scene, setting, *seed, progress)?;
+            // Take the rows of the reference; without one, reciprocity is still measured on some.
             let (reference, rows) = match reference {
                 Some(task @ Task::Reference(_, _, rows)) => {
                     let read = ReferenceData::read(folder, &file_name(task), *rows)?;
@@ -134,11 +137,13 @@ impl ComputedMatrix {
         reference: Option<&ReferenceData>,
         rows: usize,
     ) -> (RunRecord, ReferenceData) {
+        // Divide the scene as the matrix does, and solve for radiosities by its factors.
         let (factors, scene) = (&self.factors, faceted(&self.scene, self.size));
         let surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, self.size));
         let clock = Clock::start();
         let light = metrics::radiosity(factors, &surfaces);
         let solve_seconds = clock.wall();
+        // A sample of rows, evenly spread, stands for the matrix in comparisons.
         let indices = spread(factors.len(), rows);
         let row = |&i: &usize| factors.row(i).map(|(j, x, _)| (j, x)).collect();
         let own = ReferenceData {
@@ -146,6 +151,7 @@ impl ComputedMatrix {
             radiosity: light.leaving.clone(),
             indices,
         };
+        // Compare rows and radiosities with those of the reference, where there is one.
         let row_errors = reference.map(|r| {
             let pairs = own.rows.iter().zip(&r.rows);
             metrics::mean_and_largest(
@@ -158,6 +164,7 @@ impl ComputedMatrix {
             .map(|r| metrics::radiosity_errors(&own.radiosity, &r.radiosity))
             .filter(|errors| !errors.is_empty())
             .map(|errors| metrics::mean_and_largest(&errors));
+        // Measure what the matrix shows by itself: its closure, and the errors that its engine states.
         let closure = metrics::closure_errors(factors);
         let squares: Vec<f64> = closure.iter().map(|e| e * e).collect();
         let sums = factors.row_sums();
@@ -211,6 +218,7 @@ fn particles(
     progress: &Progress,
 ) -> Result<RunRecord, Failure> {
     let mut scene = scene(&choice.origin)?;
+    // Matrices know only surfaces that emit, so other lights are left out for a comparison.
     scene.lights.clear();
     let prepared = setting.args.prepare()?;
     let pass = FirstPass {
@@ -220,14 +228,17 @@ fn particles(
         seed,
         ..FirstPass::default()
     };
+    // The time includes building the tracer, as that of matrices does.
     let clock = Clock::start();
     let tracer = prepared.tracer(&scene)?;
     let solution = radiosity(&scene, &tracer, &pass, progress).map_err(Failure::failed)?;
     let (wall, cpu, peak_bytes) = (clock.wall(), clock.cpu(), peak_memory());
+    // The rows of a reference are the fronts of patches, which are the even ones among the sides.
     let fronts: Vec<Rgb> = solution.sides.iter().step_by(2).map(|e| e.value).collect();
     let errors = reference.map(|r| metrics::radiosity_errors(&fronts, &r.radiosity));
     let errors = errors.filter(|errors| !errors.is_empty());
     let errors = errors.map(|errors| metrics::mean_and_largest(&errors));
+    // Without a matrix there are no rows to measure: radiosities and the energy balance remain.
     let (report, facets) = (&solution.report, solution.patches.len());
     let balance = &report.balance;
     Ok(RunRecord {

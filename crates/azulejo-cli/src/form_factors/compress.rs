@@ -22,6 +22,7 @@ pub fn run(
 ) -> Result<Report, Failure> {
     refuse_contradiction(args)?;
     let output = Output::check(&args.output)?;
+    // Blocks are for the many patches of a model; the few rows of a View3D file gain nothing from them.
     let (room, scene) = super::read_scene(args, session)?;
     if let Some(room) = room {
         return Err(Failure::misuse(format_args!(
@@ -35,6 +36,7 @@ pub fn run(
         groups: None,
         room: None,
     };
+    // Compute the blocks: by rays without ever having the whole matrix, otherwise from it.
     let setup = FactorSetup::new(&scene, how, session)?;
     let plan = setup.plan(&scene, how, session)?;
     let prepared = plan.prepare();
@@ -47,12 +49,14 @@ pub fn run(
         CompressionError::Factors(e) => pass::failure(e),
         other => Failure::failed(other),
     })?;
+    // Rows are traced again only where the blocks are by rays, for which closure plays no part.
     if stated_factors.stated.rows > 0 && args.computation.closure.is_some() {
         session.note(
             "--closure has no effect: by rays, rows and columns are scaled until rows have the sums that their \
              own rays found",
         );
     }
+    // Add the light from outside, and warn of objects that are probably turned inside out.
     let mut blocks = BlockArchive::of(&prepared, &scene, stated_factors, tolerance);
     let factors = &blocks.enclosure.factors;
     blocks.enclosure.outside = outside::irradiance(&prepared, &scene, factors, session)?;

@@ -26,6 +26,7 @@ pub struct Destination {
 impl Destination {
     /// Finds the format, and checks that it can be written there.
     pub fn new(args: &FormFactorArgs) -> Result<Destination, Failure> {
+        // The option or the name of the file gives the format; standard output has no name, and gets CSV.
         let is_stdout = args.output == Path::new("-");
         let format = match args.file_format() {
             Some(format) => format,
@@ -40,6 +41,7 @@ impl Destination {
             calculix: args.programs.calculix.clone(),
             ..FileOptions::default()
         };
+        // OpenFOAM and uDALES have more files, whose names the format gives within a folder.
         let mut folder = PathBuf::new();
         let file = match format {
             FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary => {
@@ -55,6 +57,7 @@ impl Destination {
             }
             _ => args.output.clone(),
         };
+        // A .vf file without --format has the layout that its View3D input specifies.
         let is_vf = |path: &Path| {
             path.extension()
                 .is_some_and(|e| e.eq_ignore_ascii_case("vf"))

@@ -38,6 +38,7 @@ pub fn run(
     runner: Runner,
     session: &mut Session,
 ) -> Result<Report, Failure> {
+    // Compression is the work of one process, since its blocks depend on all rows.
     if let Some(tolerance) = args.matrix.compress {
         let merge = runner.is_merged().then_some("merge");
         if let Some(by) = runner.shared_by().or(merge) {
@@ -50,12 +51,14 @@ pub fn run(
     if let Some(by) = runner.shared_by() {
         refuse_computed(args, by)?;
     }
+    // Check the output before the work begins; a process that does not make the result has none.
     let destination = runner
         .writes()
         .then(|| Destination::new(args))
         .transpose()?;
     session.claim_stdout(destination.as_ref().is_some_and(|to| to.output.is_stdout()))?;
     let mut report = Report::default();
+    // Factors that were computed before are only reworked: closed, grouped or truncated.
     if let Some(enclosure) = stored::read(args, session)? {
         let enclosure = stored::rework(enclosure, args, session)?;
         if let Some(to) = destination {
@@ -63,6 +66,7 @@ pub fn run(
         }
         return Ok(report);
     }
+    // A View3D file keeps its own rows; other models are divided into patches.
     let (room, scene) = read_scene(args, session)?;
     runner.share_files(session)?;
     let scene = room.as_ref().map_or(&scene, View3dInput::scene);
@@ -78,6 +82,7 @@ pub fn run(
     };
     let beside = destination.as_ref().and_then(|to| to.output.file());
     let beside = beside.filter(|_| !args.no_journal);
+    // The zones of a building are enclosures of their own, which do not see each other.
     let computed = match zones::scenes(scene, args)?.as_slice() {
         [] => enclosure(scene, request, (runner, beside), session, &mut report)?,
         [zone] => enclosure(zone, request, (runner, beside), session, &mut report)?,

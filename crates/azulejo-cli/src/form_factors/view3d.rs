@@ -38,6 +38,7 @@ const RAYS: f64 = 16_384.0;
 /// Reads the input if it is a single View3D file, neither placed nor divided; otherwise `None`, and
 /// its faces are treated as those of other models.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3dInput>, Failure> {
+    // Several files, and a file that is placed or divided, lose the rows of View3D and are models like others.
     let reading = &args.input.reading;
     let is_placed =
         reading.placements().next().is_some() || reading.up.is_some() || reading.unit.is_some();
@@ -47,6 +48,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
     if is_placed || pass::patch_size(&args.computation.division).is_some() || !is_view3d(path) {
         return Ok(None);
     }
+    // Refuse options for what the file itself specifies: sides, emissivities and combined rows.
     if args.computation.two_sided {
         return Err(Failure::misuse(
             "--two-sided: View3D's surfaces are one-sided",
@@ -64,6 +66,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         let message = "--cluster: a View3D file specifies itself which surfaces are one row (cmb)";
         return Err(Failure::misuse(message));
     }
+    // Collect the warnings of the file and of its polygons, which --strict counts together.
     session.progress().begin("reading", 0);
     let bytes = models::read_bytes(path)?;
     let name = path.to_string_lossy();
@@ -83,6 +86,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         controls: document.controls,
         model,
     };
+    // Rows that control lines refer to have to exist; parameters without effect here are only noted.
     room.check()?;
     room.report_unused(session);
     Ok(Some(room))

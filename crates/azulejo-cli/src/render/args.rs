@@ -62,7 +62,8 @@ pub struct ImageArgs {
     #[arg(long, conflicts_with = "gather")]
     pub reference: bool,
     /// Image of the standard error of every pixel of a --reference: .exr or .hdr
-    #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "IMAGE", requires = "reference", conflicts_with_all = ["cameras", "turntable"],
+          value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
     /// Clamp fireflies: maximum radiance that the indirect paths of one sample may add, in the unit
     /// of the scene [default: off]

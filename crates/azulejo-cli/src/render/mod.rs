@@ -29,6 +29,7 @@ enum ImageFormat {
 
 /// Runs `render`.
 pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> {
+    // Refuse formats and outputs that do not fit before anything is read.
     let format = format_of(&args.output)?;
     check_layers(args, format)?;
     rtrace::check(args)?;
@@ -38,12 +39,14 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_image();
     let instant = args.first_pass.instant();
+    // A reference computes the light of lamps anew, so it takes the place of lightmaps.
     let mut scene = if args.picture.reference {
         input::read_relit(&args.input, instant, session)?
     } else {
         input::read_lit(&args.input, instant, session)?
     };
     let mut report = Report::default();
+    // The look of RTRACE has lights and a view of its own, and needs no first pass.
     if args.look.look == RenderStyle::Rtrace {
         let image = rtrace::draw(&scene, args, session)?;
         let target = (&output, args.output.as_path());
@@ -51,6 +54,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
         return Ok(report);
     }
     let (views, size) = views::choose(args, &scene)?;
+    // Path tracing takes the place of both passes in each view.
     if args.picture.reference {
         let tracer = args.first_pass.engine.prepare()?.tracer(&scene)?;
         for view in &views {
@@ -67,6 +71,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
         }
         return Ok(report);
     }
+    // The first pass is common to all views; only the second is repeated for each.
     let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
     for view in &views {

@@ -31,6 +31,15 @@ pub fn check(args: &RenderArgs) -> Result<(), Failure> {
         ("layers", args.picture.layers.is_some()),
         ("denoise", args.picture.denoise),
     ];
+    let views = [
+        ("cameras", args.cameras.is_some()),
+        ("turntable", args.turntable.is_some()),
+    ];
+    if let Some((name, _)) = views.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::misuse(format_args!(
+            "--{name} does not apply to --look rtrace, which has the one view of its scene"
+        )));
+    }
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => Err(Failure::misuse(format_args!(
             "--{name} does not apply to --look rtrace, which shows RTRACE's values unchanged"

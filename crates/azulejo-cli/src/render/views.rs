@@ -22,6 +22,7 @@ pub struct PictureView {
 pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u32, u32)), Failure> {
     let up = args.input.reading.up;
     let (requested_size, first) = (args.picture.size, camera::first_look);
+    // Cameras by name are of the scene or in files; standard output has room for one picture only.
     let named: Vec<Camera> = match args.cameras.as_deref() {
         None => Vec::new(),
         Some(_) if args.output == Path::new("-") => {
@@ -38,6 +39,7 @@ pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u3
             .map(|name| camera::by_name_or_file(name.trim(), scene))
             .collect::<Result<_, _>>()?,
     };
+    // All pictures have one size: the requested one, or that of the first camera.
     if !named.is_empty() {
         let size = requested_size.or(named[0].size).unwrap_or(camera::SIZE);
         camera::check_size(size)?;
@@ -47,6 +49,7 @@ pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u3
         });
         return Ok((distinct(views.collect::<Result<_, _>>()?)?, size));
     }
+    // Without names there is one camera, of the only picture or of the first of a turntable.
     let (camera, size) = camera::choose(&args.view, requested_size, scene, up, first)?;
     let Some(count) = args.turntable else {
         return Ok((vec![view(camera, args.output.clone())?], size));
@@ -56,6 +59,7 @@ pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<(Vec<PictureView>, (u3
             "--turntable: standard output takes one picture",
         ));
     }
+    // Numbers have leading zeros, so that files sort in the order of the turn.
     let digits = count.to_string().len().max(3);
     let turned = camera::turntable(&camera, count, scene.units.up.axis());
     let views = turned.into_iter().enumerate().map(|(k, camera)| {

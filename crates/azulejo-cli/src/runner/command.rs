@@ -141,6 +141,7 @@ impl FoundFiles {
     ) -> Result<FoundFiles, Failure> {
         let mut places: HashMap<PathBuf, PathBuf> = HashMap::new();
         let (mut missing, mut changed) = (Vec::new(), Vec::new());
+        // Locate the files that the command names: one of the same content wins over one that has changed.
         for file in files.iter().filter(|file| file.beside.is_none()) {
             let path = PathBuf::from(&file.path);
             let candidates = candidates(&path, ran_in, folder);
@@ -157,6 +158,7 @@ impl FoundFiles {
                 (None, None) => missing.push(file.path.clone()),
             }
         }
+        // The files that were read for one of these have to lie beside it, where it is now.
         for file in files {
             let (Some(name), Some(place)) = (&file.beside, places.get(Path::new(&file.path)))
             else {
@@ -169,6 +171,7 @@ impl FoundFiles {
                 Err(_) => missing.push(path.display().to_string()),
             }
         }
+        // Name all of a kind in one failure, so that the user can bring them together at once.
         if !changed.is_empty() {
             return Err(Failure::failed(format_args!(
                 "{} changed since the parts were computed: bring back the content of that time, or compute all \

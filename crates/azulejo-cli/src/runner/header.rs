@@ -107,12 +107,14 @@ impl PartHeader {
         file.rewind().map_err(failed)?;
         let mut head = [0; HEAD];
         let read = read_up_to(file, &mut head).map_err(failed)?;
+        // The mark tells parts of any version from other files, even where the file ends within it.
         if !head.starts_with(&MARK[..MARK.len().min(read)]) {
             return refused(
                 "is not a part: it does not begin as what a command with --shard writes; give the parts alone, \
                  and each shard a file of its own",
             );
         }
+        // A file that ends within its header may be an interrupted start, which is for the caller to judge.
         if read < MAGIC.len() {
             return Ok(FileStart::Beginning);
         }
@@ -125,6 +127,7 @@ impl PartHeader {
         if read < HEAD {
             return Ok(FileStart::Beginning);
         }
+        // Length and checksum tell damage from a header of another version, which only fails to parse.
         let [length, checksum] = [16, 20].map(|at| {
             let bytes = head[at..].first_chunk().copied().unwrap_or_default();
             u32::from_le_bytes(bytes)

@@ -154,6 +154,7 @@ impl MergedParts {
     pub fn read(paths: &[PathBuf], notes: &mut Vec<String>) -> Result<MergedParts, Failure> {
         let mut by_number: BTreeMap<u32, CompletePart> = BTreeMap::new();
         let mut first: Option<(PathBuf, PartHeader)> = None;
+        // The first part stands for the work: all others have to agree with it.
         for path in paths {
             let mut part = CompletePart::open(path)?;
             let (first_path, header) =
@@ -165,6 +166,7 @@ impl MergedParts {
                     first_path.display()
                 )));
             }
+            // A shard may be given twice if both copies have the same content.
             match by_number.get_mut(&part.header.shard.number) {
                 None => {
                     by_number.insert(part.header.shard.number, part);
@@ -175,6 +177,7 @@ impl MergedParts {
         let Some((path, header)) = first else {
             return Err(Failure::misuse("no parts are given"));
         };
+        // The recorded command is run again on the parts, which another version may do differently.
         if header.version != env!("CARGO_PKG_VERSION") {
             return Err(Failure::failed(format_args!(
                 "{} is of version {} of azulejo, and this is {}: merge with the version that computed the parts",
@@ -184,6 +187,7 @@ impl MergedParts {
             )));
         }
         refuse_gaps(&header, &by_number)?;
+        // Keep the parts in the order of their shards, by which blocks are assigned to them.
         let paths = by_number.values().map(|part| part.path.clone()).collect();
         let parts = by_number.into_values().map(|part| Mutex::new(part.records));
         Ok(MergedParts {

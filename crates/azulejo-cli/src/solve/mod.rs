@@ -63,11 +63,13 @@ impl SolvedOutput {
 
 /// Solves the light, or a part of it, and writes the scene with it.
 pub fn run(args: &SolveArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
+    // Light that goes into the user's own text needs faces and vertices that stay as they are.
     let first_pass = if args.in_place {
         InPlace::options(&args.first_pass)
     } else {
         args.first_pass.clone()
     };
+    // Refuse what cannot be divided or written before the work begins.
     runner::refuse_indivisible(&first_pass, &runner)?;
     let output = runner
         .writes()
@@ -77,12 +79,14 @@ pub fn run(args: &SolveArgs, runner: Runner, session: &mut Session) -> Result<Re
     let prepared = first_pass.engine.prepare()?;
     let scene = input::read_relit(&args.input, first_pass.instant(), session)?;
     runner.share_files(session)?;
+    // A glTF file that keeps its mesh is read again before the work, so that what prevents it is told early.
     let kept = match &output {
         Some(_) => KeptGltf::of(args, &scene, session)?,
         None => None,
     };
     let tracer = prepared.tracer(&scene)?;
     let options = pass::options(&first_pass, &prepared, session);
+    // Solve in blocks, whose results all processes exchange, since each of them goes on with all.
     let plan = DividedWork {
         key: &|| pass::work_key(&scene, &tracer, &options, &[]),
         sharing: Sharing::All,
@@ -95,6 +99,7 @@ pub fn run(args: &SolveArgs, runner: Runner, session: &mut Session) -> Result<Re
         });
         pass::unless_elsewhere(light)
     })?;
+    // Only the process that makes the result describes and writes it.
     let (Some(light), Some(output)) = (light, &output) else {
         return Ok(report);
     };

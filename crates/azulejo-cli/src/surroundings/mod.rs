@@ -251,6 +251,7 @@ impl Daylight {
         site: Option<Site>,
         instant: Option<Timestamp>,
     ) -> Result<AskedSun, Failure> {
+        // A direction needs neither place nor instant; an instant of --sun precedes that of --time.
         let (instant, given) = match &args.sun {
             Some(SunArg::Toward(place, irradiance)) => {
                 let turn = upright(scene.units.up, self.north).conjugate();
@@ -264,6 +265,7 @@ impl Daylight {
             Some(SunArg::Irradiance(irradiance)) => (instant, Some(*irradiance)),
             Some(SunArg::Off) | None => (instant, None),
         };
+        // Place and instant belong together; both may be absent only where the sun is not needed.
         let (site, instant) = match (site, instant) {
             (Some(site), Some(instant)) => (site, instant),
             (None, None) if matches!(args.sun, Some(SunArg::Off) | None) => {
@@ -281,6 +283,7 @@ impl Daylight {
                 ));
             }
         };
+        // State the position, by which a mistake in place or time zone shows.
         let at: SunPosition = site.sun(instant).map_err(Failure::misuse)?;
         self.notes.push(format!(
             "the sun stands at azimuth {:.1}°, elevation {:.1}°",

@@ -176,6 +176,7 @@ pub fn run(
 
 fn summary(args: &ValidateArgs, results: &ValidationResults, session: &mut Session) -> Report {
     let mut report = Report::default();
+    // Parts without checks, as those that --only leaves out, have no line.
     for part in ValidationPart::ALL {
         let number = |outcome| results.number(part, outcome);
         let (passed, outlying, failed) = (
@@ -195,6 +196,7 @@ fn summary(args: &ValidateArgs, results: &ValidationResults, session: &mut Sessi
         }
         report.line(&part.to_string(), words);
     }
+    // Name the first failed checks, so that the page need not be opened for them.
     let failed = results
         .records
         .iter()
@@ -211,6 +213,7 @@ fn summary(args: &ValidateArgs, results: &ValidationResults, session: &mut Sessi
             record.bound,
         ));
     }
+    // Totals are for the JSON, since the lines have the numbers of each part.
     report.value("checks", results.records.len());
     report.value("passed", results.total(CheckOutcome::Passed));
     report.value("outlying", results.total(CheckOutcome::Outlying));

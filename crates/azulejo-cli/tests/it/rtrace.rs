@@ -66,6 +66,11 @@ fn looks_and_their_options_go_together() {
     );
     let line = "render ball.sff --look rtrace --exposure 1 -o a.png";
     folder.fails(line, 2, "--exposure does not apply");
+    let line = "render ball.sff --look rtrace --turntable 3 -o a.png";
+    folder.fails(line, 2, "--turntable does not apply");
+    // Each view would replace the errors of the one before.
+    let line = "render room.obj --reference --error-image e.exr --turntable 3 -o a.png";
+    folder.fails(line, 2, "cannot be used with");
     folder.fails(
         "render ball.sff --look rtrace --look-levels 4 -o a.png",
         2,

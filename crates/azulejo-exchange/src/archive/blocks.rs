@@ -112,6 +112,7 @@ pub fn write_blocks(content: &BlockArchive, out: &mut dyn Write) -> io::Result<(
     archive.add("format", |w| npy::write_bytes(BLOCKS.as_bytes(), w))?;
     archive.add("shape", |w| npy::write(&[2], &[factors.len() as i64; 2], w))?;
     archive.add("order", |w| list(&factors.order, |&row| row, w))?;
+    // Write the place and the kind of each block: rows and columns are positions in the order of clusters.
     let parts = &factors.parts;
     let blocks: Vec<&Block> = parts.iter().flat_map(|part| &part.blocks).collect();
     archive.add("block_rows", |w| ranges(&blocks, |b| &b.rows, w))?;
@@ -131,6 +132,7 @@ pub fn write_blocks(content: &BlockArchive, out: &mut dyn Write) -> io::Result<(
         };
         list(&blocks, rank, w)
     })?;
+    // State where the numbers of each block begin among those of all.
     let starts = |count: fn(&Block) -> usize| {
         let mut starts = vec![0i64];
         for block in &blocks {
@@ -144,6 +146,7 @@ pub fn write_blocks(content: &BlockArchive, out: &mut dyn Write) -> io::Result<(
     archive.add("block_layout", |w| {
         list(&starts(|b| b.layout.len()), |&x| x, w)
     })?;
+    // Stream the numbers part by part, without a copy of the matrix.
     archive.add("values", |w| {
         let count = parts.iter().map(|part| part.values.len()).sum();
         npy::write_header(<f32 as npy::Element>::DESCR, &[count], w)?;
@@ -164,6 +167,7 @@ pub fn write_blocks(content: &BlockArchive, out: &mut dyn Write) -> io::Result<(
         });
         list(&firsts.collect::<Vec<i64>>(), |&x| x, w)
     })?;
+    // Add the errors: those of single rows, and what is stated of the whole matrix.
     archive.add("sum_error", |w| list(&factors.sum_errors, |&x| x, w))?;
     archive.add("entry_noise", |w| list(&factors.entry_noise, |&x| x, w))?;
     let StatedErrors {
@@ -300,10 +304,12 @@ impl Arrays<'_> {
                  {count} blocks"
             )));
         }
+        // Divide the numbers of all blocks at the places where each block's begin.
         let values = self.required("values")?;
         let layout = self.required("layout")?;
         let value_starts = self.starts("block_values", count, values.len())?;
         let layout_starts = self.starts("block_layout", count, layout.len())?;
+        // Parts are runs of blocks; the end of the last one is not stored.
         let mut firsts = self.counts("part_blocks")?;
         if !firsts.is_sorted()
             || firsts.first().is_some_and(|&f| f != 0)
@@ -313,6 +319,7 @@ impl Arrays<'_> {
             return Err(ArchiveError(message.to_owned()));
         }
         firsts.push(count);
+        // Copy the numbers to the parts: a block counts its own from the beginning of its part.
         let (mut parts, mut pairs) = (Vec::new(), 0u64);
         for part in firsts.windows(2) {
             let mut read = BlockPart::default();
@@ -346,6 +353,7 @@ impl Arrays<'_> {
             }
             parts.push(read);
         }
+        // All blocks lie in the upper half of the matrix: if they have more pairs than it, some overlap.
         let most = self.rows as u64 * (self.rows as u64 + 1) / 2;
         if pairs > most {
             return Err(ArchiveError(format!(

@@ -278,6 +278,7 @@ impl<'a> Arrays<'a> {
         orders: Vec<ExchangeAreas>,
     ) -> Result<FormFactors, ArchiveError> {
         let n = self.rows;
+        // Read the shares of each row's light that reach no column, zeros where there are none.
         let shares = [
             "sky",
             "sky_error",
@@ -302,6 +303,7 @@ impl<'a> Arrays<'a> {
             cut: columns[6][i],
             lost: columns[7][i],
         };
+        // What a column does not mirror ends there, so that mirror reflectances have to be shares.
         let mirrors = self.numbers("rho_s")?;
         if let Some(i) = mirrors.iter().position(|m| !(0.0..=1.0).contains(m)) {
             let message = format!("rho_s[{i}] is {}, expected 0 to 1", mirrors[i]);
@@ -314,6 +316,7 @@ impl<'a> Arrays<'a> {
             object: object[i],
             face: face[i],
         });
+        // Arrays that the archive lacks stand for zeros, or for nothing known.
         Ok(FormFactors {
             exchange,
             orders,

@@ -20,6 +20,7 @@ const ORDERS: &str =
 pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
     let factors = &enclosure.factors;
     let orders = 0..factors.orders.len();
+    // Groups have names, rows of patches numbers and faces.
     let columns = if enclosure.rows.are_groups {
         "from,to,f,std_error,area_from"
     } else {
@@ -27,6 +28,7 @@ pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
     };
     out.write_all(columns.as_bytes())?;
     writeln!(out, "{}", if orders.is_empty() { "" } else { ORDERS })?;
+    // Prepare some rows at a time, to limit the memory.
     for block in factors.blocks() {
         let parts: Vec<_> = orders
             .clone()
@@ -42,6 +44,7 @@ pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
                 }
                 writeln!(out)?;
             }
+            // Write what reaches no column on lines of its own, with empty columns of orders.
             let rest = &factors.rest[i];
             let away = [
                 ("sky", rest.sky, rest.sky_error),

@@ -157,6 +157,7 @@ impl MirrorImages {
         let image_of = |g: &GrowingChain| {
             MirrorImage::new(g.chain.clone(), scene_occluders, &occluders, g.reflectance)
         };
+        // The direct view and single mirrors come first, and are kept whatever longer chains cost.
         let graze = scene_occluders.planes.graze;
         let mut ends = vec![GrowingChain {
             chain: Chain::with_graze(graze),
@@ -173,6 +174,7 @@ impl MirrorImages {
                 truncated: 0.0,
             };
         }
+        // Bound what a chain carries by its reflectance and the window that lets the least light pass.
         let lean = |chain: &Chain, others: &[&Chain]| chain.without_passed(corners, graze, others);
         let bound = |mut g: GrowingChain| {
             g.chain = lean(&g.chain, &[&Chain::default()]);
@@ -183,6 +185,7 @@ impl MirrorImages {
         let mut truncated = 0.0;
         while !ends.is_empty() {
             let mut next = longer(&ends, mirrors, &occluders);
+            // In the corner of a room chains differ only in the order of their mirrors; one may stand for all.
             if next.len() <= limits.chains {
                 next = joined(next, lean);
             }
@@ -190,6 +193,7 @@ impl MirrorImages {
             let (next, weak): (Vec<_>, Vec<_>) =
                 next.into_iter().partition(|(_, most)| *most > limits.least);
             truncated += weak.iter().map(|(_, most)| most).sum::<f64>();
+            // Beyond the limits, chains of this length are not followed, and what they may carry is lost.
             let obstructions: usize = list.iter().map(|image| image.obstructions.len()).sum();
             if list.len() + next.len() > singles + limits.chains || obstructions > MOST_OBSTRUCTIONS
             {
@@ -199,6 +203,7 @@ impl MirrorImages {
             ends = next.into_iter().map(|(g, _)| g).collect();
             list.extend(ends.iter().map(image_of));
         }
+        // If too much is lost, chains of several mirrors are dropped altogether.
         let is_complete = truncated <= limits.most_truncated;
         if !is_complete {
             list.truncate(singles);

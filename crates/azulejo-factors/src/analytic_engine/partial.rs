@@ -484,6 +484,7 @@ impl PartialVisibility {
         horizon: Option<DVec3>,
     ) -> f64 {
         self.work.count(WorkKind::View, 1);
+        // Put the target relative to the eye, the apex of all cones.
         let to = pair[1];
         let mut target = ClippedPolygon::default();
         target.set(to.polygon().iter().map(|&p| p - eye));
@@ -495,6 +496,7 @@ impl PartialVisibility {
                 None => return 0.0,
             }
         }
+        // Through windows, or on one side of a horizon, count what is seen.
         let has_window = obstructions.first().is_some_and(|s| s.is_window);
         if has_window || horizon.is_some() {
             for obstruction in obstructions.iter().take_while(|s| s.is_window) {
@@ -508,6 +510,7 @@ impl PartialVisibility {
             }
             sum = measure(&target);
         }
+        // Subtract what blockers hide: each is tested against what those before leave, so that nothing counts twice.
         let mut blockers = obstructions.iter().skip_while(|s| s.is_window).peekable();
         self.pieces.clear();
         self.pieces.push(target);
@@ -518,6 +521,7 @@ impl PartialVisibility {
             self.work.count(WorkKind::Cut, self.pieces.len());
             self.next.clear();
             for piece in &self.pieces {
+                // What the last blocker leaves is not needed.
                 let outside = blockers.peek().map(|_| &mut self.next);
                 if let Some(part) = inside(piece, &self.planes, &mut self.rest, outside) {
                     sum -= measure(part);

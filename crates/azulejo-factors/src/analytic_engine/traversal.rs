@@ -274,6 +274,7 @@ impl<'a> PairTraversal<'a> {
         let (row_range, second_row) = (row.range.clone(), row.second);
         self.work.count(WorkKind::Visit, 1);
         let node = &self.columns.tree.nodes[c];
+        // Leave clusters without any pair to compute: not requested, given up, empty, or below the diagonal.
         let goes_on = |row: usize| !self.is_given_up(row);
         if !row.is_requested
             || !row_range.clone().any(goes_on)
@@ -283,6 +284,7 @@ impl<'a> PairTraversal<'a> {
         {
             return;
         }
+        // Where no horizon cuts the clusters, only columns that are not rows need the parts above it.
         let is_split = match self.requested.split {
             None => false,
             Some(split) => {
@@ -301,6 +303,7 @@ impl<'a> PairTraversal<'a> {
             (Facing::Towards, Facing::Towards) => Facing::Towards,
             _ => Facing::Mixed,
         };
+        // Keep the obstructions that may block part of the shaft between the clusters; stop if nothing passes it.
         let top = self.obstructions.len();
         if !obstructions.is_empty() {
             self.work.count(WorkKind::Shaft, obstructions.len());
@@ -313,6 +316,7 @@ impl<'a> PairTraversal<'a> {
         }
         let kept = top..self.obstructions.len();
         let (is_row_leaf, is_leaf) = (second_row == 0, node.is_leaf());
+        // Nothing is between clusters that face each other: Gauss's rule takes all pairs together if it suffices.
         let is_done = !is_split
             && kept.is_empty()
             && facing == Facing::Towards
@@ -327,6 +331,7 @@ impl<'a> PairTraversal<'a> {
                 }
             }
         } else {
+            // Halve the larger cluster, or whichever is not a leaf, so that shafts get narrower.
             let size = |b: &Aabb| b.size().length_squared();
             let halves_row = !is_row_leaf
                 && (is_leaf || size(&self.nodes[r].cluster.bounds) > size(&column.bounds));
@@ -385,6 +390,7 @@ impl<'a> PairTraversal<'a> {
         if !(row.is_plain && column.is_plain) {
             return false;
         }
+        // Take four points on each facet if sizes over distance are small enough, or nine, but these only in leaves.
         let ratio = (row.most_radius + column.most_radius) / gap(&row.bounds, &column.bounds);
         let is_leaf = self.columns.tree.nodes[c].is_leaf();
         let error = if FOUR * ratio.powi(4) < self.accuracy.whole {
@@ -402,6 +408,7 @@ impl<'a> PairTraversal<'a> {
         let values = rows.len() * columns.len() * if is_four { 16 } else { 81 };
         self.work.count(WorkKind::Kernel, values);
         self.sums.resize(columns.len(), 0.0);
+        // Compute a row with all columns of the cluster at once; those that do not count are left out after that.
         for row in rows.clone() {
             let own = &self.rows.list[row];
             let Some(place) = self.requested.places[row].filter(|_| !own.is_empty()) else {
@@ -424,6 +431,7 @@ impl<'a> PairTraversal<'a> {
                 if (!self.requested.upper || facet.id >= own.id) && is_lit {
                     let value = image.weight * value.max(0.0);
                     block.add(place, k, value, error * value);
+                    // No horizon cuts these pairs: all of their light leaves upwards, or none.
                     if let Some(split) = self.requested.split
                         && split.elevation(own, facet, image.graze) == Elevation::Above
                     {

@@ -140,6 +140,7 @@ impl AbaqusReader<'_> {
         else {
             return Ok(());
         };
+        // An element may continue on further lines: collect its number and nodes until they are complete.
         if begun.is_empty() {
             *at = line.at;
         }
@@ -162,11 +163,13 @@ impl AbaqusReader<'_> {
                 "element with too many nodes: the first ones are used",
             );
         }
+        // Corners precede the nodes on edges, and no element has more than eight of them.
         let mut nodes = [0; 8];
         nodes
             .iter_mut()
             .zip(&numbers[1..])
             .for_each(|(node, number)| *node = *number);
+        // Of several elements with the same number the first one counts.
         let part = &mut self.model.parts[self.scope];
         let index = part.elements.len() as u32;
         if *part.element_numbers.entry(numbers[0]).or_insert(index) != index {
@@ -178,6 +181,7 @@ impl AbaqusReader<'_> {
             return Ok(());
         }
         part.elements.push(PartElement { kind, nodes, set });
+        // Sets hold ranges of indices: an element that follows the last one extends its range.
         if set != NO_SET {
             let items = &mut part.sets[set as usize].items;
             match items.last_mut() {

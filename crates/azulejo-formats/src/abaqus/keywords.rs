@@ -16,6 +16,7 @@ impl AbaqusReader<'_> {
         keyword: &KeywordLine,
         source: &mut InputSource,
     ) -> Result<(), ReadError> {
+        // An include does not end the data before it: the file may hold more lines of them.
         if keyword.name == "INCLUDE" {
             return match keyword.value("INPUT") {
                 Some(file) => self.include(file, keyword.at, source),
@@ -24,6 +25,7 @@ impl AbaqusReader<'_> {
                 }
             };
         }
+        // Any other keyword does; the data lines of what is not read are skipped.
         self.end_block(source);
         self.block = DataBlock::Skipped;
         match &*keyword.name {
@@ -56,6 +58,7 @@ impl AbaqusReader<'_> {
             }
             other => self.skip(other, keyword, source),
         }
+        // The data lines of a keyword may be in another file.
         match (&self.block, keyword.value("INPUT")) {
             (DataBlock::Skipped, _) | (_, None) => Ok(()),
             (_, Some(file)) => self.include(file, keyword.at, source),

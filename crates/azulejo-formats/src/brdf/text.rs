@@ -337,6 +337,7 @@ impl BrdfTextReader<'_> {
 
     /// The models of a complete block, with the weights inside it.
     fn parts(&mut self, block: BrdfBlock) -> InlineResult<Vec<WeightedModel>> {
+        // A layered block already has its models; parameters belong to one of them.
         let (name, offset) = match block.kind {
             BlockType::Model(name, offset) => (name, offset),
             BlockType::Layered if block.parameters.is_empty() => return Ok(block.layers),
@@ -356,6 +357,7 @@ impl BrdfTextReader<'_> {
                 });
             }
         };
+        // The limit is for the layers of all levels together.
         self.layers += 1;
         if self.layers > MOST_PARTS {
             return Err(InlineError {
@@ -368,6 +370,7 @@ impl BrdfTextReader<'_> {
             name: offset,
             parameters: Vec::new(),
         };
+        // Files may state wavelengths and a Fresnel term for any model: drop those that this one lacks.
         let known = find(&name).ok();
         let mut model = Model {
             name,

@@ -206,6 +206,7 @@ impl<'a> CityReader<'a> {
         surface: BoundaryPart<'a>,
     ) -> Result<(), ReadError> {
         let count = style.vertices.positions.len();
+        // The first ring is the outline, further ones are holes.
         let rings = SurfaceRings::read(surface.boundary, count, self.file)?;
         let mut warn = |message: &str, times: usize| {
             for _ in 0..times {
@@ -221,6 +222,7 @@ impl<'a> CityReader<'a> {
             warn("surface with fewer than three corners: skipped", 1);
             return Ok(());
         }
+        // Vertices of the file are finite, but the placement of a template may not keep them so.
         let elements = 2 * rings.vertices.len() as u64;
         let is_placed = style.vertices.placement.is_some();
         let at = |v: u32| style.vertices.at(v);
@@ -232,6 +234,7 @@ impl<'a> CityReader<'a> {
         if !self.budget.keeps() {
             return Ok(());
         }
+        // A face has a single loop: connect the holes to the outline.
         let (mut corners, left_out) = rings.joined(at);
         for _ in 0..left_out {
             let message = "hole outside of its surface: filled";
@@ -241,6 +244,7 @@ impl<'a> CityReader<'a> {
         if style.vertices.is_mirrored() {
             corners.reverse();
         }
+        // The semantic type groups the faces, and names the material of those without a colour.
         let kind = surface.semantics.and_then(Json::index);
         let kind = kind.and_then(|k| style.kinds.get(k)?.as_deref());
         let material = self.material(meshes, style, surface, kind);

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 /// The consecutive cubic pieces of a closed, flat spline of degree 1 to 3, or the reason why there
 /// are none.
 pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
+    // Group code 71 is the degree, 10 a control point, 40 a knot and 41 a weight.
     let degree = record.integer(71, 3);
     let controls = points(record, 10);
     let numbers = |code: i16| -> Vec<f64> {
@@ -13,6 +14,7 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
         of_code.filter_map(|p| record.finite(p.value)).collect()
     };
     let (knots, weights) = (numbers(40), numbers(41));
+    // Refuse what cubic Bézier curves in a plane cannot represent, and knots that do not fit.
     if !(1..=3).contains(&degree) {
         return Err("of a degree above 3");
     }
@@ -30,6 +32,7 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
         return Err("that does not lie flat");
     }
     let controls: Vec<DVec2> = controls.iter().map(|p| p.truncate()).collect();
+    // Each span between different knots is one polynomial; repeated knots enclose none.
     let mut pieces = Vec::new();
     for span in degree..controls.len() {
         let (a, b) = (knots[span], knots[span + 1]);
@@ -40,6 +43,7 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
     let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
         return Err("whose knots are all the same");
     };
+    // Only a closed spline bounds an area; its ends may differ by rounding.
     let size = controls
         .iter()
         .map(|p| p.abs().max_element())

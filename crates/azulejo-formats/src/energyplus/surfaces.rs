@@ -127,6 +127,7 @@ impl SurfaceReader<'_, '_> {
         object: &'o InputObject<'o>,
         known: &InputSurfaces<'o>,
     ) -> Result<Option<ZoneSurface<'o>>, ReadError> {
+        // The class tells whether coordinates are relative to the site, the building or a zone.
         let zone = self.zone(object, known);
         let frame = match object.layout.class {
             InputClass::SiteShading => InputFrame::Site,
@@ -144,7 +145,8 @@ impl SurfaceReader<'_, '_> {
             }
             _ => return Ok(None),
         };
-        let (mut corners, lower_left) = if object.layout.has_vertices() {
+        // Outlines begin at the corner that the file's rules name, rectangles at the upper left one.
+        let (mut corners, mut lower_left) = if object.layout.has_vertices() {
             let corners = self.places.outline(&object.vertices, frame);
             let lower_left = self.places.lower_left(corners.len());
             (corners, lower_left)
@@ -155,12 +157,16 @@ impl SurfaceReader<'_, '_> {
         if !self.is_polygon(object, &corners) {
             return Ok(None);
         }
+        // EnergyPlus corrects roofs and floors that are upside down, too.
         if faces_the_wrong_way(object, &corners) {
             self.warn(
                 object,
                 "roof that faces down, or floor that faces up: turned",
             );
             corners.reverse();
+            // What was the lower right corner is the lower left one from the other side.
+            let count = corners.len();
+            lower_left = (2 * count - 2 - lower_left % count) % count;
         }
         Ok(Some(ZoneSurface {
             object,
@@ -239,6 +245,7 @@ impl SurfaceReader<'_, '_> {
         if class != InputClass::Opening && !is_rectangle {
             return Ok(());
         }
+        // Frames and multipliers do not change the polygon.
         let base = surfaces.named(object.text("building_surface_name"));
         if !object.text("frame_and_divider_name").is_empty() {
             self.warn(object, "frame of an opening: part of its surface");
@@ -246,6 +253,7 @@ impl SurfaceReader<'_, '_> {
         if object.number_or("multiplier", 1.0, self.file)? != 1.0 {
             self.warn(object, "opening with a multiplier: one is read");
         }
+        // A rectangle is placed on its surface, which must be known; an outline stands for itself.
         let corners = match base.map(|base| &surfaces.list[base]) {
             None if is_rectangle => {
                 self.warn(
@@ -265,6 +273,7 @@ impl SurfaceReader<'_, '_> {
             return Ok(());
         }
         let opening = SurfaceOpening { object, corners };
+        // An opening whose surface is missing is kept by itself.
         match base {
             Some(base) => surfaces.list[base].openings.push(opening),
             None => {

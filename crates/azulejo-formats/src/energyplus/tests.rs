@@ -161,6 +161,33 @@ fn conventions_of_vertices() {
     );
 }
 
+/// A roof that is upside down is turned, with its window, whichever corner comes first.
+#[test]
+fn a_window_of_a_turned_roof_keeps_its_place() {
+    let window = |corner: &str, corners: &str| {
+        let text = format!(
+            "Version,25.1;\nGlobalGeometryRules, {corner}, Counterclockwise, Relative;\nZone, Z;\n\
+             BuildingSurface:Detailed, R, Roof, C, Z, , Outdoors, , , , 0, 4, {corners};\nWindow, P, G, R, , 1, 1, 0.5, 1, 2;"
+        );
+        let loaded = load(&text);
+        // Fronts face into the zone.
+        assert!(area_vector(&loaded.scene, "R").z < 0.0);
+        mesh(&loaded.scene, "P").bounds()
+    };
+    let [a, b, c, d] = ["0,0,0", "4,0,0", "4,3,2", "0,3,2"];
+    let expected = window("UpperLeftCorner", &[c, b, a, d].join(","));
+    assert_eq!(expected.min.x, 1.0);
+    for (corner, corners) in [
+        ("LowerLeftCorner", [b, a, d, c]),
+        ("LowerRightCorner", [a, d, c, b]),
+        ("UpperRightCorner", [d, c, b, a]),
+    ] {
+        let bounds = window(corner, &corners.join(","));
+        let off = (bounds.min - expected.min).length() + (bounds.max - expected.max).length();
+        assert!(off < 1e-9, "{corner}: {bounds:?}, {expected:?}");
+    }
+}
+
 #[test]
 fn zones_and_buildings_are_turned_clockwise() {
     let text = ROOM.replace("Room,   !- Name\n  0,", "Room,\n  90,");

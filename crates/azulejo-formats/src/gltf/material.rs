@@ -341,6 +341,7 @@ impl MaterialReader<'_, '_> {
         let Some(transmission) = extensions.and_then(|e| e.transmission.as_ref()) else {
             return false;
         };
+        // Metal transmits nothing; what transmits less than half of its light is read as opaque.
         let of_rest = 1.0 - share(pbr.metallic_factor.0);
         let transmitted = share(transmission.transmission_factor.0) * of_rest;
         if transmitted < LEAST_TRANSMISSION {
@@ -349,12 +350,14 @@ impl MaterialReader<'_, '_> {
             }
             return false;
         }
+        // A dielectric here is clear and has one colour.
         if share(pbr.roughness_factor.0) >= CLEAR {
             self.warn("frosted glass: taken as clear");
         }
         if transmission.transmission_texture.is_some() || pbr.base_color_texture.is_some() {
             self.warn("texture of glass: not used");
         }
+        // Each of the two crossings of a boundary absorbs as half of the thickness does.
         let [r, g, b, _] = pbr.base_color_factor.0;
         let tint = color([r, g, b]) * transmitted;
         let volume = extensions.and_then(|e| e.volume.as_ref());
@@ -375,6 +378,7 @@ impl MaterialReader<'_, '_> {
             }
             None => tint,
         };
+        // Without a volume the surface is a thin wall.
         material.mirror = self.specular();
         material.dielectric = Some(Dielectric {
             ior: self.ior(),

@@ -169,6 +169,7 @@ impl GltfMeshBuilder<'_, '_> {
     ) -> Result<(), Fault> {
         let targets = primitive.targets.as_ref().map_or(0, Vec::len);
         self.budget.spend(ELEMENTS_PER_PRIMITIVE + targets as u64)?;
+        // Points and lines have no area.
         let mode = match primitive.mode {
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
                 mode
@@ -176,6 +177,7 @@ impl GltfMeshBuilder<'_, '_> {
             Checked::Valid(Mode::Points) => return Err(skipped("points: skipped")),
             _ => return Err(skipped("lines: skipped")),
         };
+        // Primitives that refer to the same attributes share their vertices, as in the file.
         let mut surface = (self.surfaces).of(primitive.material, self.lightmap, self.messages);
         let key = VertexKey::of(primitive, &surface);
         let range = match vertex_ranges.get(&key) {
@@ -186,9 +188,11 @@ impl GltfMeshBuilder<'_, '_> {
                 range
             }
         };
+        // Without its texture coordinates a lightmap cannot be placed.
         if surface.lightmap.is_some() && !range.has_lightmap {
             surface = self.surfaces.without_lightmap(surface);
         }
+        // Corners count against the budget even where nothing is kept.
         let VertexRange { first, count, .. } = range;
         let corners = self.corners(primitive, count)?;
         if !self.budget.keeps() {
@@ -198,6 +202,7 @@ impl GltfMeshBuilder<'_, '_> {
         if triangles.left_over > 0 {
             self.warn("corners that do not form a complete triangle: left out");
         }
+        // A face remembers its primitive and triangle if origins are recorded.
         let (origins, number) = (&mut self.origins, self.primitive as u32);
         let outside = triangles.push_into(mesh, vertices, first, count, surface.id, |triangle| {
             if let Some(origins) = origins {

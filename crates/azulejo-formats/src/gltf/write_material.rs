@@ -147,10 +147,12 @@ impl Materials {
 
     fn material(&mut self, m: &Material) -> Value {
         let mut extensions = Map::new();
+        // Start from the surface that core glTF can express; glass adds extensions.
         let mut surface = match m.dielectric {
             Some(glass) => self.glass(m, glass, &mut extensions),
             None => opaque(m),
         };
+        // A finish has its own factors, and the picture of metalness and roughness if a single one has both.
         if let Some(finish) = m.finish.filter(|_| m.dielectric.is_none()) {
             surface = metallic_roughness(finish.base, finish.metallic, finish.roughness);
             if let Some(texture) = finish_texture(&finish) {
@@ -163,6 +165,7 @@ impl Materials {
         let mut json = named(&m.name);
         json.insert("pbrMetallicRoughness".into(), surface);
         json.insert("doubleSided".into(), json!(has_two_sides(m)));
+        // glTF has normal maps, but no pictures of heights.
         if let Some(Relief {
             texture,
             kind: ReliefKind::Normals { scale },
@@ -178,6 +181,7 @@ impl Materials {
                 json.insert("emissiveTexture".into(), json!({ "index": texture }));
             }
         }
+        // Without this, other programs let rough surfaces mirror a little.
         if self.says_matt && is_matt(m) {
             let none = json!({ "specularFactor": 0 });
             self.extend(&mut extensions, "KHR_materials_specular", none);

@@ -37,6 +37,7 @@ impl GrfDocument {
         pictures: impl Iterator<Item = &'s str>,
     ) -> GrfDocument {
         let names = GrfNames::new(scene);
+        // Put before the definitions what has no materials: surroundings name their pictures by path.
         let mut outside = Vec::new();
         if scene.units != Units::default() {
             outside.push(BlockKind::Units(scene.units));
@@ -63,6 +64,7 @@ impl GrfDocument {
             )),
             _ => BlockKind::Light(light.clone()),
         }));
+        // Define materials and their textures, not those of surroundings alone; notes add what these cannot express.
         let mut inside = Vec::new();
         let mut definitions = Vec::new();
         let only_around = surroundings::pictures_of(scene);
@@ -80,9 +82,11 @@ impl GrfDocument {
             definitions.push(definition);
             inside.extend(note.map(|note| BlockKind::Material(Box::new(note))));
         }
+        // Figures precede the solids that extrude them.
         let figures = names.figures.blocks.iter().cloned();
         inside.extend(figures.map(BlockKind::Figure));
         inside.extend(scene.objects.iter().map(|o| names.object(scene, o)));
+        // A scope without definitions has no meaning: the blocks stand beside the others.
         if definitions.is_empty() {
             outside.extend(inside);
         } else {

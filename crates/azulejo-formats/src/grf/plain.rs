@@ -65,9 +65,12 @@ pub fn plain_losses(scene: &Scene) -> Vec<String> {
         scene.objects.iter().filter(is).count()
     };
     let [primitives, solids] = exact_counts(scene);
+    // Primitives that are lamps are written as lights, not as polygons.
+    let is_primitive = |o: &&Object| matches!(o.shape, Shape::Primitive(_));
     let lamps = scene
         .objects
         .iter()
+        .filter(is_primitive)
         .filter(|o| plain_lamp(scene, o).is_some());
     let counts = [
         (usize::from(scene.units != Units::default()), "the unit"),
@@ -102,6 +105,7 @@ pub fn plain_losses(scene: &Scene) -> Vec<String> {
             "meshes whose backs become faces of their own",
         ),
     ];
+    // What a scene has only once is described without a number.
     let described = |&(count, what): &(usize, &str)| match count {
         0 => None,
         1 if what.starts_with("the ") => Some(what.to_owned()),

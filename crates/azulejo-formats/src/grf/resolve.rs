@@ -219,6 +219,7 @@ impl<'d> GrfResolver<'d> {
             BlockKind::Exact(exact) => self.exact(exact, place)?,
             BlockKind::MeshInstance(block) => self.mesh_instance(block, place)?,
             BlockKind::Include { blocks, .. } => {
+                // A file with several includes takes its blocks from the budget at each of them.
                 let was_repeated = self.is_repeated;
                 self.is_repeated |= Arc::strong_count(blocks) > 1;
                 self.blocks(blocks, outer)?;
@@ -261,6 +262,7 @@ impl<'d> GrfResolver<'d> {
                 })?;
                 self.scene.lights.push(light);
             }
+            // What defines names took effect when the list began; the rest changes nothing in the scene.
             BlockKind::Definitions { blocks: None, .. }
             | BlockKind::Figure(_)
             | BlockKind::Define(_)
@@ -611,6 +613,7 @@ impl<'d> GrfResolver<'d> {
     ) -> ResolveResult<Mesh> {
         let (vertices, source) = (&block.vertices, place.source);
         let count = vertices.positions.len();
+        // Move the vertices to the world; even a finite transform can overflow.
         let mut positions = vertices.positions.clone();
         if let Some(map) = place.outer {
             for p in &mut positions {
@@ -624,10 +627,12 @@ impl<'d> GrfResolver<'d> {
                 ));
             }
         }
+        // A mirror would turn fronts to backs.
         let mut faces = block.faces.clone();
         if is_mirror(place.outer) {
             reverse_faces(&mut faces);
         }
+        // A mesh has an attribute at all vertices or at none: fill the gaps of the columns.
         let mut mesh = Mesh {
             positions,
             faces,
@@ -653,6 +658,7 @@ impl<'d> GrfResolver<'d> {
             "vertex without `uv` in a mesh with `uv`: read as (0, 0)",
         );
         mesh.uvs = (!vertices.uvs.is_empty()).then(|| Attribute::per_vertex(uvs));
+        // Normals are per vertex in GRF's own meshes, per corner in skins and in meshes of solids.
         if !vertices.normals.is_empty() {
             let normals = self.normals(block, &mesh, place);
             mesh.normals = Some(Attribute::per_vertex(normals));

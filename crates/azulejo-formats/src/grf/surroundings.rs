@@ -246,6 +246,7 @@ pub(super) fn write_backplate(out: &mut GrfOutput<'_>, block: &BackplateBlock) -
 
 /// Writes an environment.
 pub(super) fn write(out: &mut GrfOutput<'_>, block: &EnvironmentBlock) -> io::Result<()> {
+    // Light and background differ in how the block begins, not in its entries.
     match &block.light {
         None => write!(out, "ext background begin")?,
         Some(name) => write!(
@@ -259,6 +260,7 @@ pub(super) fn write(out: &mut GrfOutput<'_>, block: &EnvironmentBlock) -> io::Re
         world_from_environment: turn,
         scale,
     } = block.environment;
+    // Write where the radiance comes from: a picture, or a model of the sky.
     match source {
         EnvironmentSource::Picture { projection, .. } => {
             let path = block.picture.as_deref().unwrap_or_default();
@@ -286,6 +288,7 @@ pub(super) fn write(out: &mut GrfOutput<'_>, block: &EnvironmentBlock) -> io::Re
             )?;
         }
     }
+    // Two axes in the world stand for the rotation.
     let (up, north) = (turn * DVec3::Z, turn * DVec3::Y);
     writeln!(
         out,

@@ -50,6 +50,7 @@ pub(super) enum LuminousOpening {
 /// # Errors
 /// A description of the syntax error.
 pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
+    // The line TILT= ends the header, and only numbers follow it.
     let (head, data) = split_at_tilt(bytes).ok_or("no line that begins with TILT=")?;
     let mut numbers = IesNumbers::new(data);
     numbers.skip_tilt(head.tilt_included)?;
@@ -63,10 +64,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
         units,
     ] = numbers.take()?;
     let [width, length, height, ballast, third, _watts] = numbers.take()?;
+    // Angles come before the candelas, which have a row of vertical angles for each horizontal one.
     let vertical = numbers.list(vertical, "vertical angles")?;
     let horizontal = numbers.list(horizontal, "horizontal angles")?;
     let count = (vertical.len() * horizontal.len()) as f64;
     let candelas = numbers.list(count, "candelas")?;
+    // Lengths are in feet or metres; the candelas have up to three factors, by the edition.
     let metres = if units == 1.0 { 0.3048 } else { 1.0 };
     let photometric = if head.has_third_factor { third } else { 1.0 };
     let factor = multiplier * ballast * photometric;
@@ -78,6 +81,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
         horizontal: rising(horizontal, "horizontal angles")?,
         candelas,
     };
+    // Integrate the intensities in rings around the aim: lights here depend on that angle alone.
     let flux = if kind == 1.0 {
         web.around_axis()
     } else {

@@ -347,6 +347,7 @@ impl MtlParser<'_> {
     /// Options before the file name: `-s 1 1 1`, `-clamp on`... Those that would change the
     /// texture beyond its placement are skipped with a warning.
     fn options(&mut self, keyword: &[u8]) -> PictureOptions {
+        // Some options apply only to pictures of relief or of single numbers.
         let is_relief = matches!(keyword, b"norm" | b"map_Bump" | b"map_bump" | b"bump");
         let is_number = matches!(keyword, b"map_Pr" | b"map_Pm");
         let mut options = PictureOptions {
@@ -356,10 +357,12 @@ impl MtlParser<'_> {
             channel: None,
         };
         loop {
+            // Look ahead: the first word that names none of the options begins the name of the file.
             let mut ahead = self.cursor.clone();
             let Some(option) = ahead.word() else {
                 return options;
             };
+            // An option is plain if it has its full effect, or a value that changes nothing.
             let plain = match option {
                 b"-s" | b"-o" | b"-t" => {
                     let mut given = vector(&mut ahead).into_iter();

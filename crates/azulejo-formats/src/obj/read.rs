@@ -228,6 +228,7 @@ impl<'a> ObjReader<'a> {
     }
 
     fn vertex_extras(&mut self) -> Result<(), ReadError> {
+        // Read all numbers on the line, as their count tells a weight from a colour.
         let start = self.cursor.offset();
         let (mut extras, mut count) = ([0.0; 4], 0);
         while let Some(value) = self.number()? {
@@ -249,6 +250,7 @@ impl<'a> ObjReader<'a> {
                 return Ok(());
             }
         };
+        // Lists of weights and colours end at the last vertex that has one: fill the gap before this one.
         let before = self.raw.positions.len() - 1;
         if weight != 1.0 {
             self.weight_at.get_or_insert_with(|| self.cursor.position());
@@ -260,6 +262,7 @@ impl<'a> ObjReader<'a> {
             if clamped != color {
                 self.warn("vertex colour outside 0..1: clamped");
             }
+            // Colours are sRGB if the options say so, or if nothing is specified and Blender wrote the file.
             let mut color = Rgb::from(clamped);
             if self.vertex_colors.is_none() && self.is_by_blender {
                 self.warn(BLENDER_COLORS);

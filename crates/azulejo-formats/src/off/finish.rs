@@ -16,6 +16,7 @@ const MOST_COLORS: usize = 1 << 16;
 
 /// The scene of a file; `name` is used in warnings.
 pub(super) fn scene(mut lists: OffLists, name: &str, warnings: &mut Warnings) -> Scene {
+    // Report what the parser skipped, once for each kind of problem.
     let counts = [
         ("face of fewer than three corners: skipped", lists.lines),
         (
@@ -36,12 +37,14 @@ pub(super) fn scene(mut lists: OffLists, name: &str, warnings: &mut Warnings) ->
         warnings.add_whole(name, "no faces: the scene is empty");
         return scene;
     }
+    // A single normal without direction makes the whole list useless.
     let normals = std::mem::take(&mut lists.normals);
     let has_normals = !normals.is_empty();
     let normals = unit_normals(normals);
     if has_normals && normals.is_none() {
         warnings.add_whole(name, "normals of no length: all normals are skipped");
     }
+    // Colours of vertices multiply the reflectance of the material, which is white below them.
     let mut materials = FaceMaterials {
         base: if lists.colors.is_empty() {
             DEFAULT_REFLECTANCE

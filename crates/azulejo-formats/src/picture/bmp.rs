@@ -211,6 +211,7 @@ pub(super) fn masked(number: u32, mask: u32) -> u8 {
 fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), PictureError> {
     let (mut x, mut y) = (0, 0);
     let mut pairs = data.iter().copied();
+    // A run may leave its row or the picture: what lies outside has no effect.
     let mut put = |x: &mut usize, y: usize, index: u8| {
         if *x < header.width && y < header.height {
             let at = 3 * (header.row(y) * header.width + *x);
@@ -218,6 +219,7 @@ fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), Pictu
         }
         *x += 1;
     };
+    // At 4 bits, a byte holds two indices, the upper half first; a run alternates between them.
     let nibble = |byte: u8, k: usize| match (header.depth, k % 2) {
         (8, _) => byte,
         (_, 0) => byte >> 4,
@@ -225,6 +227,7 @@ fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), Pictu
     };
     let ended = || malformed("the BMP ends in a run");
     while y < header.height {
+        // A count of 0 is an escape: the end of a row or of the picture, a jump, or indices without runs.
         let (count, value) = pairs.next().zip(pairs.next()).ok_or_else(ended)?;
         match (count, value) {
             (0, 0) => (x, y) = (0, y + 1),
@@ -243,6 +246,7 @@ fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), Pictu
                     }
                     put(&mut x, y, nibble(byte, k));
                 }
+                // Such indices are padded to 16 bits.
                 if length % 2 == 1 {
                     pairs.next();
                 }

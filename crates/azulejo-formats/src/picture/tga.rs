@@ -42,10 +42,12 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let header = header(bytes).ok_or_else(|| malformed(NOT_TGA))?;
     let (width, height) = (header.width, header.height);
     check_size(width as u64, height as u64, bytes.len())?;
+    // The colour map precedes the pixels, even in files that do not use it.
     let (first, count, map_depth) = header.map;
     let map_bytes = usize::from(map_depth.div_ceil(8));
     let map = bytes.get(header.start..).unwrap_or_default();
     let data = map.get(count * map_bytes..).unwrap_or_default();
+    // An index beyond the map is black.
     let color = |pixel: &[u8]| {
         if !header.indexed {
             return rgba(pixel, header.depth, header.grey);
@@ -69,11 +71,13 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
         let pixel = unpacker
             .next()
             .ok_or_else(|| malformed(format!("the TGA ends in row {} of {height}", k / width)))?;
+        // Pixels begin at the lower left corner unless the header has them begin at another one.
         let (x, y) = (k % width, k / width);
         let x = if header.leftward { width - 1 - x } else { x };
         let y = if header.downward { y } else { height - 1 - y };
         samples[4 * (y * width + x)..][..4].copy_from_slice(&color(pixel));
     }
+    // An alpha channel that is 0 everywhere was not meant to hide the picture.
     let has_alpha = header.alpha > 0 && samples.chunks_exact(4).any(|p| p[3] > 0);
     if !has_alpha {
         samples.chunks_exact_mut(4).for_each(|p| p[3] = 255);

@@ -26,6 +26,7 @@ pub(super) fn scene(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> (Scene, Warnings) {
+    // Blender's colours are sRGB by default; an option of the caller takes precedence.
     let is_said_srgb = options.vertex_colors == Some(VertexColors::Srgb);
     let is_by_blender = options.vertex_colors.is_none() && header.is_by_blender;
     let mut builder = PlyBuilder {
@@ -37,8 +38,10 @@ pub(super) fn scene(
     if is_by_blender {
         builder.count(BLENDER_COLORS, vertices.colors.len());
     }
+    // Check the faces before anything is looked up by their corners.
     let mut list = reader.faces;
     builder.check_faces(&mut list, &vertices.positions);
+    // The header may tell that the vertices only carry the colours of their faces: move them there.
     if header.carries_face_colors && list.materials.is_empty() && !vertices.colors.is_empty() {
         list.take_colors(&std::mem::take(&mut vertices.colors));
     }
@@ -56,6 +59,7 @@ pub(super) fn scene(
         return (scene, builder.warnings);
     }
     let materials = builder.materials(&list, &vertices, header, files, &mut scene);
+    // Restore the objects of a scene that azulejo has written; any other file is a single object.
     let objects = std::mem::take(&mut vertices.objects);
     let mesh = builder.mesh(list, vertices, &materials);
     let parts = match parts(&mesh, &objects) {

@@ -65,6 +65,7 @@ impl ScnTranslator<'_> {
         let stream = &mut self.stream;
         let (black, white) = (Rgb::BLACK, Rgb::WHITE);
         let tenth = Rgb::grey(0.1);
+        // Strauss is a reflection model of its own.
         if stream.take(&["strauss"]) {
             let (color, smooth, metal) = (stream.color()?, stream.color()?, stream.color()?);
             let transparency = self.transparency()?;
@@ -75,6 +76,7 @@ impl ScnTranslator<'_> {
             };
             return Ok(plain(color, source));
         }
+        // Matte, plastic and metal are Phong surfaces whose coefficients derive from fewer parameters.
         if stream.take(&["matte"]) {
             let color = stream.color()?;
             return Ok(phong(color, Rgb::grey(0.999), black, [0.0, 0.0], black));
@@ -93,6 +95,7 @@ impl ScnTranslator<'_> {
             let numbers = [10.0 + 90.0 * f, 1.0];
             return Ok(phong(color, white - specular, specular, numbers, black));
         }
+        // Glass and dielectrics also set the index of refraction of their scope.
         let glass = stream.take(&["glass"]);
         if glass || stream.take(&["dielectric", "die"]) {
             let (color, t) = (stream.color()?, stream.color()?);
@@ -104,6 +107,7 @@ impl ScnTranslator<'_> {
             self.scopes.set_refraction(n);
             return Ok(phong(color, black, white - t, [100.0, 0.0], t));
         }
+        // A surface without a keyword is a colour alone, or one followed by the coefficients.
         let color = stream.color()?;
         if !stream.color_follows() {
             return Ok(phong(color, Rgb::grey(0.9), tenth, [3.0, 0.0], tenth));
@@ -152,6 +156,7 @@ impl ScnTranslator<'_> {
     /// Reads a transform without its keyword, if one follows.
     pub fn transform_if_any(&mut self) -> ScnResult<Option<DMat4>> {
         let stream = &mut self.stream;
+        // Look at the word without taking it, as a transform is optional here.
         let place = stream.place();
         let Some(word) = stream.peek_word().filter(|w| TRANSFORMS.contains(w)) else {
             return Ok(None);
@@ -160,6 +165,7 @@ impl ScnTranslator<'_> {
         let matrix = match word {
             "scale" => {
                 let x = stream.real()?;
+                // A single factor scales all axes alike.
                 let scale = if stream.real_follows() {
                     DVec3::new(x, stream.real()?, stream.real()?)
                 } else {
@@ -169,6 +175,7 @@ impl ScnTranslator<'_> {
             }
             "translate" => DMat4::from_translation(stream.point()?),
             "rotate" => {
+                // The axis is a letter or a vector.
                 let axis = match stream.peek_word() {
                     Some("x") => DVec3::X,
                     Some("y") => DVec3::Y,
@@ -184,6 +191,7 @@ impl ScnTranslator<'_> {
                 DMat4::from_axis_angle(axis, stream.real()?.to_radians())
             }
             _ => {
+                // A general transform is a matrix by rows, with a translation if a fourth point follows.
                 let rows = [stream.point()?, stream.point()?, stream.point()?];
                 let shift = if stream.point_follows() {
                     stream.point()?
@@ -196,6 +204,7 @@ impl ScnTranslator<'_> {
                 matrix
             }
         };
+        // As in SFF, a transform must have an inverse.
         if matrix.determinant() != 0.0 && matrix.inverse().is_finite() {
             return Ok(Some(matrix));
         }

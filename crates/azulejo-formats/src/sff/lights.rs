@@ -98,6 +98,7 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
 /// A light as an RTRACE light without attenuation and with the same irradiance at the target;
 /// `None` for ambient light and environments.
 pub(super) fn rtrace_light(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
+    // RTRACE reflects without the factor 1/π. Near the target, a least distance keeps the brightness finite.
     let as_bright = |position: DVec3, intensity: Rgb| {
         let distance = position.distance(view.target);
         let distance = distance.max(1e-3 * view.eye.distance(view.target));
@@ -130,11 +131,13 @@ pub(super) fn rtrace_light(light: &LightKind, view: &SffView) -> Option<RtraceLi
             irradiance,
             ..
         } => {
+            // A point at the edge of SFF's space shines in nearly the same direction everywhere.
             let position = view.target - DISTANT * direction;
             (position, irradiance / PI, RtraceLightKind::Point)
         }
         LightKind::Ambient { .. } | LightKind::Environment(_) => return None,
     };
+    // Without fading, light arrives at the target as bright as it starts.
     Some(RtraceLight {
         position,
         brightness: brightness.map(|b| b.min(BRIGHTEST)),

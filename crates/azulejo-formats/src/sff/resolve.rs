@@ -176,6 +176,7 @@ impl SffResolver<'_, '_> {
     /// Adds an object, or the members of a list, which is a single object only within a set
     /// operation.
     fn object(&mut self, index: usize, map: DAffine3, given: InheritedAttributes) -> SffResult<()> {
+        // Dissolve a list, unless its members are the parts of one closed cone.
         let node = &self.tree.nodes[index];
         if let SffNodeKind::List(members) = &node.kind
             && self.closed_cone(members, given)?.is_none()
@@ -187,6 +188,7 @@ impl SffResolver<'_, '_> {
             }
             return Ok(());
         }
+        // A lone primitive or mesh becomes an object of that kind, everything else an exact shape.
         let mut solids = self.solids(index, map, given)?;
         let is_exact = match &node.kind {
             SffNodeKind::Leaf(SffGeometry::Text(_) | SffGeometry::Patches(_))
@@ -206,10 +208,12 @@ impl SffResolver<'_, '_> {
                 Shape::Exact(Exact::new(solids))
             }
         };
+        // The surfaces of corners are stored by the number that the object receives.
         if let Some(corners) = self.corner_surfaces.take() {
             let number = self.scene.objects.len() as u32;
             self.rtrace.corner_surfaces.insert(number, corners);
         }
+        // Objects are numbered within their kind, even those that are not kept.
         let count = self.names.entry(kind).or_default();
         *count += 1;
         let name = format!("{kind} {count}");
@@ -233,6 +237,7 @@ impl SffResolver<'_, '_> {
         let mut done = Vec::new();
         let mut index = root;
         loop {
+            // Close the operations that end before this object: several may end at once.
             while let Some(frame) = open.pop_if(|frame| self.tree.nodes[frame.node].end == index) {
                 let node = frame.node;
                 let solids = self.closed(frame)?;
@@ -246,11 +251,13 @@ impl SffResolver<'_, '_> {
             }
             let node = &self.tree.nodes[index];
             self.spend(8, node.place)?;
+            // An object inherits the transform and the attributes of what is around it.
             let (map, given) = match open.last() {
                 Some(around) => (around.map, around.given.with(index, node)),
                 None => (map, given),
             };
             let map = map * node.map;
+            // Either an object is complete without its members, which are skipped, or its members come next.
             match self.whole(node, &map, given)? {
                 Some(solids) => {
                     match open.last_mut() {
@@ -385,6 +392,7 @@ impl SffResolver<'_, '_> {
         given: InheritedAttributes,
     ) -> SffResult<Vec<Solid>> {
         let place = node.place;
+        // Triangles without a surface, of their own or around them, have one at each corner.
         if let SffGeometry::Triangles(placed) = geometry
             && given.surface.is_none()
         {
@@ -413,6 +421,7 @@ impl SffResolver<'_, '_> {
                 some_faces(mesh)
             }
             SffGeometry::Triangles(placed) => {
+                // A record without a surface lists those of the corners, even where one around it prevails.
                 let read =
                     |lines: &mut SffLines| data::triangles(lines, node.appearance.surface == 0);
                 let data = self.data(&placed.data, place, read)?;
@@ -444,6 +453,7 @@ impl SffResolver<'_, '_> {
     ) -> SffResult<Vec<Solid>> {
         let data = self.data(&placed.data, place, |lines| data::triangles(lines, true))?;
         self.spend(6 * data.corners.len(), place)?;
+        // Surfaces are counted from 1, and all must exist.
         let used = || data.surfaces.iter().flatten();
         let Some(&first) = used().next() else {
             return Ok(Vec::new());
@@ -452,6 +462,7 @@ impl SffResolver<'_, '_> {
         if let Some(odd) = used().find(|s| !(1..=known).contains(*s)) {
             return Err(self.no_surface(*odd, place));
         }
+        // A material has one mirror: the mean over all corners. The rest is left for diffuse reflection.
         let surface = |s: u32| &self.surfaces[s as usize - 1];
         let mirror: Rgb = used().map(|s| surfaces::mirror(surface(*s))).sum();
         let mirror = (mirror / used().count() as f64).map(|m| m.clamp(0.0, 1.0));
@@ -465,6 +476,7 @@ impl SffResolver<'_, '_> {
             mirror,
             ..Material::diffuse(format!("surfaces {first}…"), left)
         };
+        // A lobe brings its own diffuse reflectance, but here the vertex colours multiply the rest.
         if !mirror.is_black() {
             let made = self.gloss.cover(&mut material, lobe);
             material.diffuse = left;
@@ -475,6 +487,7 @@ impl SffResolver<'_, '_> {
         let shading = self.rtrace_material(given, place)?;
         let material = self.push_material(material, shading);
         let (mut mesh, corners) = shapes::triangles(&data, under(placed), map, material);
+        // Express the diffuse reflectance of each corner as a share of that rest.
         mesh.colors = vec![Rgb::BLACK; mesh.positions.len()];
         for (face, surfaces) in mesh.faces.iter().zip(&corners) {
             for (&vertex, &s) in face.iter().zip(surfaces) {

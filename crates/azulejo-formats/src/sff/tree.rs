@@ -61,6 +61,7 @@ impl<'d> SffTree<'d> {
         sources: &SffSources,
         warnings: &mut Warnings,
     ) -> Result<SffTree<'d>, ReadError> {
+        // Objects are numbered in the order of their records; `open` holds the operations and lists around.
         let mut tree = SffTree::default();
         tree.nodes.reserve(document.objects.len());
         let mut open: Vec<OpenNode> = Vec::new();
@@ -74,6 +75,7 @@ impl<'d> SffTree<'d> {
                 } => {
                     tree.add(place, *appearance, SffNodeKind::Leaf(geometry), &open);
                 }
+                // Textures and transforms name an object before them by its number.
                 RecordKind::Texture(texture) => match tree.find(texture.object) {
                     Some(node) => node.inline_textures.push(texture),
                     None => return fail(no_object(texture.object), AN_OBJECT),
@@ -112,6 +114,7 @@ impl<'d> SffTree<'d> {
                     let node = tree.add(place, *appearance, SffNodeKind::List(Vec::new()), &open);
                     open.push(OpenNode { node, side: 0 });
                 }
+                // A separator or an end must follow members of the operation or list that is open.
                 RecordKind::CsgNext => match open.last_mut() {
                     Some(open) if open.side == 0 && tree.has_members(open) && tree.is_csg(open) => {
                         open.side = 1;
@@ -130,12 +133,14 @@ impl<'d> SffTree<'d> {
                 },
             }
         }
+        // Every operation and list must have ended.
         if let Some(last) = open.last() {
             let node = &tree.nodes[last.node];
             let end = if tree.is_csg(last) { "66 2" } else { "67 1" };
             let found = format!("a beginning without its end, {end}");
             return Err(sources.error(node.place, found, "both"));
         }
+        // The separate section of textures may refer to any object, members included.
         tree.add_section(document, sources)?;
         Ok(tree)
     }

@@ -80,7 +80,9 @@ impl FiniteMesh {
         file: &str,
         warnings: &mut Warnings,
     ) {
+        // Register all names first: surfaces keep the order in which the file names them.
         let numbers: Vec<usize> = self.names.iter().map(|n| surfaces.number(n)).collect();
+        // Without shells, the surfaces are the boundary of the solids.
         if self.shells.is_empty() {
             if !numbers.is_empty() {
                 let name = |tag: u32| self.names[tag as usize].clone();
@@ -88,6 +90,7 @@ impl FiniteMesh {
             }
             return;
         }
+        // Turn the fronts of the boundary out of the solids, whatever the order of the nodes.
         let mut boundary = self.solids.faces();
         let turned = boundary.iter_mut().filter_map(|face| {
             let turned = face.turn_outwards(|c| positions[c as usize]);
@@ -99,6 +102,7 @@ impl FiniteMesh {
         let on_boundary: HashMap<[u32; 4], usize> = faces
             .map(|(k, face)| (face_key(&face.corners), k))
             .collect();
+        // A shell on the boundary only names that face; elsewhere it is a face of its own.
         let (mut is_named, mut again) = (vec![false; boundary.len()], 0);
         for shell in &self.shells {
             let number = numbers[shell.surface];
@@ -113,6 +117,7 @@ impl FiniteMesh {
         }
         let message = "further shell on the same face of a solid: skipped";
         warnings.add_many(file, message.to_owned(), again, || Position::Whole);
+        // What no shell names belongs to the surface of its solid.
         let rest = boundary.iter().zip(is_named).filter(|(_, named)| !named);
         let mut count = 0;
         for (face, _) in rest {

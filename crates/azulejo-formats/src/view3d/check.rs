@@ -125,11 +125,13 @@ fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mism
     if surface.base == 0 {
         return Ok(());
     }
+    // Distances are measured relative to the size of the base.
     let number = surface.base;
     let outer = document.corners(&document.surfaces[number as usize - 1]);
     let inner = document.corners(surface);
     let (plane, own) = (MeanPlane::of(&outer), MeanPlane::of(&inner));
     let size = 2.0 * plane.radius;
+    // A part of a wall faces as the wall does; a mask faces the surface that it covers.
     let same_way = surface.kind == SurfaceKind::Radiating;
     let cosine = plane.normal.dot(own.normal) * if same_way { 1.0 } else { -1.0 };
     if cosine < PARALLEL {
@@ -150,6 +152,7 @@ fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mism
             "one in that plane",
         );
     }
+    // Bases are convex: a point is inside if it is on the inner side of every edge.
     let is_inside = |&p: &DVec3| {
         edges(&outer).all(|(a, b)| {
             let inward = plane.normal.cross(b - a).normalize_or_zero();

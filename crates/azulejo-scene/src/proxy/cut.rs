@@ -207,6 +207,7 @@ impl<'a> Arrangement<'a> {
 
     /// Intersects the triangles of different bodies.
     fn find_lines(&mut self) {
+        // Search near triangles by boxes, which are wider by the distance at which points coincide.
         let whole = |t: usize| MeshTriangle {
             face: t as u32,
             triangle: 0,
@@ -225,12 +226,14 @@ impl<'a> Arrangement<'a> {
             bounds.max += self.touch;
             near.clear();
             tree.for_each_in(&bounds, |k, _| near.push(tree.triangle(k).face as usize));
+            // Take each pair once, in ascending order, on which the numbers of new points depend.
             near.retain(|&o| o > t && self.body(o) != self.body(t));
             near.sort_unstable();
             for &o in &near {
                 let Some(ends) = intersect(&own, &self.triangles[o], self.touch) else {
                     continue;
                 };
+                // Record points on edges by their edge, so that the neighbour there is divided too.
                 let line = ends.map(|end| {
                     let number = self.weld.number(end.position);
                     if let Some(edge) = end.edge {
@@ -238,6 +241,7 @@ impl<'a> Arrangement<'a> {
                     }
                     number
                 });
+                // Ignore segments beyond the limits, and those whose ends coincide.
                 if line[0] != line[1] && line_count < MOST_LINES {
                     line_count += 1;
                     for k in [t, o] {

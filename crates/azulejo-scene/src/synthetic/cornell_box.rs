@@ -37,6 +37,7 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
     let red = diffuse("red", 0.63, 0.065, 0.05);
     let green = diffuse("green", 0.14, 0.45, 0.091);
     let light = scene.add_material(Material::emitter("light", Rgb::new(17.0, 12.0, 4.0)));
+    // The variant decides on the tall block, the floor, and what is in the place of the short block.
     let tall = match variant {
         CornellVariant::Diffuse => white,
         CornellVariant::MirrorBlock => {
@@ -57,6 +58,7 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
         _ => white,
     };
     add_cornell_room(&mut scene, [floor, white, red, green, light]);
+    // The published tops of the blocks, whose sides go straight down to the floor.
     let short_top = [
         [130, 165, 65],
         [82, 165, 225],
@@ -83,6 +85,7 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
         add_cornell_block(&mut scene, "short", short_top, white);
     }
     add_cornell_block(&mut scene, "tall", tall_top, tall);
+    // A film of 25 mm at a focal length of 35 mm, as published, gives the field of view.
     scene.cameras.push(Camera {
         name: "front".into(),
         eye: DVec3::new(278.0, 273.0, -800.0),

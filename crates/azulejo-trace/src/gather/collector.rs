@@ -99,6 +99,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                 Event::Escape => gatherer.escaped_exitance(path),
                 Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
+                    // Glossy surfaces sample the lights; what their paths meet of these is weighted against that.
                     next_event.add(gatherer, path, &hit, path.id, seed);
                     let ray = path.ray;
                     let at = DiffuseHit { ray, hit, front };
@@ -108,8 +109,10 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                     } else {
                         light.outgoing(&at, replicate)
                     };
+                    // Patches are too coarse to be read from nearer than their size, unless through mirrors or glass.
                     let is_near = hit.t < outgoing.footprint && path.depth == 0;
                     let mut read = Rgb::from(outgoing.radiosity.map(f64::from));
+                    // Keep hits from which paths go on; what is read there is then a control variate, or left out.
                     if may_go_on && (is_near || termination.is_random()) {
                         if is_near {
                             read = Rgb::BLACK;
@@ -128,6 +131,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             let sum = &mut sums[point][replicate];
             (0..3).for_each(|k| sum[k] += path.weight[k] * exitance[k]);
         });
+        // Test the samples of glossy surfaces for shadow together.
         next_event.resolve(gatherer, |id, contribution| {
             let sum = &mut sums[id as usize / REPLICATES][id as usize % REPLICATES];
             (0..3).for_each(|k| sum[k] += contribution[k]);

@@ -78,6 +78,7 @@ impl<'a> Direct<'a> {
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
         let flat = self.sources.flat(self.lights);
+        // Collect the sources that may light each point; of very many, all but suns are sampled by importance.
         for (index, point) in points.iter().enumerate() {
             let start = terms.len();
             self.terms_of(index as u32, point, flat, &mut terms);
@@ -89,6 +90,7 @@ impl<'a> Direct<'a> {
             }
             self.sun_terms_of(index as u32, point, &mut terms);
         }
+        // Trace the shadow rays of all points together.
         let tests = self.test_terms(points, &terms, &shadow_rays, seed);
         for (term, tests) in terms.iter().zip(&tests) {
             let sum = &mut sums[term.point as usize];
@@ -101,6 +103,7 @@ impl<'a> Direct<'a> {
             } else {
                 &mut sum.lamps
             };
+            // Scale what formulas give by the visible share; where they are rough, samples alone count.
             let share = 1.0 / f64::from(tests.samples.max(1));
             for (r, sum) in sum.replicates.iter_mut().enumerate() {
                 *sum += if term.is_rough() {
@@ -110,6 +113,7 @@ impl<'a> Direct<'a> {
                 };
             }
         }
+        // Add what has no formula at all: surfaces that emit pictures, and environments.
         self.add_pictures(points, rays.clone(), seed, |index, replicate, value| {
             sums[index].lamps.replicates[replicate] += value;
         });
@@ -195,6 +199,7 @@ impl<'a> Direct<'a> {
         let first = self.tests.planned();
         let from = self.surfaces.tracer.leaving(point.position, point.normal);
         let windows = &self.sources.windows;
+        // Sample a point of what has an area; by way of a mirror, test both legs of the path to its image.
         let weight = match target {
             Target::Flat(k) => {
                 let lamp = &self.lights.flat()[*k as usize];
@@ -221,6 +226,7 @@ impl<'a> Direct<'a> {
             Target::Curved(k) => {
                 let light = &self.lights.curved[*k as usize];
                 let mut y = light.point(u);
+                // A surface that emits on both sides shines toward the point from the side that faces it.
                 let is_behind = y.normal.dot(point.position - y.position) < 0.0;
                 if light.emission.emits_back && is_behind {
                     y.normal = -y.normal;
@@ -251,6 +257,7 @@ impl<'a> Direct<'a> {
                 let direction = sun.sample([u.0, u.1]);
                 let seen = reflect(direction, window.normal);
                 let image = beyond(self.surfaces, point.position, seen);
+                // A window may show a part of the sun's image only, and samples beside it give nothing.
                 if !is_through(point.position, image, &window.polygon) {
                     return None;
                 }

@@ -79,6 +79,7 @@ fn pane(material: &Material) -> Option<Dielectric> {
 impl ItemTransparencies {
     /// What passes through a tracer's items; `None` if all stop all light.
     pub fn new(scene: &Scene, tracer: &Tracer) -> Option<ItemTransparencies> {
+        // Without a material through which light passes straight, there is nothing to store.
         let passes: Vec<bool> = (scene.materials.iter())
             .map(|m| m.see_through().is_some() || pane(m).is_some())
             .collect();
@@ -96,11 +97,13 @@ impl ItemTransparencies {
             even: HashMap::new(),
             last: None,
         };
+        // List the parts of exact shapes once; items know them by number.
         let leaves = scene.objects.iter().map(|object| match &object.shape {
             Shape::Exact(exact) => Exact::leaves(exact),
             _ => Vec::new(),
         });
         let leaves: Vec<Vec<Leaf>> = leaves.collect();
+        // Store one entry for each prototype, because all instances of a mesh share it.
         for number in tracer.prototype_items() {
             let item = tracer.item(number);
             let shape = &scene.objects[item.object as usize].shape;
@@ -119,6 +122,7 @@ impl ItemTransparencies {
             };
             builder.found.of_prototypes.push(index);
         }
+        // Pictures of opacity may prove to be opaque everywhere.
         let transparencies = builder.found;
         let is_any = transparencies.of_prototypes.iter().any(|&v| v > 0);
         is_any.then_some(transparencies)

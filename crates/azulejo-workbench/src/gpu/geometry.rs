@@ -161,17 +161,20 @@ impl GpuMesh {
     ) -> Result<(), GpuError> {
         let mesh = drawn.mesh;
         let source = FacetSource::new(drawn, wanted.facets);
+        // Drop irradiance of an earlier revision; the scale keeps its maximum within half floats.
         if self.light_key != Some(drawn.light_key) {
             self.pieces.iter_mut().for_each(|p| p.light = None);
             self.light_key = Some(drawn.light_key);
             self.light_scale = brightest(mesh) / BRIGHTEST;
         }
+        // Drop values of faces likewise, also if they came from another source.
         let facet_key = source.key(drawn).map(|key| (wanted.facets, key));
         if facet_key.is_some() && self.facet_key != facet_key {
             self.pieces.iter_mut().for_each(|p| p.facet_values = None);
             self.facet_key = facet_key;
             self.facet_scale = source.brightest() / BRIGHTEST;
         }
+        // Request only what the mesh has for each vertex: other attributes are constant.
         let streams = VertexStreams {
             normals: wanted.normals && mesh.normals.is_some(),
             light: wanted.light && is_solved(mesh),
@@ -180,10 +183,12 @@ impl GpuMesh {
             uvs: wanted.uvs && mesh.uvs.is_some(),
             ..wanted
         };
+        // Of a mesh without pieces `all` is true, although nothing was uploaded.
         let is_there = self.pieces.iter().all(|p| p.has(streams));
         if is_there && (mesh.faces.is_empty() || !self.pieces.is_empty()) {
             return Ok(());
         }
+        // Pieces come in a reproducible order, and so meet the buffers that they have filled before.
         let mut number = 0;
         for_each_piece(mesh, streams.edges, |piece| {
             if number == self.pieces.len() {

@@ -29,6 +29,7 @@ impl SelectionOutline {
             bind_group_layouts: &[Some(&layout)],
             ..wgpu::PipelineLayoutDescriptor::default()
         });
+        // The mask needs positions only; the line blends with the picture.
         let place = wgpu::VertexBufferLayout {
             array_stride: 12,
             step_mode: wgpu::VertexStepMode::Vertex,
@@ -41,6 +42,7 @@ impl SelectionOutline {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
+        // The mask is drawn with the shader of the surfaces, and so is cut as they are.
         let marks = MaskStage {
             shader: surfaces,
             entries: ["same_place", "marked"],
@@ -48,6 +50,7 @@ impl SelectionOutline {
             buffers: &[Some(place)],
             target: (MASK, None),
         };
+        // The line is drawn by one triangle over the whole picture, which reads the mask.
         let line = MaskStage {
             shader: &shader,
             entries: ["whole_picture", "outline"],
@@ -55,6 +58,7 @@ impl SelectionOutline {
             buffers: &[],
             target: (COLOR, over),
         };
+        // The mask is made once the size of the picture is known.
         SelectionOutline {
             marks: marks.pipeline(device),
             line: line.pipeline(device),

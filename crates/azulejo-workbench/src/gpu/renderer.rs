@@ -231,6 +231,7 @@ impl Renderer {
     /// Returns whether the texture view is new.
     fn try_draw(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Result<bool, GpuError> {
         self.number += 1;
+        // Bring the target, the colour map and the lightmap up to date; what fits is kept.
         let is_new = self.resize(frame, size);
         let plan = DrawPlan::of(frame.shading);
         let plan = if frame.is_values { plan.packed() } else { plan };
@@ -239,10 +240,12 @@ impl Renderer {
         }
         self.lightmap
             .upload(&self.device, &self.queue, frame.lightmap);
+        // Upload the vertex streams that the mode needs of the objects in view, and the textures.
         let view = self.view(frame, size);
         let visible = self.load(frame, &view, &plan)?;
         let textures = self.load_textures(frame, &plan);
         let backdrop = self.load_backdrop(frame);
+        // Write the uniforms: of objects and materials in blocks at offsets, then of the frame.
         let objects = self.object_blocks(frame, &view, &visible, &plan);
         let materials: Vec<_> = materials(frame).map(uniforms::material).collect();
         let layout = &self.pipelines.block;
@@ -277,9 +280,11 @@ impl Renderer {
             hidden_ink,
             samples: target.samples,
         };
+        // A pass only looks pipelines up: create the missing ones before it begins.
         encoder.prepare();
         let mut commands = self.device.create_command_encoder(&Default::default());
         encoder.encode(target.begin(&mut commands));
+        // Outline the selection in the finished picture, around a mask of its surfaces.
         if encoder.has_marks() {
             let outline = &mut self.outline;
             outline.prepare(&self.device, &self.queue, size, frame.selection_color);

@@ -128,6 +128,7 @@ pub fn frame(
         Tone::Reinhard => 1.0,
         Tone::Filmic => 2.0,
     };
+    // Without a valid up vector, up is that of the screen.
     let up = (view.rotation() * frame.camera.up).try_normalize();
     let (lower, upper, kind) = backdrop(&frame.background, picture.is_some());
     let fog = frame.fog;
@@ -138,9 +139,11 @@ pub fn frame(
         Some(_) => 2.0,
     };
     let scale = &frame.scale;
+    // On a logarithmic scale the shader works with logarithms.
     let end = |x: f64| if scale.is_logarithmic { x.ln() } else { x } as f32;
     let world = view.rotation().transpose();
     let flag = |is: bool| f32::from(u8::from(is));
+    // The order, and the padding, are those of `Frame` in draw.wgsl.
     BlockWriter::new()
         .put(&[size.x as f32, size.y as f32, view.near() as f32, tone])
         .vector(up.unwrap_or(DVec3::Y), frame.exposure as f32)

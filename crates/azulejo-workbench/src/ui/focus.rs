@@ -90,6 +90,7 @@ impl FocusTrail {
     /// Called at the end of a frame; `has_dialog` tells whether a dialog is open. Outlines the focused
     /// widget while the keyboard is used, and gives the focus back when what had taken it closes.
     pub fn end_frame(&mut self, context: &Context, has_dialog: bool) {
+        // Keys that may move the focus switch its outline on, and clicks switch it off.
         let (moves, clicks) = context.input(|i| {
             let keys = [
                 Key::Tab,
@@ -111,14 +112,17 @@ impl FocusTrail {
             (moves, i.pointer.any_pressed())
         });
         self.by_keys = (self.by_keys || moves) && !clicks;
+        // Keep the focus of the frame before: what opens may have taken it already.
         let is_open = has_dialog || Popup::is_any_open(context);
         if is_open && !self.was_open {
             self.before = self.last;
         }
+        // When it closes, keyboard users get the focus back where it was.
         let focused = context.memory(|m| m.focused());
         if self.was_open && !is_open && self.by_keys {
             self.returns = self.before.take().map(|id| (id, 4));
         }
+        // Try for some frames; a click, or what opens next, ends that.
         self.returns = self.returns.filter(|_| !is_open && !clicks);
         if let Some((id, tries)) = self.returns {
             if focused.is_none() {

@@ -297,6 +297,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     let app = cx.app;
     let document = &app.document;
     let selection = &app.selection;
+    // Collect the materials of all selected objects, each once.
     let mut used: Vec<MaterialId> = Vec::new();
     for id in &selection.ids {
         if let Some(item) = document.object(*id) {
@@ -305,10 +306,12 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
     }
     used.sort_unstable();
     used.dedup();
+    // Lights and cameras have no materials; without any, and without faces, there is nothing to assign.
     if used.is_empty() && selection.faces.is_none() {
         return;
     }
     ui.label(cx.tr("Materials"));
+    // A click on a name selects the material itself for editing; a long list is cut.
     for &material in used.iter().take(20) {
         let is_it = selection.material == Some(material);
         if ui
@@ -320,6 +323,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
             cx.send(Command::Select(selection));
         }
     }
+    // Offer all materials of the document, for the selected faces alone if there are any.
     let what = match &selection.faces {
         Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("selected faces")),
         None => cx.tr("Material").to_owned(),
@@ -341,6 +345,7 @@ fn assign(ui: &mut Ui, cx: &mut PanelContext) {
                 }
             }
         });
+    // Select the assigned material, too, so that its properties are shown.
     if let Some(material) = chosen {
         cx.edit(match &selection.faces {
             Some((id, faces)) => Edit::AssignFaces(*id, faces.clone(), material),

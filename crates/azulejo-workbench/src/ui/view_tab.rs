@@ -162,9 +162,11 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     {
         view.backdrop = Backdrop::Scene;
     }
+    // The settings of the scene's background appear only while it is shown.
     if view.backdrop == Backdrop::Scene {
         own_background(ui, cx);
     }
+    // The swatches are painted, so each is announced to screen readers as a named button.
     ui.horizontal_wrapped(|ui| {
         for (name, [r, g, b]) in COLORS {
             let (rect, response) = ui.allocate_exact_size(egui::vec2(20.0, 20.0), Sense::click());
@@ -181,6 +183,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
                 view.backdrop = Backdrop::Color([r, g, b]);
             }
         }
+        // Any other colour starts from the current one, or from dark grey.
         let mut any = match view.backdrop {
             Backdrop::Color(color) => color,
             _ => [64, 64, 64],
@@ -190,6 +193,7 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             view.backdrop = Backdrop::Color(any);
         }
     });
+    // An image is part of the scene, with settings of its own.
     ui.horizontal_wrapped(|ui| {
         if ui.button(cx.tr("Image…")).clicked() {
             cx.send(Command::RequestFile(FileRequest::Backplate));

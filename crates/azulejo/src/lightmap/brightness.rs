@@ -54,6 +54,7 @@ impl BytePictures {
             bright_share: 0.0,
         };
         let mut bright = Vec::new();
+        // Pages come first, a picture for each, so that their numbers are those of their pictures.
         for (number, page) in pages.iter().enumerate() {
             let name = match pages.len() {
                 1 => "lightmap".to_owned(),
@@ -75,12 +76,14 @@ impl BytePictures {
                 bytes.pictures.push(whole);
                 continue;
             };
+            // Keep the bright charts apart, and leave the others to the picture of the page.
             let of_bright = picture(format!("{name}, bright"), alone(page, &is_bright));
             let is_other: Vec<bool> = is_bright.iter().map(|b| !b).collect();
             bytes.pictures.push(picture(name, alone(page, &is_other)));
             bright.push((of_bright, is_bright));
         }
         let mut areas = [0.0; 2];
+        // Pictures of bright charts follow; the triangles of these charts read them.
         for (of_bright, is_bright) in bright {
             let number = bytes.pictures.len() as u32;
             for (of_receiver, charts) in bytes.of_triangles.iter_mut().zip(&layout.receivers) {
@@ -92,6 +95,7 @@ impl BytePictures {
             }
             bytes.pictures.push(of_bright);
         }
+        // Compare the area that has pictures of its own with the rest.
         for (r, pictures) in bytes.of_triangles.iter().enumerate() {
             for (t, &picture) in pictures.iter().enumerate() {
                 let area = baked.atlas.receivers[r].area_vector(t).length();

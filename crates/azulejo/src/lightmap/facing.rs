@@ -34,6 +34,7 @@ impl BakeSource {
         let mut seen = HashSet::new();
         for (receiver, turned) in turned.iter().enumerate() {
             let object = baked.objects[receiver];
+            // An object with light on both sides has two receivers, the second one for its other side.
             let is_second_side = !seen.insert(object);
             if !turned.contains(&true) {
                 continue;
@@ -45,6 +46,7 @@ impl BakeSource {
                 _ => continue,
             };
             turn_receiver(baked, receiver, turned);
+            // Make the backs an object of their own, and let neither side be seen from the other.
             if is_second_side {
                 let name = format!("{} (back)", old.name);
                 let mut back = reversed(&mesh.in_triangles(|t| turned[t]), |_| true);
@@ -57,10 +59,12 @@ impl BakeSource {
                 baked.objects[receiver] = scene.objects.len() as u32;
                 scene.objects.push(Object::new(name, Shape::Mesh(back)));
             } else {
+                // Turn the faces where they are, as no other receiver needs their fronts.
                 let mesh = reversed(&mesh.in_triangles(|_| true), |t| turned[t]);
                 scene.objects[object as usize].shape = Shape::Mesh(mesh);
             }
         }
+        // All light is on fronts by then, and the file is written again from the scene.
         baked.atlas.turned = Vec::new();
         *self = BakeSource::of_meshes(scene)?;
         Ok(())

@@ -91,12 +91,14 @@ impl IndirectLight<'_> {
         (samples, direct): (&Samples, &SampleDirect),
         seed: u32,
     ) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
+        // Indirect light need not be much better than texels can show direct light.
         let coarse = self.too_coarse_for(atlas, samples, direct, seed)?;
         let goal = IndirectGoal {
             relative: self.error,
             least: BESIDE_RESOLUTION * coarse,
         };
         let surfaces = self.solved.gatherer().surfaces();
+        // The first look reads the light of patches.
         let mut look = |request: &LookRequest| {
             let is_late = self.run.progress.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
@@ -104,6 +106,7 @@ impl IndirectLight<'_> {
         };
         let (mut light, nodes) =
             azulejo_bake::first_look(samples, direct, goal, self.run, &mut look)?;
+        // Limited bounces are path traced, so that further looks have nothing to correct.
         if self.bounces.is_some() {
             let mut gather =
                 |requests: &[PairRequest]| requests.iter().map(|r| self.limited(r)).collect();
@@ -118,6 +121,7 @@ impl IndirectLight<'_> {
             )?;
             return Ok(texels);
         }
+        // Each look reads the one before, and is corrected by paths: patches leak light into the dark.
         for number in 1..=LOOKS {
             if self.run.progress.out_of_time() {
                 break;
@@ -127,6 +131,7 @@ impl IndirectLight<'_> {
             let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, number);
             light = azulejo_bake::look_again(samples, direct, &nodes, self.run, &mut gather)?;
         }
+        // The last gather reads the last look, and takes as many rays as the error needs.
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
         let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, LOOKS + 1);

@@ -55,15 +55,18 @@ pub fn bake_occlusion<'r>(
         seed,
         run,
     };
+    // Choose the side of each chart before its points are placed on it.
     if options.sides == BakedSides::Brighter {
         atlas.turned = hemispheres.freer_sides(&atlas)?;
     }
     let samples = agreed_samples(&atlas, tracer, run)?;
     let count = samples.samples.len();
+    // The free share takes the place of indirect light, with no direct light beside it.
     let none = SampleDirect {
         irradiance: vec![[0.0; 3]; count],
         variance: vec![[0.0; 3]; count],
     };
+    // Gather at all samples if the number of rays is given, else at some, by how the share changes.
     let (light, texels) = match options.fixed_rays(progress) {
         Some(rays) => everywhere(&hemispheres, (&samples, &none), rays)?,
         None => to_error(&hemispheres, (&samples, &none), options.error())?,
@@ -72,6 +75,7 @@ pub fn bake_occlusion<'r>(
     let shown = ShownSamples::new(&samples, &light, &surfaces);
     let light: Vec<TexelLight> = light.into_iter().map(limited).collect();
     let mut lightmap = shown.lightmap(&samples, &light);
+    // Prepare the pages for viewers, who interpolate across charts and read smaller copies.
     for page in &mut lightmap.pages {
         azulejo_bake::pad_charts(page, options.charts.padding);
     }

@@ -108,13 +108,16 @@ impl BakeSource {
         mut file: SourceFile,
         is_alone: bool,
     ) -> Result<Option<BakeSource>, SourceError> {
+        // Read the file without a lightmap that is in it, to know where the objects of the scene come from.
         file.bytes = unbaked(file.bytes, &file.name).0;
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read?;
+        // A scene with fewer objects, or with more that are not just there for the light, is not that of the file.
         let has_more = !is_alone && scene.objects.len() > origins.len();
         if has_more || scene.objects.len() < origins.len() {
             return Ok(None);
         }
+        // Leave out what moves. Instances, and objects that the file does not have, shade but do not receive.
         let (mut kept, mut receivers, mut origin_of) = (Vec::new(), Vec::new(), Vec::new());
         let mut moving = 0;
         for (number, object) in scene.objects.iter().enumerate() {

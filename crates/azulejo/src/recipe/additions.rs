@@ -68,6 +68,7 @@ fn light(
     source: &RecipeSource,
 ) -> Result<Light, RecipeError> {
     let wrong = |message: &str| source.wrong(at, message);
+    // A light that shines alike in all directions spreads its lumens over 4π sr.
     let intensity = match (&table.intensity, table.lumens) {
         (Some(color), None) => source.light(color)?,
         (None, Some(lumens)) => {
@@ -77,6 +78,7 @@ fn light(
         }
         _ => return Err(wrong("a light has either `intensity` or `lumens`")),
     };
+    // Read direction and position on demand: only kinds of lights that need them miss them.
     let direction = || {
         let given = table.direction.map(DVec3::from_array);
         let unit = given.and_then(DVec3::try_normalize);

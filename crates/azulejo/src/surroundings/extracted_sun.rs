@@ -49,6 +49,7 @@ pub fn extract_sun(image: &mut Image, projection: Projection) -> Result<Extracte
         .iter()
         .map(|p| p.iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0)
         .collect();
+    // The sun stands out far from the median of the sphere; pixels outside an angular map do not count.
     let seen = |k: &usize| sphere.solid_angle(*k) > 0.0;
     let brightest = (0..luminance.len())
         .filter(seen)
@@ -61,6 +62,7 @@ pub fn extract_sun(image: &mut Image, projection: Projection) -> Result<Extracte
             peak / median.max(f64::MIN_POSITIVE)
         ));
     }
+    // Its disc is what is connected to the brightest pixel and bright enough, unless that is too wide.
     let least = (LEAST_CONTRAST * median).max(LEAST_SHARE * peak);
     let disc = sphere.connected(brightest, |k| luminance[k] > least);
     let size: f64 = disc.iter().map(|&k| sphere.solid_angle(k)).sum();
@@ -72,11 +74,13 @@ pub fn extract_sun(image: &mut Image, projection: Projection) -> Result<Extracte
             2.0 * MOST_HALF_ANGLE.to_degrees()
         ));
     }
+    // Behind the disc the surroundings go on as they are around it.
     let around = sphere.around(&disc);
     let fill: [f32; 3] = std::array::from_fn(|c| {
         let sum: f64 = around.iter().map(|&k| f64::from(image.pixels[k][c])).sum();
         (sum / around.len().max(1) as f64) as f32
     });
+    // Integrate what is taken away times its direction: what faces the sun keeps its irradiance.
     let mut vectors = [DVec3::ZERO; 3];
     for &k in &disc {
         let direction = sphere.vector(k);

@@ -26,6 +26,7 @@ const VIEW: [f64; 2] = [-106.0, 24.0];
 
 /// Draws the panel.
 pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<(), Failure> {
+    // Evaluate the lobes of all models first, because one scale is common to them.
     let phi = subject.phi;
     let light = super::polar::in_plane(-INCIDENCE.to_radians(), phi);
     let bodies = subject
@@ -36,6 +37,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
     let lobe_values = || bodies.iter().flatten().flatten().map(|(_, f)| *f);
     let power = power(lobe_values().collect());
     let most = lobe_values().fold(0.0, f64::max);
+    // Where no model has a lobe, the panel shows mirrors alone.
     let about = if most > 0.0 {
         format!(
             "radius: {}, 1/sr; up to {}",
@@ -46,6 +48,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
         "perfect mirror".to_owned()
     };
     panel.head(&format!("Lobe for light from {INCIDENCE}°"), &about, sheet);
+    // Bodies stand side by side, each over the largest value of all, so that their sizes compare.
     let parts = panel.parts(bodies.len());
     for ((brdf, body), part) in std::iter::zip(&subject.models, bodies).zip(parts) {
         let grown = |(w, f): (DVec3, f64)| {
@@ -59,6 +62,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
             .into_iter()
             .map(|ring| ring.into_iter().map(grown).collect())
             .collect();
+        // The body is a picture of pixels; light and labels are drawn over it.
         let view = LobeView::new(part.size);
         let pixels = view.picture(&body, phi, subject.scale);
         sheet.image(part.at, part.size, pixels);

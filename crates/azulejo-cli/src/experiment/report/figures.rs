@@ -154,6 +154,7 @@ fn figure(
 ) -> ChartSpec {
     let mut series: Vec<ChartSeries> = Vec::new();
     for row in rows {
+        // Leave out runs without one of the quantities, and points that a logarithmic axis cannot show.
         let (Some(px), Some(py)) = (row.mean(x.of), row.mean(y.of)) else {
             continue;
         };
@@ -161,6 +162,7 @@ fn figure(
         if !fits(x.axis, px) || !fits(y.axis, py) {
             continue;
         }
+        // Runs of the same name make one line; lines are in the order of their first runs.
         let name = name(row.run);
         let index = series
             .iter()
@@ -180,6 +182,7 @@ fn figure(
             spread: [spread(x), spread(y)],
         });
     }
+    // Order points by samples before x, because times are noisy and would turn lines back.
     for s in &mut series {
         s.points.sort_by(|a, b| {
             let by_x = a.at[0].total_cmp(&b.at[0]);

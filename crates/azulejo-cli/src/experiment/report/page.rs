@@ -111,6 +111,7 @@ impl Page<'_> {
     }
 
     fn answers(&self, out: &mut String) -> std::fmt::Result {
+        // The records of one setting follow each other, so each name is left once.
         let truths = truths(self.records);
         let mut settings: Vec<&str> = truths.iter().map(|t| t.setting.as_str()).collect();
         settings.dedup();
@@ -123,12 +124,14 @@ impl Page<'_> {
             "<p>The error is the engine's solution minus the exact one; σ is the error in units of the \
              engine's standard error, after subtracting the uncertainty of the exact solution.</p>\n",
         );
+        // Cases stand in the order of their first solution, whichever setting it is from.
         let mut cases: Vec<&TruthRecord> = Vec::new();
         for truth in &truths {
             if !cases.iter().any(|c| c.case == truth.case) {
                 cases.push(truth);
             }
         }
+        // The head has two lines, since each setting has a group of four columns.
         out.push_str("<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">case</th><th rowspan=\"2\" class=\"n\">exact</th>");
         for name in &settings {
             write!(
@@ -142,6 +145,7 @@ impl Page<'_> {
             out.push_str("<th class=\"n group\">solution</th><th class=\"n\">error</th><th class=\"n\">±</th><th class=\"n\">σ</th>");
         }
         out.push_str("</tr></thead><tbody>\n");
+        // A setting without a solution of a case leaves its columns empty.
         for case in cases {
             write!(
                 out,

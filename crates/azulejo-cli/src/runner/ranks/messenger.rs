@@ -404,6 +404,7 @@ impl<'a> Root<'a> {
     fn answer_waiting(&mut self) {
         let can_meet = self.states.iter().all(|state| *state == State::Ready);
         let is_alone = self.states.contains(&State::Ready) && self.states.contains(&State::Ended);
+        // A rank that waits for all others would wait forever once one of them has ended, so all stop.
         if self.is_stopping || is_alone {
             self.is_stopping = true;
             for rank in 1..self.states.len() {
@@ -418,6 +419,7 @@ impl<'a> Root<'a> {
             }
             return;
         }
+        // All are ready for the same exchange: release the others, and take part in it for rank 0.
         if can_meet {
             self.states.fill(State::Working);
             for rank in 1..self.states.len() {
@@ -436,6 +438,7 @@ impl<'a> Root<'a> {
             }
             return;
         }
+        // Rank 0 goes on with a stage when the others are done with all blocks that they were handed.
         if let Some(Pending::Collect(stage)) = self.pending {
             let queue = self.stages.entry(stage).or_default();
             if queue.out.values().all(Vec::is_empty) {

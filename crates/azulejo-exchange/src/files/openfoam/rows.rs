@@ -38,6 +38,7 @@ impl CaseRows {
         let taking_part = taking_part(enclosure, case)?;
         let numbers = row_numbers(enclosure)?;
         let faces: usize = taking_part.iter().map(|p| p.faces).sum();
+        // Rows of patches that take no part are left out; those of anything else are refused below.
         let left_out = left_out(enclosure, case, &taking_part);
         let is_left_in = |face: FaceId| {
             let patches = left_out.as_ref();
@@ -46,6 +47,7 @@ impl CaseRows {
         let rows = enclosure.factors.faces.iter();
         let rows = rows.filter(|&&f| is_left_in(f)).count();
         let faces_of_rows = row_faces(enclosure).filter(|&(f, _)| is_left_in(f)).count();
+        // Rows may be whole patches, if each of these has one and there are no others.
         let by_patch = enclosure.rows.are_groups
             && is_each_once(taking_part.iter().map(|p| {
                 let row = numbers.get(&(p.name.as_str(), None));
@@ -56,6 +58,7 @@ impl CaseRows {
             let left_out = left_out.unwrap_or_default();
             return Ok(CaseRows::by(case, &taking_part, &left_out, row_of));
         }
+        // Otherwise rows must have all faces of the patches that take part, and no other faces.
         let row_of = |patch: &str, face| numbers.get(&(patch, Some(face))).copied();
         let is_known = |p: &&BoundaryPatch| {
             (0..p.faces)

@@ -83,11 +83,13 @@ impl ThermalModel {
     /// If there is no matrix or no band, or if properties or conditions are not those of its rows.
     pub fn solve(mut self, progress: &Progress) -> Result<ThermalSolution, ModelError> {
         self.check_rows()?;
+        // Choose for each band the matrix that was computed with its mirrors.
         let used = self
             .bands
             .iter()
             .map(|(range, rows)| self.matching(*range, rows))
             .collect::<Result<Vec<usize>, _>>()?;
+        // Rows are combined before the exchange is solved if they are lumped, else their exchange is added up.
         let nodes = self.groups();
         let nodes = if self.lump {
             lump::lump(&mut self, &nodes, progress)?
@@ -105,10 +107,12 @@ impl ThermalModel {
                 emissivity: rows.iter().map(|p| p.emissivity).collect(),
             })
             .collect();
+        // Surfaces emit nothing in the solar band, which has no network.
         let mut networks = Vec::new();
         for band in bands.iter().filter(|b| b.range != SpectralRange::Solar) {
             networks.push((band.range, exchange_factors(band, &nodes, progress)?));
         }
+        // Solve for temperatures and fluxes with sky and ground, by default at the temperature of space.
         let surroundings = self.surroundings.map(|t| t.unwrap_or(DEEP_SPACE));
         let heat = match &self.conditions {
             Some(conditions) => {

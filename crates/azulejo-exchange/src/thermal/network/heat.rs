@@ -95,8 +95,10 @@ pub fn heat_balance(
         problem.bands.iter().all(|b| b.enclosure.len() == n),
         "one condition for each row"
     );
+    // Rows that exchange heat only with one another, by given fluxes, could have any temperature.
     problem.check()?;
     progress.begin("heat balance", 0);
+    // What a row has to lose by emission is its flux and the sunlight that it absorbs.
     let solar = problem.absorbed_solar(progress)?;
     let target = |i: usize| match problem.conditions[i] {
         RowCondition::Temperature(_) => 0.0,
@@ -105,6 +107,7 @@ pub fn heat_balance(
     let targets: Vec<f64> = (0..n).map(target).collect();
     let thermal: Vec<&SurfaceBand> = problem.thermal().collect();
     let has_fluxes = problem.has_fluxes();
+    // Solve the cheapest problem: a linear one, or one for each band, or Newton's method for all of them.
     let (temperatures, bands, iterations) = match thermal[..] {
         [band] if band.range == SpectralRange::Thermal => {
             let (temperatures, solved) = problem.grey(band, &targets, progress)?;
@@ -124,6 +127,7 @@ pub fn heat_balance(
         iterations,
         ..HeatBalance::default()
     };
+    // Derive fluxes, nodes and errors from the solved bands.
     balance.add_rows(problem, &thermal, &bands);
     balance.check(problem)?;
     balance.add_nodes(problem, nodes);

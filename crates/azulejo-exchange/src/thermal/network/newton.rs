@@ -328,13 +328,14 @@ fn solved_increasing(function: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, 
     t
 }
 
-/// Solves a system by BiCGSTAB; the best that was found if it stalls.
+/// Solves a system by BiCGSTAB (van der Vorst 1992); the last iterate if the method breaks down or stalls.
 fn bicgstab(
     times: impl Fn(&Radiosities) -> Result<Radiosities, ExchangeError>,
     right: &[Vec<f64>],
     tolerance: f64,
 ) -> Result<Radiosities, ExchangeError> {
     let zero: Radiosities = right.iter().map(|band| vec![0.0; band.len()]).collect();
+    // Start from 0: the right side is the first residual, and the shadow residual too.
     let (mut x, mut rest) = (zero.clone(), right.to_vec());
     let shadow = right;
     let (mut direction, mut image) = (zero.clone(), zero);
@@ -344,6 +345,7 @@ fn bicgstab(
         if dot(&rest, &rest) <= enough {
             break;
         }
+        // Renew the direction; where that divides by nothing, the method has broken down.
         let next = dot(shadow, &rest);
         let beta = next / rho * (alpha / omega);
         if !beta.is_finite() {
@@ -355,12 +357,14 @@ fn bicgstab(
                 *d = r + beta * (*d - omega * v);
             }
         }
+        // Make the step of biconjugate gradients along the direction.
         image = times(&direction)?;
         alpha = rho / dot(shadow, &image);
         if !alpha.is_finite() {
             break;
         }
         add(&mut rest, -alpha, &image);
+        // Stabilize it: along the image of what is left, go to the least residual.
         let t = times(&rest)?;
         let curvature = dot(&t, &t);
         omega = if curvature > 0.0 {

@@ -147,6 +147,7 @@ impl<'a> Reflections<'a> {
     ) -> Result<Lanes<L>, ExchangeError> {
         let n = right.len();
         let diagonal = self.inverse_diagonal();
+        // Start from 0, where the residual is the right side itself.
         let mut y: Lanes<L> = vec![[0.0; L]; n];
         let mut rest = right.clone();
         let mut next = scaled(&rest, &diagonal);
@@ -161,10 +162,12 @@ impl<'a> Reflections<'a> {
                 progress.advance(count as u64)?;
                 return Ok(y);
             }
+            // Rounding may keep the residual above the tolerance: after many iterations a larger one will do.
             if iteration > MOST / 2 && (0..L).all(|lane| is_done(lane, ENOUGH)) {
                 progress.advance(count as u64)?;
                 return Ok(y);
             }
+            // Step to the minimum along the direction; lanes that are done stay where they are.
             let image = self.times(&direction);
             let curvature = dots(&direction, &image);
             let step: [f64; L] = std::array::from_fn(|lane| {
@@ -176,6 +179,7 @@ impl<'a> Reflections<'a> {
             });
             add(&mut y, &step, &direction);
             add(&mut rest, &step.map(|s| -s), &image);
+            // Make the next direction conjugate to those before, from the preconditioned residual.
             next = scaled(&rest, &diagonal);
             let grown = dots(&rest, &next);
             let turn: [f64; L] = std::array::from_fn(|lane| {

@@ -148,6 +148,7 @@ fn check_cover(bands: &mut [SpectralRange]) -> Result<(), TableError> {
             "there is no emissivity, expected a column `eps` with a number in every record",
         ));
     }
+    // One emissivity for all wavelengths is enough, but cannot stand beside those of bands.
     if bands == [SpectralRange::Thermal] {
         return Ok(());
     }
@@ -160,6 +161,7 @@ fn check_cover(bands: &mut [SpectralRange]) -> Result<(), TableError> {
             "there is eps for all wavelengths beside eps of bands, expected one or the other",
         ));
     }
+    // In order, each band has to begin where the one before ends.
     bands.sort_by(|a, b| {
         ends(a)
             .partial_cmp(&ends(b))
@@ -177,6 +179,7 @@ fn check_cover(bands: &mut [SpectralRange]) -> Result<(), TableError> {
         }
         next = high;
     }
+    // The last band has to reach infinity, so that no emission is left out.
     if next.is_finite() {
         return Err(TableError::new(format_args!(
             "bands end at {next} µm, expected a last one to inf, as in eps@{next}-inf"

@@ -15,8 +15,10 @@ impl MaterialTable {
     /// # Panics
     /// If there is no such band.
     pub fn paint(&self, scene: &mut Scene, band: usize) -> Result<(), TableError> {
+        // Objects that share a mesh may have different records.
         scene.unfold();
         let records = &self.bands[band].records;
+        // Make one new material for each old one with each of its records.
         let old = std::mem::take(&mut scene.materials);
         let mut painter = Painter {
             records,
@@ -28,6 +30,7 @@ impl MaterialTable {
         for object in &mut scene.objects {
             let name = &object.name;
             let mut material = |face: Option<usize>, id: MaterialId| {
+                // The name of a face counts before that of its object, and this before that of the material.
                 let mut names: Vec<String> = Vec::new();
                 names.extend(face.map(|face| format!("{name}/{face}")));
                 names.extend([name.clone(), old[id as usize].name.clone()]);
@@ -52,6 +55,7 @@ impl MaterialTable {
             }
         }
         scene.materials = painter.new;
+        // Name all objects without a record together.
         if missing.is_empty() {
             return Ok(());
         }

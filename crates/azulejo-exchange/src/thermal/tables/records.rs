@@ -97,6 +97,7 @@ fn from_lines(text: &str) -> Result<Vec<NamedRecord>, TableError> {
             "the table is empty, expected a header with `name`",
         ));
     };
+    // The header says what divides values, and which of them is the name.
     let delimiter = ['\t', ';', ','].into_iter().find(|&d| header.contains(d));
     let delimiter = delimiter.unwrap_or(',');
     let columns = split(header, delimiter);
@@ -111,6 +112,7 @@ fn from_lines(text: &str) -> Result<Vec<NamedRecord>, TableError> {
     for (number, line) in lines.filter(|(_, line)| is_content(line)) {
         let place = format!("line {}", number + 1);
         let cells = split(line, delimiter);
+        // A line of another length would put values into wrong columns.
         if cells.len() != columns.len() {
             return Err(TableError::new(format_args!(
                 "{place}: {} values, expected {}, one for each column of the header",
@@ -118,6 +120,7 @@ fn from_lines(text: &str) -> Result<Vec<NamedRecord>, TableError> {
                 columns.len()
             )));
         }
+        // An empty cell is a value that is not given.
         let fields = columns.iter().zip(&cells).enumerate();
         let fields = fields.filter(|(k, (_, cell))| *k != key && !cell.is_empty());
         records.push(NamedRecord {

@@ -69,6 +69,7 @@ pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
 /// # Errors
 /// Files that are not glTF.
 pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
+    // Only a file with azulejo's mark has anything to lose.
     let parts = Parts::of(bytes, name)?;
     let json = Json::parse(parts.text, 2 * MOST_LEVELS);
     let json = json.map_err(|found| PatchError::of(name, found))?;
@@ -76,6 +77,7 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
         return Ok(None);
     };
     let convention = mark.get("convention").and_then(Json::text);
+    // See whether the entries that refer to the light are still somewhere in the file.
     let has =
         |list: &str, steps: &[&str]| json.entries(list).iter().any(|e| e.find(steps).is_some());
     let primitives = || (json.entries("meshes").iter()).flat_map(|m| m.entries("primitives"));
@@ -96,6 +98,7 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
     if !what.is_empty() {
         gone.push(what.to_owned());
     }
+    // Optimizers drop texture coordinates that no material refers to.
     if let Some(set) = mark.get("texCoord").and_then(Json::index) {
         let set = format!("TEXCOORD_{set}");
         if primitives().all(|p| p.find(&["attributes", &set]).is_none()) {
@@ -105,6 +108,7 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
     if gone.is_empty() {
         return Ok(None);
     }
+    // Tell who wrote the file last, and that dimmed lamps do not come back by themselves.
     let writer = json.find(&["asset", "generator"]).and_then(Json::text);
     let mut message = format!(
         "{name}: {} has written the file since it was baked, and lost {}",

@@ -133,6 +133,7 @@ impl<'w> Work<'w> {
         additions: &mut Additions,
         notes: &mut Notes,
     ) -> Result<Split, PatchError> {
+        // Existing coordinates need neither new vertices nor new attributes.
         if let LightmapUvs::Existing(_) = self.edit.uvs {
             return Ok(self.as_they_are());
         }
@@ -140,6 +141,7 @@ impl<'w> Work<'w> {
         let mut owners: HashMap<usize, &Primitive> = HashMap::new();
         let mut primitives: Vec<Vec<(usize, SplitPrimitive)>> = Vec::new();
         for assignment in &self.assignments {
+            // An object that shares the layout of another one takes its primitives, perhaps on another page.
             if let Entry::Moved(base, _) | Entry::Shared(base, _) = assignment.entry {
                 let mut list = primitives[base].clone();
                 for ((_, split), part) in list.iter_mut().zip(&assignment.parts) {
@@ -148,6 +150,7 @@ impl<'w> Work<'w> {
                 primitives.push(list);
                 continue;
             }
+            // Only meshes that change in place may share their lists of vertices.
             let mesh = &self.meshes[assignment.mesh];
             let is_shared = assignment.entry == Entry::Own;
             let list = splits.add(self.source, mesh, &assignment.parts, is_shared);
@@ -161,6 +164,7 @@ impl<'w> Work<'w> {
             }
             primitives.push(list);
         }
+        // Write the vertices of each list once, with the attributes of the first primitive that uses it.
         let mut vertices_of = |(i, group): (usize, &VertexGroup)| {
             let new = additions.vertices(group, owners.get(&i)?, set);
             let note = |fault: &String| notes.add(&format!("primitive without lightmap: {fault}"));

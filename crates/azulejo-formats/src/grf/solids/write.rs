@@ -70,6 +70,7 @@ fn material(out: &mut GrfOutput<'_>, name: Option<&GrfName>) -> io::Result<()> {
 
 /// Writes what is between `begin` and `end`; short solids stay on one line.
 fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -> io::Result<()> {
+    // Begin with the entries of this kind, then the material, which every kind may have.
     match &solid.kind {
         SolidKind::Primitive(kind, map) => unit_primitive(out, *kind, map)?,
         SolidKind::Prism(figure, map) => {
@@ -85,12 +86,14 @@ fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -
         SolidKind::Patch(_) | SolidKind::Mesh(_) | SolidKind::Shell(_) => {}
     }
     material(out, brdf)?;
+    // A solid of few entries ends on the same line.
     match &solid.kind {
         SolidKind::Primitive(..) | SolidKind::Prism(..) | SolidKind::Instance(..) => {
             return out.write_all(b" ");
         }
         _ => out.write_all(b"\n")?,
     }
+    // Lists of points, faces and members have lines of their own.
     match &solid.kind {
         SolidKind::Csg(csg) => sides(out, csg),
         SolidKind::Text(text) => text.glyphs.iter().try_for_each(|g| glyph(out, g)),

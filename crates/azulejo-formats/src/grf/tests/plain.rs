@@ -125,6 +125,14 @@ fn faces_that_one_mesh_cannot_hold_are_several() {
     assert_eq!(materials[3].1.textures.len(), 1);
 }
 
+/// Lamps that are meshes are not taken from the number of primitives.
+#[test]
+fn a_lamp_of_four_vertices_loses_nothing() {
+    let mut scene = with(materials(), Shape::Mesh(quad(&[1])));
+    scene.materials[1].diffuse = Rgb::BLACK;
+    assert!(plain_losses(&scene).is_empty());
+}
+
 #[test]
 fn solids_become_meshes_and_backs_faces() {
     let mut scene = with(

@@ -78,10 +78,12 @@ fn split(loops: Loops, axis: usize, at: f64) -> (Loops, Loops) {
         let side = |p: DVec2| usize::from(p[axis] >= at);
         let next = |i: usize| points[(i + 1) % points.len()];
         let crosses = |i: &usize| side(points[*i]) != side(next(*i));
+        // A loop that does not cross the line lies on one side of it as a whole.
         let Some(start) = (0..points.len()).find(crosses) else {
             whole[side(points[0])].push(points);
             continue;
         };
+        // Follow the loop from its first crossing; each crossing ends a chain and begins one on the other side.
         let first = crossings.len();
         let mut open: Option<(usize, Chain)> = None;
         for k in 0..points.len() {
@@ -104,6 +106,7 @@ fn split(loops: Loops, axis: usize, at: f64) -> (Loops, Loops) {
                 open = Some((side(next(i)), chain));
             }
         }
+        // The last chain runs through the start of the loop to the first crossing.
         if let Some((side, mut chain)) = open {
             chain.points.push(points[start]);
             chain.points.push(crossings[first]);
@@ -111,6 +114,7 @@ fn split(loops: Loops, axis: usize, at: f64) -> (Loops, Loops) {
             chains[side].push(chain);
         }
     }
+    // Close the chains of each side along the line.
     let partners = partners(&crossings, 1 - axis);
     let [low, high] = chains.map(|chains| joined(chains, &partners));
     let [mut below, mut above] = whole;

@@ -67,12 +67,14 @@ impl PreviousCurve {
 impl Path<'_> {
     /// Draws a segment; `None` if a coordinate is too large.
     fn segment(&mut self, segment: PathSegment) -> Option<()> {
+        // Relative coordinates start at the pen, for horizontal and vertical lines, too.
         let at = self.pen.at();
         let base = if segment.is_abs() { DVec2::ZERO } else { at };
         let point = |x: f64, y: f64| {
             let offset = DVec2::new(x, y);
             (offset.abs().max_element() <= LARGEST).then_some(base + offset)
         };
+        // Only a curve leaves a control point, and only a smooth curve directly after it mirrors that.
         let last = std::mem::replace(&mut self.last, PreviousCurve::Other);
         match segment {
             PathSegment::MoveTo { x, y, .. } => {
@@ -120,6 +122,7 @@ impl Path<'_> {
                 y,
                 ..
             } => {
+                // SVG draws an arc without a radius or an extent as a line.
                 let radii = DVec2::new(rx, ry).abs().min(DVec2::splat(LARGEST));
                 let turned = x_axis_rotation.to_radians();
                 let to = point(x, y)?;

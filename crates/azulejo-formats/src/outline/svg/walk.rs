@@ -225,6 +225,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
 
     fn fill(&mut self, site: PendingElement) -> Result<(), ReadError> {
         let element = site.element;
+        // Only visible fills become figures; a stroke without a fill is reported.
         if !site.style.is_visible {
             return Ok(());
         }
@@ -234,6 +235,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             }
             return Ok(());
         }
+        // Draw in the element's own coordinates, and spend by the curves, which each `use` repeats.
         let mut pen = Pen::default();
         let Some(outcome) = shapes::draw(element, &mut pen) else {
             self.warn("shape with a length in an unknown unit: left out", element);
@@ -247,6 +249,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         if !self.budget.keeps() {
             return Ok(());
         }
+        // Even where its coordinates are finite, transforms can make a shape overflow.
         transform_figure(&mut figure, &site.map);
         if figure.contours.is_empty() {
             return Ok(());
@@ -255,6 +258,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             self.warn("shape whose transforms overflow: left out", element);
             return Ok(());
         }
+        // A gradient or a pattern fills the same figure, but without a colour that could be kept.
         let color = match site.style.fill {
             Paint::Color(color) => Some(color),
             Paint::None | Paint::Other => None,

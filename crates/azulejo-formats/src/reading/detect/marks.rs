@@ -48,8 +48,10 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
     if bytes.is_empty() {
         return Some(Err(EMPTY));
     }
+    // Marks of text formats may be in UTF-16, or behind a byte-order mark.
     let text = decoded(&bytes[..bytes.len().min(LOOKED_AT)]);
     let mark = MARKS.iter().find(|(mark, _)| text.starts_with(mark));
+    // The others are told by numbers at their start; TIFF comes last, as it shares some with 3DS.
     mark.map(|(_, format)| *format)
         .or_else(|| is_openflight(bytes).then_some(Ok(OpenFlight)))
         .or_else(|| is_3ds(bytes).then_some(Ok(Studio3ds)))

@@ -118,6 +118,9 @@ impl Weights {
             let off = (self.mean[c] - self.expected[c]).abs();
             off / (self.standard_error[c] + 2e-5)
         };
+        if !self.mean.is_finite() {
+            return f64::NAN;
+        }
         of(0).max(of(1)).max(of(2))
     }
 }
@@ -167,7 +170,8 @@ pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
         for channel in 0..3 {
             let (a, b) = (there[channel], back[channel]);
             let difference = (a - b).abs() / a.max(b).max(f64::MIN_POSITIVE);
-            if difference > worst.largest {
+            // What is not a number is worse than all that is.
+            if difference > worst.largest || difference.is_nan() {
                 worst = Reciprocity {
                     largest: difference,
                     wo,

@@ -48,14 +48,17 @@ impl SceneDocument {
 
     /// Appends the content of another document; its ids are replaced by new ones of this document.
     pub(super) fn append_document(&mut self, other: &SceneDocument) -> Vec<ItemId> {
+        // An empty document takes the units of its first content.
         if self.is_empty() {
             self.units = other.units;
         }
+        // Source files, materials and textures are referred to by index: those of the other follow.
         let (source_files, materials) = (self.source_files.len(), self.materials.len() as u32);
         let textures = self.textures.len() as u32;
         let source_file = |b: Option<usize>| b.map(|b| b + source_files);
         self.source_files.extend(other.source_files.iter().cloned());
         self.textures.extend(other.textures.iter().cloned());
+        // Materials stay shared between the documents, unless their textures are renumbered.
         for material in &other.materials {
             let mut material = Arc::clone(material);
             if textures > 0 && material.pictures().next().is_some() {
@@ -63,6 +66,7 @@ impl SceneDocument {
             }
             self.materials.push(material);
         }
+        // Objects, lights and cameras get new ids, and references to what lies at new indices.
         let mut ids = Vec::new();
         for item in &other.objects {
             let mut item = SceneObject::clone(item);
@@ -92,6 +96,7 @@ impl SceneDocument {
                 camera: view.camera.clone(),
             });
         }
+        // A background or fog that is there takes precedence; RTRACE settings describe one file only.
         let background = other.background.map(|b| b.with_texture(|t| t + textures));
         self.background = self.background.or(background);
         self.fog = self.fog.or(other.fog);

@@ -12,11 +12,13 @@ const MERGE_TOLERANCE: f64 = 0.005;
 
 /// Draws the curves of one model, or of two: the second is dashed.
 pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
+    // The axis ends above 1, or higher for models that create energy, within limits.
     let values = curves
         .iter()
         .flat_map(|c| c.iter().map(|p| p.1.max_channel()));
     let most = 1.08 * values.fold(1.0, f64::max).min(8.0);
     let (colors, ink, line) = (channels(ui), ui.visuals().strong_text_color(), grid(ui));
+    // Mark multiples of 15°: the default grid of the plot is decimal.
     let angles = |_: egui_plot::GridInput| {
         let mark = |k: i32| GridMark {
             value: f64::from(15 * k),
@@ -45,6 +47,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
         .show_y(false)
         .label_formatter(words);
     let shown = plot.show(ui, |plot| {
+        // The dashed line is perfect reflection, which no physical albedo exceeds.
         let full = HLine::new("", 1.0)
             .color(ink.gamma_multiply(0.6))
             .width(1.0);
@@ -53,6 +56,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
             lines(plot, curve, is_dashed, colors, ink);
         }
     });
+    // To a screen reader the plot is an image with a title.
     let words = language.tr("Albedo as a function of the angle of incidence");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     shown.response.widget_info(info);

@@ -12,6 +12,7 @@ const SEEN: f64 = 5e-4;
 
 /// Draws the lobes of one model, or of two: the second is dashed.
 pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&[LobeSlice]]) {
+    // One radial scale for all lobes makes models comparable: it ends at their maximum.
     let values = models
         .iter()
         .flat_map(|slices| slices.iter().flat_map(|s| drawn(view, s)));
@@ -23,6 +24,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
         ink: ui.visuals().weak_text_color(),
         colors: lines(ui),
     };
+    // The plot is a fixed half disc: spokes and rings replace its own axes and grid.
     let (name, unit) = (quantity(view), language.tr("1/sr"));
     let height = (0.56 * ui.available_width()).clamp(120.0, 230.0);
     let plot = Plot::new("polar")
@@ -43,6 +45,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
         .include_y(-0.16)
         .include_y(1.17)
         .label_formatter(|at| dial.words(at, name, unit));
+    // Of each model the first lobe is drawn last, on top of the others.
     let shown = plot.show(ui, |plot| {
         dial.draw_axes(plot);
         for (slices, is_dashed) in models.iter().zip([false, true]) {
@@ -51,6 +54,7 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&
             }
         }
     });
+    // To a screen reader the plot is an image with its quantity and scale.
     let words = language.tr("Lobes in the plane of incidence");
     let scale = match view.scale {
         RadialScale::Linear => language.tr("Linear"),

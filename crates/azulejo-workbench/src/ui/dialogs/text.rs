@@ -34,6 +34,7 @@ impl TextDialog {
         let modal = Modal::new(Id::unique("letters")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.heading(cx.tr("Solid text"));
+            // The text has the focus when the dialog opens.
             let label = ui.label(cx.tr("Text"));
             let field = ui.add(
                 egui::TextEdit::multiline(&mut self.text)
@@ -41,6 +42,7 @@ impl TextDialog {
                     .desired_width(f32::INFINITY),
             );
             focus::at_first(&field.labelled_by(label.id));
+            // The depth of letters is relative to the font size, and without a file a built-in font is used.
             Grid::new("letters").num_columns(2).show(ui, |ui| {
                 let speed = 0.01 * self.size;
                 let drag = DragValue::new(&mut self.size).range(1e-9..=1e9);
@@ -55,6 +57,7 @@ impl TextDialog {
                     .clicked();
                 ui.end_row();
             });
+            // Blank text has no solid that could be added.
             ui.horizontal(|ui| {
                 let ready = !self.text.trim().is_empty();
                 if ui
@@ -72,6 +75,7 @@ impl TextDialog {
                 done |= ui.button(cx.tr("Cancel")).clicked();
             });
         });
+        // The file dialog takes the place of this one, which returns after it.
         if asks_font {
             cx.send(Command::RequestFile(FileRequest::Font));
             return false;

@@ -13,12 +13,14 @@ use egui::{Color32, Grid, ProgressBar, RichText, Ui};
 /// Draws numbers and bars, with a warning if the energy balance does not close.
 pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
     let [blue, orange, green, purple, yellow] = lines(ui);
+    // What no other share explains is noise of the solution, or left out by a limit on bounces.
     let rest = balance.emitted - balance.absorbed - balance.escaped - balance.cut;
     let unit = ShownUnit::of(cx.app);
     ui.horizontal(|ui| {
         ui.weak(cx.tr("Emitted = absorbed + escaped + cut off"));
         help::mark(ui, cx.language, HelpTerm::EnergyBalance);
     });
+    // Each row has a power in the shown unit, and a bar of its share in the emitted power.
     let grid = Grid::new("energy").num_columns(3).spacing([10.0, 3.0]);
     grid.show(ui, |ui| {
         let mut row = |name: &str, about: &str, power: Rgb, share: f64, color: Color32| {
@@ -29,6 +31,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
             bar(ui, name, share, color);
             ui.end_row();
         };
+        // In the dark the shares are 0, and not NaN.
         let emitted = balance.emitted.mean();
         let share = |power: Rgb| power.mean() / emitted.max(f64::MIN_POSITIVE);
         row(
@@ -67,6 +70,7 @@ pub fn show(ui: &mut Ui, cx: &PanelContext, balance: &EnergyBalance) {
             orange,
         );
     });
+    // A warning names the likely cause: a limit on bounces, or else too few samples.
     if balance.is_off() {
         let words = match cx.app.lighting.settings.bounces {
             Some(_) => cx.tr("The energy balance does not close: the bounces are limited."),

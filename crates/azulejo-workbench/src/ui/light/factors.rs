@@ -14,6 +14,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
     let app = cx.app;
     let name = app.document.name(seen.item).unwrap_or_default();
     ui.label(format!("{} {name}", cx.tr("Patch of")));
+    // If the sum exceeds 1 a little, nothing leaves the scene.
     let outside = (1.0 - seen.sum).max(0.0);
     let (sum, rest) = (cx.tr("Sum"), cx.tr("leaves the scene"));
     let text = format!("{sum} {:.4}; {} {rest}", seen.sum, percent(outside));
@@ -23,6 +24,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
         );
         help::mark(ui, cx.language, HelpTerm::FormFactor);
     });
+    // The objects come in descending order of their form factors; a click selects one.
     let grid = Grid::new("form factors").num_columns(3).striped(true);
     grid.show(ui, |ui| {
         ui.weak(cx.tr("Object"));
@@ -38,6 +40,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
                 cx.select(id, false);
             }
             ui.label(format!("{factor:.4}"));
+            // To a screen reader the bar is a meter with the name of the object.
             let bar = ProgressBar::new(factor.clamp(0.0, 1.0) as f32);
             ui.add(bar.desired_width(110.0).desired_height(8.0))
                 .widget_info(|| {
@@ -47,6 +50,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
             ui.end_row();
         }
     });
+    // Tell how many objects the table leaves out.
     if let Some(more) = seen
         .objects
         .len()

@@ -100,8 +100,10 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     ui.weak(title);
     let [blue, orange, ..] = lines(ui);
     let ink = ui.visuals().strong_text_color();
+    // Errors and times are logarithms; the range of the plot includes the target.
     let aim = cx.app.lighting.settings.error.max(1e-9).log10();
     let ys = curves.errors.iter().chain(&curves.patch_errors);
+    // Errors are shares: as percentages they are two decades larger.
     let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]))
         .x_axis_label(cx.tr("seconds"))
         .x_grid_spacer(decades)
@@ -127,6 +129,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             (of_light, &curves.errors, blue),
         ];
         for (name, points, color) in curves {
+            // A line through a single point would be invisible.
             if let [_] = points[..] {
                 let dot = egui_plot::Points::new(name, PlotPoints::from(points.clone()));
                 plot.points(dot.color(color).radius(3.0));
@@ -136,6 +139,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             }
         }
     });
+    // To a screen reader the plot is an image with a title.
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, title));

@@ -15,6 +15,7 @@ use egui::{Grid, Ui};
 pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
     let app = cx.app;
     let mut pins = false;
+    // Pinning needs an object; measuring needs probes and light, and runs only once at a time.
     ui.horizontal(|ui| {
         let about = cx.tr("Click here, then a surface; or press P over a surface.");
         let button = egui::Button::new(cx.tr("Pin a probe"));
@@ -41,10 +42,12 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
             cx.send(Command::RequestFile(FileRequest::SaveProbes));
         }
     }
+    // Without probes, a hint takes the place of the table.
     if app.probes.is_empty() {
         ui.weak(cx.tr("No probes yet: press P over a surface to pin one."));
         return pins;
     }
+    // Interpolated and measured irradiance are side by side, in the same unit.
     let grid = Grid::new("probes").num_columns(5).striped(true);
     grid.spacing([8.0, 4.0]).show(ui, |ui| {
         ui.weak("#");

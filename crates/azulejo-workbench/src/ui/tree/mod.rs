@@ -55,6 +55,7 @@ impl SceneTree {
                 .hint_text(hint)
                 .desired_width(f32::INFINITY),
         );
+        // Follow the document and the filter; what was selected elsewhere is scrolled to.
         self.list.follow(cx.app, &self.filter, cx.language);
         self.follow_selection(cx.app);
         let target = self.reveal.take().and_then(|id| self.list.reveal(id));
@@ -68,6 +69,7 @@ impl SceneTree {
             ui.weak(text);
             return;
         }
+        // Only rows in view are laid out, so the target is reached by its offset, a little above the middle.
         let height = ui.spacing().interact_size.y;
         let mut area = ScrollArea::vertical().auto_shrink([false, false]);
         if let Some(at) = target {
@@ -75,6 +77,7 @@ impl SceneTree {
             let offset = at as f32 * (height + spacing) - 0.4 * ui.available_height();
             area = area.vertical_scroll_offset(offset.max(0.0));
         }
+        // The rows borrow the list: a group opens or closes after they are drawn.
         let mut toggled = None;
         let rename = &mut self.rename;
         let before = cx.commands.len();
@@ -84,6 +87,7 @@ impl SceneTree {
                 toggled = toggled.or(clicked);
             }
         });
+        // A selection made here must not scroll the tree.
         let mut sent = cx.commands[before..].iter();
         self.was_clicked = sent.any(|c| matches!(c, Command::Select(_)));
         if let Some(group) = toggled {

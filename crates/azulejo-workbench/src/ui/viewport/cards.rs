@@ -245,9 +245,11 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
     let app = cx.app;
     let (lighting, shading) = (&app.lighting, app.view.shading);
     let is_dark = !app.document.has_light();
+    // What is missing first is shown alone: light sources, then a solution, then a current one.
     let (text, labels): (&str, &[&str]) = if app.document.objects.is_empty() {
         return Vec::new();
     } else if app.lightmap.shown_in(shading).is_some() {
+        // A lightmap stands in for the solution, whose state does not matter then.
         let is_old = app.lightmap.result.is_some() && !app.lightmap.is_current;
         if !is_old {
             return Vec::new();
@@ -271,9 +273,11 @@ pub fn show_next(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTa
     } else {
         return Vec::new();
     };
+    // Form factors need no light, whatever the state of the solution.
     if shading == Shading::FormFactors {
         return Vec::new();
     }
+    // The buttons are entries of the menus, with their keys.
     let mut targets = Vec::new();
     card(ui, rect, Align2::CENTER_TOP, "next", |ui| {
         ui.horizontal_wrapped(|ui| {

@@ -90,10 +90,12 @@ impl ViewPane {
         let app = cx.app;
         self.update(app, view, size);
         let painter = ui.painter().with_clip_rect(clip);
+        // Without a graphics device the pane stays grey.
         let Some(screen) = &mut self.screen else {
             painter.rect_filled(clip, 0.0, Color32::from_gray(40));
             return Ok(());
         };
+        // The stamp tells whether app or view have changed since the picture was drawn.
         let scale = scale(app, view.shading);
         let lightmap = app.lightmap.shown_in(view.shading);
         let stamp = DrawStamp {
@@ -106,6 +108,7 @@ impl ViewPane {
             task_plane: app.task_plane.result.as_ref().map(|plane| plane.number),
             scale,
         };
+        // Collect meshes, materials and textures; where form factors are shown, patches replace the objects.
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
         let cache = &self.cache;
         let textures = app.document.textures.iter();
@@ -117,6 +120,7 @@ impl ViewPane {
             .collect();
         let shows_factors = view.shading == Shading::FormFactors;
         let drawn = cache.drawn(app, shows_factors);
+        // Draw markers and the measured task plane in addition to the model.
         let mut overlay = markers::overlay(app, view.shading);
         if let Some((plane, scale)) = plane_scale(app, view.shading) {
             task_plane::draw(&mut overlay, plane, &scale);
@@ -138,6 +142,7 @@ impl ViewPane {
             ..ViewportFrame::new(size, &view.camera, &drawn, &materials)
         };
         screen.draw(ui, &painter, rect, stamp.clone(), &frame)?;
+        // Write the values on the isolines over the picture.
         if has_isolines(app, view.shading) {
             self.labels
                 .show(&painter, (rect, clip), screen, &stamp, &frame);
