@@ -10,7 +10,7 @@
 use crate::batches::in_batches;
 use crate::lattice::{Lattice, place};
 use crate::light::{NodeLight, NodePair, PairRays};
-use crate::nodes::Nodes;
+use crate::nodes::{MOST_NEIGHBOURS, Nodes};
 use crate::rays::READ_RATE;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
@@ -19,10 +19,7 @@ use azulejo_trace::{Cancelled, Gathered, REPLICATES, Run};
 
 /// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
 /// what changes from place to place is blurred.
-const NEIGHBOURS: [usize; 4] = [6, 12, 24, 48];
-
-/// The most of them.
-pub(crate) const MOST_NEIGHBOURS: usize = NEIGHBOURS[NEIGHBOURS.len() - 1];
+const NEIGHBOURS: [usize; 4] = [6, 12, 24, MOST_NEIGHBOURS];
 
 /// Cells that are worked on together.
 const BATCH: usize = 64;

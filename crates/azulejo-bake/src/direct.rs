@@ -4,10 +4,9 @@
 use crate::atlas::Atlas;
 use crate::batches::{BLOCK, in_counted_batches};
 use crate::lattice::Lattice;
-use crate::light::{NodeLight, TexelLight};
+use crate::light::{NodeLight, SampleDirect, TexelLight};
 use crate::nodes::Nodes;
-use crate::samples::{PageSampler, Rows, Samples};
-use azulejo_scene::Rgb;
+use crate::samples::{PageSampler, Rows, Samples, gather_point};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
@@ -35,64 +34,7 @@ const UNEVEN: f64 = 2.0;
 /// Places along each axis of an uneven texel, coarse and fine.
 const PLACES: [u32; 2] = [4, 8];
 
-/// Direct light of each sample.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SampleDirect {
-    /// Irradiance, W/m².
-    pub irradiance: Vec<[f32; 3]>,
-    /// Its variance.
-    pub variance: Vec<[f32; 3]>,
-}
-
 impl SampleDirect {
-    /// No light at this many samples.
-    fn none(count: usize) -> SampleDirect {
-        SampleDirect {
-            irradiance: vec![[0.0; 3]; count],
-            variance: vec![[0.0; 3]; count],
-        }
-    }
-
-    fn set(&mut self, sample: usize, found: &Gathered) {
-        self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
-        self.variance[sample] = found.variance().to_f32();
-    }
-
-    /// This light alone, of each sample.
-    pub fn light(&self) -> Vec<TexelLight> {
-        let all = self.irradiance.iter().zip(&self.variance);
-        all.map(|(e, variance)| TexelLight {
-            irradiance: *e,
-            standard_error: variance.map(f32::sqrt),
-        })
-        .collect()
-    }
-
-    /// This light and indirect light of each sample, given as its mean and standard error, W/m².
-    pub fn plus(&self, indirect: impl Iterator<Item = (Rgb, Rgb)>) -> Vec<TexelLight> {
-        let all = indirect.enumerate();
-        all.map(|(sample, (value, error))| {
-            let variance = Rgb::from(self.variance[sample].map(f64::from)) + error * error;
-            TexelLight {
-                irradiance: (self.mean(sample) + value).map(|e| e.max(0.0)).to_f32(),
-                standard_error: variance.map(f64::sqrt).to_f32(),
-            }
-        })
-        .collect()
-    }
-
-    /// Takes this light, and its error, out of the light of all samples.
-    pub fn take_from(&self, light: &mut [TexelLight]) {
-        let direct = self.irradiance.iter().zip(&self.variance);
-        for (all, (direct, variance)) in light.iter_mut().zip(direct) {
-            for k in 0..3 {
-                all.irradiance[k] = (all.irradiance[k] - direct[k]).max(0.0);
-                let rest = all.standard_error[k].powi(2) - variance[k];
-                all.standard_error[k] = rest.max(0.0).sqrt();
-            }
-        }
-    }
-
     /// Sets the light of some samples from that of the nodes of a lattice.
     fn interpolate(
         &mut self,
@@ -115,10 +57,6 @@ impl SampleDirect {
             self.variance[sample as usize] = standard_error.map(|e| e * e);
         }
         Ok(())
-    }
-
-    fn mean(&self, sample: usize) -> Rgb {
-        Rgb::from(self.irradiance[sample].map(f64::from))
     }
 }
 
@@ -249,22 +187,6 @@ fn at_centres(
         direct.interpolate(samples, lattice, light, &missing, run)?;
     }
     Ok(direct)
-}
-
-pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {
-    let s = &samples.samples[sample];
-    GatherPoint {
-        position: s.position,
-        normal: s.normal,
-        key: hash(&[s.page, s.texel, sample as u32]),
-    }
-}
-
-/// The points of all samples, and the areas for which they stand, square scene units.
-pub fn sample_points(samples: &Samples) -> (Vec<GatherPoint>, Vec<f64>) {
-    let all = samples.samples.iter().enumerate();
-    all.map(|(s, sample)| (gather_point(samples, s), f64::from(sample.area)))
-        .unzip()
 }
 
 /// Mean over all areas and channels.

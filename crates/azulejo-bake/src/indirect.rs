@@ -6,9 +6,8 @@
 //! reads that.
 
 use crate::correction::corrected;
-use crate::direct::SampleDirect;
 use crate::lattice::Lattice;
-use crate::light::{NodeLight, NodePair, PairRays, TexelLight};
+use crate::light::{NodeLight, NodePair, PairRays, SampleDirect, TexelLight};
 use crate::nodes::Nodes;
 use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;

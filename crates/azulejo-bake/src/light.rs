@@ -35,6 +35,70 @@ impl Record for TexelLight {
     }
 }
 
+/// Direct light of each sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampleDirect {
+    /// Irradiance, W/m².
+    pub irradiance: Vec<[f32; 3]>,
+    /// Its variance.
+    pub variance: Vec<[f32; 3]>,
+}
+
+impl SampleDirect {
+    /// No light at this many samples.
+    pub(crate) fn none(count: usize) -> SampleDirect {
+        SampleDirect {
+            irradiance: vec![[0.0; 3]; count],
+            variance: vec![[0.0; 3]; count],
+        }
+    }
+
+    pub(crate) fn set(&mut self, sample: usize, found: &Gathered) {
+        self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
+        self.variance[sample] = found.variance().to_f32();
+    }
+
+    /// This light alone, of each sample.
+    pub fn light(&self) -> Vec<TexelLight> {
+        let all = self.irradiance.iter().zip(&self.variance);
+        all.map(|(e, variance)| TexelLight {
+            irradiance: *e,
+            standard_error: variance.map(f32::sqrt),
+        })
+        .collect()
+    }
+
+    /// This light and indirect light of each sample, given as its mean and standard error, W/m².
+    pub fn plus(&self, indirect: impl Iterator<Item = (Rgb, Rgb)>) -> Vec<TexelLight> {
+        let all = indirect.enumerate();
+        all.map(|(sample, (value, error))| {
+            let variance = Rgb::from(self.variance[sample].map(f64::from)) + error * error;
+            TexelLight {
+                irradiance: (self.mean(sample) + value).map(|e| e.max(0.0)).to_f32(),
+                standard_error: variance.map(f64::sqrt).to_f32(),
+            }
+        })
+        .collect()
+    }
+
+    /// Takes this light, and its error, out of the light of all samples.
+    pub fn take_from(&self, light: &mut [TexelLight]) {
+        let direct = self.irradiance.iter().zip(&self.variance);
+        for (all, (direct, variance)) in light.iter_mut().zip(direct) {
+            for k in 0..3 {
+                all.irradiance[k] = (all.irradiance[k] - direct[k]).max(0.0);
+                let rest = all.standard_error[k].powi(2) - variance[k];
+                all.standard_error[k] = rest.max(0.0).sqrt();
+            }
+        }
+    }
+
+    /// Irradiance of a sample.
+    pub(crate) fn mean(&self, sample: usize) -> Rgb {
+        Rgb::from(self.irradiance[sample].map(f64::from))
+    }
+}
+
 /// Indirect light of a node, W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NodeLight {

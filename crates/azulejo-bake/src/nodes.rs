@@ -4,11 +4,9 @@
 //! noise of both; cells are divided where it is largest, until it is a small part of what is permitted.
 
 use crate::batches::in_batches;
-use crate::correction::MOST_NEIGHBOURS;
-use crate::direct::{SampleDirect, gather_point};
 use crate::lattice::{Lattice, place, weights};
-use crate::light::{NodeLight, TexelLight};
-use crate::samples::Samples;
+use crate::light::{NodeLight, SampleDirect, TexelLight};
+use crate::samples::{Samples, gather_point};
 use azulejo_scene::Rgb;
 use azulejo_trace::run::Record;
 use azulejo_trace::{Cancelled, GatherPoint, Run};
@@ -27,6 +25,9 @@ const DIVIDED: f64 = 0.25;
 
 /// Nodes of one interpolation.
 const NEIGHBOURS: usize = 12;
+
+/// Most nodes of a correction.
+pub(crate) const MOST_NEIGHBOURS: usize = 48;
 
 /// Cells that are worked on together.
 const BATCH: usize = 32;

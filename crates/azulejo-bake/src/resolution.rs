@@ -8,8 +8,7 @@
 
 use crate::atlas::Atlas;
 use crate::batches::{BLOCK, in_counted_batches};
-use crate::direct::SampleDirect;
-use crate::light::TexelLight;
+use crate::light::{SampleDirect, TexelLight};
 use crate::lightmap::{Lightmap, ShownSample, ShownSamples};
 use crate::lightmap_page::{LightmapPage, neighbours};
 use crate::pad::pad_charts;

@@ -12,7 +12,8 @@ use crate::layout::signed_area;
 use crate::solids::Groups;
 use azulejo_scene::math::Ray;
 use azulejo_trace::run::{Record, RecordReader};
-use azulejo_trace::{Cancelled, Run, Tracer};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, GatherPoint, Run, Tracer};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -490,4 +491,21 @@ impl Rows {
                 self.at(column.checked_add_signed(x)?, row.checked_add_signed(y)?)
             })
     }
+}
+
+/// A sample as a point of a gather, with the key of its random numbers.
+pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {
+    let s = &samples.samples[sample];
+    GatherPoint {
+        position: s.position,
+        normal: s.normal,
+        key: hash(&[s.page, s.texel, sample as u32]),
+    }
+}
+
+/// The points of all samples, and the areas for which they stand, square scene units.
+pub fn sample_points(samples: &Samples) -> (Vec<GatherPoint>, Vec<f64>) {
+    let all = samples.samples.iter().enumerate();
+    all.map(|(s, sample)| (gather_point(samples, s), f64::from(sample.area)))
+        .unzip()
 }

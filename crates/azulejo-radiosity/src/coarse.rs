@@ -5,10 +5,10 @@
 //! irradiance is path traced and compared with that of the record. The mean square of the difference,
 //! less its noise, is part of the stated error.
 
-use crate::deadline::FEWEST_RAYS;
-use crate::gather::{GatherError, GatherPass, Gathering, HASTY_RAYS};
+use crate::gather_pass::GatherPass;
+use crate::gathered_values::GatheredValues;
+use crate::gathering::{FEWEST_RAYS, GatherError, Gathering, HASTY_RAYS};
 use crate::records::RecordCells;
-use crate::sparse::GatheredValues;
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{DiffuseLight, Gathered, Measure, SplitIrradiance, Termination};
 
@@ -158,7 +158,8 @@ fn mean_with_doubt(squares: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::deadline::GatherPace;
-    use crate::gather::{GatherLight, GatherTargets};
+    use crate::gather_pass::GatherLight;
+    use crate::gathering::GatherTargets;
     use azulejo_scene::synthetic::{CornellVariant, cornell_box};
     use azulejo_trace::{DiffuseHit, GatherPoint, Gatherer, OutgoingRadiosity, Progress, Run};
     use azulejo_trace::{Surfaces, Tracer};

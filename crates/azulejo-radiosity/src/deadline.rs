@@ -6,7 +6,9 @@
 //! is asked.
 
 use crate::direct::direct;
-use crate::gather::{Gathering, HASTY_RAYS, mean_strength, noise_beside, noise_rate};
+use crate::gathering::{
+    FEWEST_RAYS, Gathering, HASTY_RAYS, mean_strength, noise_beside, noise_rate,
+};
 use crate::strata::StratumError;
 use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, Side, side};
@@ -28,9 +30,6 @@ const TIMING_SHARE: f64 = 0.02;
 
 /// Share of the sides that light reaches: all fronts, and of the backs some.
 const REACHED: f64 = 0.75;
-
-/// Fewest rays per patch or point: two for each replicate.
-pub(crate) const FEWEST_RAYS: u32 = 8;
 
 /// Share of a phase, or of the time that is left, for which work is planned: predicted times are
 /// uncertain, and numbers of rays are rounded.

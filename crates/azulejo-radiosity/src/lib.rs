@@ -7,7 +7,7 @@
 //!
 //! | read in this order | purpose |
 //! |---|---|
-//! | [`mod@solve`] | the whole pass: options, report, errors |
+//! | [`mod@solve`] | the whole pass; `first_pass` has its options, `report` what it did, `error` why it failed |
 //! | [`solved`] | the light on patches, before it is gathered |
 //! | [`direct`] | direct light of patches |
 //! | [`SolvedLight`], [`IrradianceField`] | the light of patches for any points, also with finer light of others |
@@ -15,7 +15,7 @@
 //! | [`refine`] | more rays for the rows that dominate the error |
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
 //! | [`particles`] | particles from the lights, which need no rows either |
-//! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
+//! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches; `gather_pass`, `gathering`, `gathered_values` are its steps and their results |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //! | `plan` | whether light between patches pays, or paths alone are cheaper |
 //! | `deadline` | what the time until a deadline suffices for |
@@ -28,8 +28,13 @@
 mod coarse;
 mod deadline;
 pub mod direct;
+mod error;
 mod fine_light;
+mod first_pass;
 pub mod gather;
+mod gather_pass;
+mod gathered_values;
+mod gathering;
 mod interpolation;
 pub mod light;
 pub mod particles;
@@ -38,6 +43,7 @@ mod plan;
 mod preview;
 mod records;
 pub mod refine;
+mod report;
 mod sides;
 pub mod solve;
 pub mod solved;
@@ -51,13 +57,14 @@ mod validation;
 pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
+pub use error::SolveError;
 pub use fine_light::IrradianceField;
+pub use first_pass::FirstPass;
 pub use path_pairs::{PairTargets, PathPair};
 pub use preview::{Preview, PreviewStage};
+pub use report::{Estimate, Method, Report};
 pub use sides::StoredSides;
-pub use solve::{
-    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
-};
+pub use solve::{LightSolution, solve, solve_watched};
 pub use solved::{PatchRadiosity, radiosity};
 pub use solved_light::{Probed, SolvedLight, SplitLight, probe};
 pub use system::EnergyBalance;

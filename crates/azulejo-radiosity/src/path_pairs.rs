@@ -1,7 +1,7 @@
 //! Irradiance from light that is read, beside path traced irradiance from the same directions.
 
 use crate::deadline::GatherPace;
-use crate::gather::{GatherLight, GatherPass, PointList};
+use crate::gather_pass::{GatherLight, GatherPass, PointList};
 use azulejo_trace::{Cancelled, DiffuseLight, GatherPoint, Gathered, Gatherer, Run, Termination};
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 //!
 //! Costs are numbers of rays, never seconds, so that the same scene is always solved in the same way.
 
-use crate::gather::{CHUNK, GatherTargets, noise_rate, well_spread};
+use crate::gathering::{CHUNK, GatherTargets, noise_rate, well_spread};
 use crate::light::PatchLight;
 use crate::sparse::LEAST_POINTS;
 use crate::strata::{DARKEST_OF_EACH, Strata};

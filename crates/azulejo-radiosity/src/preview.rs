@@ -1,7 +1,7 @@
 //! Previews of light while it is being solved.
 
-use crate::gather::Gathering;
-use crate::solve::FirstPass;
+use crate::first_pass::FirstPass;
+use crate::gathering::Gathering;
 use crate::system::RadiositySolution;
 use crate::vertices::{Targets, targets};
 use azulejo_factors::{Patches, ProxyScene};

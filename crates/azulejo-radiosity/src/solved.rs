@@ -1,13 +1,15 @@
 //! The light on patches, before it is gathered.
 
 use crate::deadline::affordable_patch_rays;
-use crate::gather::{CHUNK, GatherEffort, GatherTargets, Gathering, HASTY_RAYS};
+use crate::error::SolveError;
+use crate::first_pass::{DEFAULT_RAYS, FirstPass, PatchPurpose};
+use crate::gathering::{CHUNK, GatherEffort, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
 use crate::plan::{GatherForecast, GatherGoal, Pilot};
 use crate::records::RecordCells;
 use crate::refine::{RefinementGoal, RefinementWork, refine};
-use crate::solve::{DEFAULT_RAYS, Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
+use crate::report::{Estimate, Method, Report};
 use crate::stochastic;
 use crate::system::{RadiositySolution, System};
 use crate::vertices::vertex_area;

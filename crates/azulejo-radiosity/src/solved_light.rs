@@ -1,9 +1,13 @@
 //! The light of a scene, solved once and gathered as often as needed.
 
+use crate::error::SolveError;
 use crate::fine_light::IrradianceField;
-use crate::gather::{GatherEffort, GatherLight, GatherTargets, Gathering, gather, gather_split};
+use crate::first_pass::{FirstPass, PatchPurpose};
+use crate::gather::{gather, gather_split};
+use crate::gather_pass::GatherLight;
+use crate::gathering::{GatherEffort, GatherTargets, Gathering};
 use crate::path_pairs::{PairTargets, PathPair, gather_pairs};
-use crate::solve::{Estimate, FirstPass, PatchPurpose, Report, SolveError};
+use crate::report::{Estimate, Report};
 use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
 use azulejo_factors::{PointNormal, ProxyScene};

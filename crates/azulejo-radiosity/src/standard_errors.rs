@@ -7,10 +7,11 @@
 //! models and empirical Bayes methods*, Stat. Appl. Genet. Mol. Biol. 3, 2004). The mean variance of
 //! the points, and with it the error of the whole, stays what it is.
 
-use crate::gather::Gathering;
-use crate::sparse::PointKind;
+use crate::gathered_values::PointKind;
+use crate::gathering::Gathering;
 use crate::strata::{OWN, coverage};
 use azulejo_scene::Rgb;
+use azulejo_trace::Gathered;
 
 /// Points of a class, at least.
 const LEAST: usize = 24;
@@ -22,25 +23,43 @@ const MOST: f64 = 12.0;
 /// equal points show, 8/(3π).
 const EQUAL: f64 = 0.848_826_363_156_775_1;
 
-/// Standard error of every point, discretization and interpolation included: the truth lies within
-/// two of them 95.4 times in 100.
-pub(crate) fn standard_errors(gathering: &Gathering) -> Vec<Rgb> {
-    let mut errors = vec![Rgb::BLACK; gathering.gathered.len()];
-    for (stratum, error) in gathering.errors().iter().enumerate() {
-        let points = gathering.strata.points(stratum);
-        // The error of interpolation is a mean over all points, of which some have none.
-        let is_interpolated = |i: u32| gathering.values.kind(i as usize) == PointKind::Interpolated;
-        let interpolated = points.iter().filter(|&&i| is_interpolated(i)).count();
-        let theirs = error.interpolation * points.len() as f64 / interpolated.max(1) as f64;
-        for class in classes(points, &gathering.spent) {
-            for (&i, noise) in class.iter().zip(noise_of(&class, gathering, error.gain)) {
-                let interpolation = if is_interpolated(i) { theirs } else { 0.0 };
-                let fixed = error.discretization + interpolation;
-                errors[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
+impl Gathering {
+    /// Standard error of every point, discretization included: the truth lies within two of them
+    /// 95.4 times in 100.
+    pub fn standard_errors(&self) -> Vec<Rgb> {
+        let mut errors = vec![Rgb::BLACK; self.gathered.len()];
+        for (stratum, error) in self.errors().iter().enumerate() {
+            let points = self.strata.points(stratum);
+            // The error of interpolation is a mean over all points, of which some have none.
+            let is_interpolated = |i: u32| self.values.kind(i as usize) == PointKind::Interpolated;
+            let interpolated = points.iter().filter(|&&i| is_interpolated(i)).count();
+            let theirs = error.interpolation * points.len() as f64 / interpolated.max(1) as f64;
+            for class in classes(points, &self.spent) {
+                for (&i, noise) in class.iter().zip(noise_of(&class, self, error.gain)) {
+                    let interpolation = if is_interpolated(i) { theirs } else { 0.0 };
+                    let fixed = error.discretization + interpolation;
+                    errors[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
+                }
             }
         }
+        errors
     }
-    errors
+
+    /// Root mean square over the points of the standard error of each relative to its irradiance, where there is any.
+    pub fn error_of_each(&self) -> f64 {
+        let errors = self.standard_errors();
+        let relative = |(g, error): (&Gathered, &Rgb)| {
+            let mean = self.strata.mean_of(g.mean());
+            (mean > 0.0).then(|| self.strata.mean_of(*error * *error) / (mean * mean))
+        };
+        let squares: Vec<f64> = self
+            .gathered
+            .iter()
+            .zip(&errors)
+            .filter_map(relative)
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    }
 }
 
 /// Divides points by the rays they took, those with as many together, at least [`LEAST`] if there
@@ -123,7 +142,7 @@ fn likeness(root: f64, mean: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gather::GatherTargets;
+    use crate::gathering::GatherTargets;
     use azulejo_trace::sampling::{hash, uniform};
     use azulejo_trace::{GatherPoint, Gathered};
     use glam::DVec3;
@@ -161,7 +180,7 @@ mod tests {
 
     fn covered(all: &Gathering) -> f64 {
         let within = |(g, e): (&Gathered, &Rgb)| (g.mean().r - 2.0).abs() <= 2.0 * e.r;
-        let errors = standard_errors(all);
+        let errors = all.standard_errors();
         let count = all
             .gathered
             .iter()
@@ -177,7 +196,7 @@ mod tests {
         let share = covered(&all);
         // Some more than 95.4%, as the class is believed to a limit.
         assert!((0.945..0.98).contains(&share), "{share}");
-        let errors = standard_errors(&all);
+        let errors = all.standard_errors();
         // Four replicates of deviation 0.1 relative to the mean.
         let rms = (errors.iter().map(|e| e.r * e.r).sum::<f64>() / 4000.0).sqrt();
         assert!((rms / 0.1 - 1.0).abs() < 0.12, "{rms}");
@@ -199,11 +218,11 @@ mod tests {
     #[test]
     fn points_without_spread_have_an_error() {
         let all = gathering(|i| if i % 10 == 0 { 0.1 } else { 0.0 }, 1000);
-        let errors = standard_errors(&all);
+        let errors = all.standard_errors();
         assert!(errors.iter().all(|e| e.r > 1e-3), "{:?}", errors[1]);
         assert!(errors[1].r < 0.5 * errors[10].r);
         let dark = gathering(|_| 0.0, 100);
-        assert!(standard_errors(&dark).iter().all(|e| e.r == 0.0));
+        assert!(dark.standard_errors().iter().all(|e| e.r == 0.0));
     }
 
     #[test]

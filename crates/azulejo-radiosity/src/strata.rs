@@ -4,7 +4,6 @@
 //! hundredth of what a dark point gets costs more than all other points together. So the permitted
 //! error grows with brightness, but less than in proportion.
 
-use crate::gather::{ErrorParts, QuarterError};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Gathered, Termination, sequence_gain};
 
@@ -38,6 +37,26 @@ const ALIKE: usize = 5;
 
 /// What of a requested error is aimed at: estimated errors have errors.
 const MARGIN: f64 = 0.95;
+
+/// An error by its causes, both relative to the mean irradiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorParts {
+    /// From the number of rays.
+    pub noise: f64,
+    /// From the size of the patches, measured at a sample of the points.
+    pub discretization: f64,
+    /// From interpolating indirect light between points.
+    pub interpolation: f64,
+}
+
+/// The error of a quarter of the points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct QuarterError {
+    /// Mean irradiance, W/m².
+    pub mean: f64,
+    /// Root mean square of the error, W/m².
+    pub error: f64,
+}
 
 /// The points of a gather, divided by brightness.
 #[derive(Clone, Debug)]

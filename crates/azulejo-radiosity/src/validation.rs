@@ -1,10 +1,9 @@
 //! Where patches are too coarse: irradiance from patches beside path traced irradiance, at a keyed
 //! sample of the points.
 
-use crate::deadline::{
-    FEWEST_RAYS, StratumWays, best_ways, hasty_rays, planned_seconds, seconds_for,
-};
-use crate::gather::{FIRST_RAYS, GatherPass, Gathering, PointList};
+use crate::deadline::{StratumWays, best_ways, hasty_rays, planned_seconds, seconds_for};
+use crate::gather_pass::{GatherPass, PointList};
+use crate::gathering::{FEWEST_RAYS, FIRST_RAYS, Gathering};
 use crate::strata::StratumError;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseLight, SplitIrradiance, Termination};

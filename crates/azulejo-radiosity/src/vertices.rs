@@ -5,9 +5,9 @@
 //! too, so that irradiance always belongs to the front. Exact shapes have an outside, which is
 //! always the front; their proxy polygons are never reversed.
 
-use crate::gather::Gathering;
+use crate::first_pass::FirstPass;
+use crate::gathering::Gathering;
 use crate::sides::{SideChoice, choose, is_mesh};
-use crate::solve::FirstPass;
 use crate::system::RadiositySolution;
 use azulejo_factors::row::side;
 use azulejo_factors::{FaceId, Patches, RefinedShape};

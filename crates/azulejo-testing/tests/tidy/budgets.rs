@@ -15,7 +15,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 2900),
-    ("azulejo-radiosity", 6610),
+    ("azulejo-radiosity", 6660),
     ("azulejo-render", 5200),
     ("azulejo-scene", 14_800),
     ("azulejo-testing", 540),
