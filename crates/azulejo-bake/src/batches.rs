@@ -28,12 +28,25 @@ pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
     of_batch: impl Fn(&[I]) -> Result<Vec<T>, Cancelled> + Sync,
 ) -> Result<Vec<T>, Cancelled> {
     let batches: Vec<&[I]> = items.chunks(size).collect();
-    let of_number = |&number: &usize| {
-        run.progress.advance(0)?;
+    numbered(batches.len(), block, run, &|number| {
         of_batch(batches[number])
+    })
+}
+
+/// The results of all batches, by their numbers. Apart, so that the loops of threads are compiled for each type of result
+/// and not for each closure.
+fn numbered<T: Record + Send>(
+    count: usize,
+    block: usize,
+    run: Run,
+    of_number: &(dyn Fn(usize) -> Result<Vec<T>, Cancelled> + Sync),
+) -> Result<Vec<T>, Cancelled> {
+    let counted = |&number: &usize| {
+        run.progress.advance(0)?;
+        of_number(number)
     };
-    let results = run.shared((batches.len(), block), |numbers| {
-        numbers.par_iter().map(of_number).collect()
+    let results = run.shared((count, block), |numbers| {
+        numbers.par_iter().map(counted).collect()
     })?;
     Ok(results.into_iter().flatten().collect())
 }

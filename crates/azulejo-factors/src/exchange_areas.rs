@@ -201,6 +201,12 @@ impl ExchangeAreas {
             }
             sums
         };
+        self.added_parts(&part_sums)
+    }
+
+    /// The sum of what `part_sums` gives for each part. Apart, so that the loops of threads are compiled once and not
+    /// for each closure of [`ExchangeAreas::sums`].
+    fn added_parts(&self, part_sums: &(dyn Fn(&Range<usize>) -> Vec<f64> + Sync)) -> Vec<f64> {
         let parts = self.parts();
         let sums: Vec<Vec<f64>> = parts.par_iter().map(part_sums).collect();
         let total = |i: usize| sums.iter().map(|s| s[i]).sum();
@@ -232,6 +238,15 @@ impl ExchangeAreas {
             }
             sums
         };
+        self.added_lanes(x.len(), &part_sums)
+    }
+
+    /// As [`ExchangeAreas::added_parts`], of L vectors.
+    fn added_lanes<const L: usize>(
+        &self,
+        rows: usize,
+        part_sums: &(dyn Fn(&Range<usize>) -> Vec<[f64; L]> + Sync),
+    ) -> Vec<[f64; L]> {
         let sums: Vec<Vec<[f64; L]>> = self.parts().par_iter().map(part_sums).collect();
         let total = |i: usize| {
             let mut total = [0.0; L];
@@ -240,16 +255,21 @@ impl ExchangeAreas {
             }
             total
         };
-        (0..x.len()).into_par_iter().map(total).collect()
+        (0..rows).into_par_iter().map(total).collect()
     }
 
     /// Changes each pair in place; drops it if `keep(i, S_ij)` returns false.
     pub fn retain(&mut self, keep: impl Fn(usize, &mut Exchange) -> bool + Sync) {
-        self.rows.par_iter_mut().enumerate().for_each(|(i, row)| {
+        self.change_rows(&|i, row| {
             let mut entries = std::mem::take(row).into_vec();
             entries.retain_mut(|e| keep(i, e));
             *row = entries.into_boxed_slice();
         });
+    }
+
+    fn change_rows(&mut self, change: &(dyn Fn(usize, &mut Box<[Exchange]>) + Sync)) {
+        let rows = self.rows.par_iter_mut().enumerate();
+        rows.for_each(|(i, row)| change(i, row));
     }
 
     /// The sum of matrices with the same number of rows; errors are added as of independent
