@@ -107,14 +107,15 @@ fn solve_for(
     } else {
         targets.areas(&solved.patches)
     };
+    let all = GatherTargets {
+        points: &targets.points,
+        areas: &areas,
+    };
     let gathering = gather_watched(
         &solved.gatherer,
         GatherLight::new(&light, black.as_ref()),
-        GatherTargets {
-            points: &targets.points,
-            areas: &areas,
-        },
-        solved.effort(),
+        all,
+        solved.effort_at(&light, all, pass.ray_budget, seed),
         seed,
         run,
         &mut |gathering| reporter.show_vertices(&targets, &solved.patches, gathering),

@@ -237,6 +237,26 @@ impl<'a> SolvedPatches<'a> {
         self.pass.effort(self.method)
     }
 
+    /// The same within a budget of rays, by what paths take from the points themselves: of the patches' vertices, those
+    /// inside of shells are left out, which take several times as long.
+    pub fn effort_at(
+        &self,
+        light: &PatchLight,
+        targets: GatherTargets,
+        budget: Option<f64>,
+        seed: u32,
+    ) -> GatherEffort {
+        let effort = self.effort();
+        let Some(budget) = budget.filter(|_| self.method == Method::Paths) else {
+            return effort;
+        };
+        let pilot = Pilot::new(&self.gatherer, light, targets, seed);
+        GatherEffort {
+            rays: pilot.affordable_paths(budget, effort.rays),
+            ..effort
+        }
+    }
+
     pub fn light(&self) -> PatchLight<'_> {
         if self.method == Method::Paths {
             return self.unknown_light();

@@ -1,7 +1,8 @@
 //! Which side's irradiance surfaces store.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, PatchSize, StoredSides, solve};
+use azulejo_radiosity::{FirstPass, Method, PatchSize, StoredSides, solve};
+use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Light, LightKind, Mesh, ObjectIrradiance, Rgb, Scene, Sidedness};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DVec3, dvec3};
@@ -218,4 +219,29 @@ fn a_kept_mesh_is_turned_or_gets_both_sides() {
     check_bulbs(&mesh, true, (0.0, 1.0), true);
     let (turned, mesh) = keep(sheet(1.0, 0.0, unsaid), StoredSides::Unturned);
     assert_eq!((turned, mesh.back), (0, None));
+}
+
+/// A budget is for all points that are gathered at: where both sides are stored, each gets half as many rays.
+#[test]
+fn a_budget_of_rays_counts_both_sides() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let tracer = Tracer::new(&scene);
+    let rays = |sides| {
+        let pass = FirstPass {
+            size: PatchSize::Edge(20.0),
+            error: Some(0.5),
+            ray_budget: Some(3e6),
+            interpolate: false,
+            sides,
+            ..FirstPass::default()
+        };
+        let report = solve(&scene, &tracer, &pass, &Progress::new())
+            .unwrap()
+            .report;
+        assert_eq!(report.method, Method::Paths, "{:?}", report.engine_used);
+        (report.points, report.point_rays)
+    };
+    let (front, both) = (rays(StoredSides::Front), rays(StoredSides::Split));
+    assert!(both.0 > 3 * front.0 / 2, "{front:?}, {both:?}");
+    assert!(4 * both.1 < 3 * front.1, "{front:?}, {both:?}");
 }
