@@ -10,6 +10,7 @@ use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, mirrored_by};
 use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN};
+use super::quadrature::cosine_hemisphere;
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -42,6 +43,11 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     ])
 }
 
+/// Exponents below this are sampled as diffuse surfaces are: weights are then at most C(2) π = 1.2 times the albedo. By
+/// half vectors they are in proportion to 1/cos θh, whose variance is (n + 2)/n: without bound where n is 0, and the
+/// light between close walls the work of a few paths.
+const WIDE: f64 = 2.0;
+
 /// ks C(n) cosⁿ θh.
 #[derive(Clone, Debug)]
 pub(super) struct Blinn {
@@ -72,11 +78,17 @@ impl Reflect for Blinn {
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if self.exponent < WIDE {
+            return wi.z / PI;
+        }
         let half = HalfVector::new(wo, wi);
         half.reflected(half_pdf(self.exponent, half.cos_h()))
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
+        if self.exponent < WIDE {
+            return cosine_hemisphere(u1, u2);
+        }
         let cos = sample_half(self.exponent, u1);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (y, x) = (TAU * u2).sin_cos();

@@ -237,3 +237,19 @@ fn samples_of_cylinders_weigh_little() {
         4.0,
     );
 }
+
+/// Half vectors at the horizon would give single samples any weight: with an exponent of 0, Blinn's lobe is diffuse.
+#[test]
+fn samples_of_wide_lobes_weigh_alike() {
+    for (n, most) in [(0.0, 1.0 + 1e-12), (0.5, 1.1), (1.9, 1.2)] {
+        let wide = brdf(&format!("blinn ks = 1 n = {n}"));
+        for theta in [0.0, 50.0, 89.0] {
+            let weights = check::weights(&wide, direction(theta, 20.0), 20_000);
+            assert!(weights.largest <= most, "n = {n} at {theta}°: {weights:?}");
+            assert!(
+                weights.deviation() < 5.0,
+                "n = {n} at {theta}°: {weights:?}"
+            );
+        }
+    }
+}
