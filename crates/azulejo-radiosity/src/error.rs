@@ -22,7 +22,7 @@ pub enum SolveError {
     /// No failure: the blocks of this process are done, and another makes the result of them
     /// ([`RunRole::assembles`](azulejo_trace::RunRole::assembles)).
     Elsewhere,
-    /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
+    /// Form factors failed for another reason. [`solve`](crate::solve()) keeps to its memory and never returns
     /// this; programs that also compute matrices do.
     Factors(FactorsError),
 }

@@ -4,8 +4,8 @@
 //! for what a point sees leave an error that no number of rays removes: light leaks into dark rooms.
 //! So the points are divided into [strata](crate::strata) of brightness, and at a keyed sample of each
 //! stratum irradiance is also path traced, so that its mean does not depend on the patches
-//! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
-//! points of the stratum are path traced; elsewhere the difference is part of the stated error.
+//! ([`Roulette`](azulejo_trace::Termination::Roulette)). Where the two differ by more than a part of the requested
+//! error, all points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
 use crate::deadline::GatherPace;
 use crate::gather_pass::GatherPass;
