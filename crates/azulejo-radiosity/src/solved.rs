@@ -237,8 +237,8 @@ impl<'a> SolvedPatches<'a> {
         self.pass.effort(self.method)
     }
 
-    /// The same within a budget of rays, by what paths take from the points themselves: of the patches' vertices, those
-    /// inside of shells are left out, which take several times as long.
+    /// The same within a budget of rays, by what paths take from all points that are gathered at. The pilot before the
+    /// sides were chosen knows fronts alone, and paths inside of shells are many times as long.
     pub fn effort_at(
         &self,
         light: &PatchLight,

@@ -188,11 +188,6 @@ impl<'a> Surfaces<'a> {
         self.emitted_picture(self.item(item).object, self.material_id(item))
     }
 
-    /// Whether an item emits a picture.
-    pub fn emits_picture(&self, item: u32) -> bool {
-        self.picture_of(item).is_some()
-    }
-
     /// Radiance that an item emits from one side at a hit, W/(sr·m²).
     pub fn emitted(&self, hit: &KernelHit, front: bool) -> Rgb {
         let material = self.material(hit.item);
