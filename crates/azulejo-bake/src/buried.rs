@@ -1,8 +1,8 @@
 //! Regions of surfaces that lie inside of solids, where nobody sees them.
 
-use crate::light::TexelLight;
 use crate::samples::{Samples, TexelSample};
 use crate::solids::Solids;
+use azulejo_radiosity::sites::SiteLight;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
@@ -35,7 +35,7 @@ struct Region {
 /// For each region whether it lies inside of a solid, in the dark, on a chart that also has light.
 pub(crate) fn buried_regions(
     samples: &Samples,
-    light: &[TexelLight],
+    light: &[SiteLight],
     surfaces: &Surfaces,
 ) -> Vec<bool> {
     let mut regions = vec![Region::default(); samples.regions as usize];

@@ -2,11 +2,10 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
-use crate::batches::{BLOCK, in_counted_batches};
-use crate::lattice::Lattice;
-use crate::light::{NodeLight, SampleDirect, TexelLight};
-use crate::nodes::Nodes;
+use crate::lattice::TexelCells;
 use crate::samples::{PageSampler, Rows, Samples, gather_point};
+use azulejo_radiosity::sites::{SiteCells, SiteDirect, SiteLight, interpolated_direct};
+use azulejo_trace::run::batches::{BLOCK, in_counted_batches};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
@@ -34,30 +33,24 @@ const UNEVEN: f64 = 2.0;
 /// Places along each axis of an uneven texel, coarse and fine.
 const PLACES: [u32; 2] = [4, 8];
 
-impl SampleDirect {
-    /// Sets the light of some samples from that of the nodes of a lattice.
-    fn interpolate(
-        &mut self,
-        samples: &Samples,
-        lattice: Lattice,
-        of_nodes: Vec<Gathered>,
-        missing: &[u32],
-        run: Run,
-    ) -> Result<(), Cancelled> {
-        let none = SampleDirect::none(samples.samples.len());
-        let mut nodes = Nodes::new(samples, &none, lattice);
-        nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
-        let light = nodes.interpolated(&nodes.interpolation_errors(run)?, run)?;
-        for &sample in missing {
-            let TexelLight {
-                irradiance,
-                standard_error,
-            } = light[sample as usize];
-            self.irradiance[sample as usize] = irradiance;
-            self.variance[sample as usize] = standard_error.map(|e| e * e);
-        }
-        Ok(())
+/// Sets the direct light of some samples from that of the nodes of cells.
+fn interpolate(
+    direct: &mut SiteDirect,
+    cells: TexelCells,
+    of_nodes: Vec<Gathered>,
+    missing: &[u32],
+    run: Run,
+) -> Result<(), Cancelled> {
+    let light = interpolated_direct(cells, of_nodes, run)?;
+    for &sample in missing {
+        let SiteLight {
+            irradiance,
+            standard_error,
+        } = light[sample as usize];
+        direct.irradiance[sample as usize] = irradiance;
+        direct.variance[sample as usize] = standard_error.map(|e| e * e);
     }
+    Ok(())
 }
 
 /// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
@@ -73,7 +66,7 @@ pub fn direct(
     error: f64,
     seed: u32,
     run: Run,
-) -> Result<SampleDirect, Cancelled> {
+) -> Result<SiteDirect, Cancelled> {
     let direct = at_centres(samples, gatherer, seed, run)?;
     with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)
 }
@@ -89,8 +82,8 @@ pub fn direct_from(
     (at_centres, error): (&[Gathered], f64),
     seed: u32,
     run: Run,
-) -> Result<SampleDirect, Cancelled> {
-    let mut direct = SampleDirect::none(samples.samples.len());
+) -> Result<SiteDirect, Cancelled> {
+    let mut direct = SiteDirect::none(samples.samples.len());
     for (sample, light) in at_centres.iter().enumerate() {
         direct.set(sample, light);
     }
@@ -102,10 +95,10 @@ fn with_shadow_edges(
     samples: &Samples,
     atlas: &Atlas,
     gatherer: &Gatherer,
-    (mut found, error): (SampleDirect, f64),
+    (mut found, error): (SiteDirect, f64),
     seed: u32,
     run: Run,
-) -> Result<SampleDirect, Cancelled> {
+) -> Result<SiteDirect, Cancelled> {
     let progress = run.progress;
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
@@ -137,11 +130,11 @@ fn at_centres(
     gatherer: &Gatherer,
     seed: u32,
     run: Run,
-) -> Result<SampleDirect, Cancelled> {
+) -> Result<SiteDirect, Cancelled> {
     let progress = run.progress;
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
-    let mut direct = SampleDirect::none(count);
+    let mut direct = SiteDirect::none(count);
     let gather = |batch: &[u32]| {
         let point = |&s: &u32| gather_point(samples, s as usize);
         let points: Vec<GatherPoint> = batch.iter().map(point).collect();
@@ -152,20 +145,17 @@ fn at_centres(
     let mut sparse = None;
     // Before a deadline, gather at a sparse lattice first, from which all samples can be interpolated.
     if progress.has_deadline() {
-        let lattice = Lattice::new(samples, SPARSE);
-        let light = in_counted_batches(&lattice.nodes, (BATCH, BLOCK), run, |batch| {
+        let cells = TexelCells::of_level(samples, SPARSE);
+        let light = in_counted_batches(cells.nodes(), (BATCH, BLOCK), run, |batch| {
             Ok(gather(batch))
         })?;
-        for (&sample, light) in lattice.nodes.iter().zip(&light) {
-            direct.set(sample as usize, light);
-        }
         let mut is_left = vec![true; count];
-        lattice
-            .nodes
-            .iter()
-            .for_each(|&s| is_left[s as usize] = false);
+        for (&sample, light) in cells.nodes().iter().zip(&light) {
+            direct.set(sample as usize, light);
+            is_left[sample as usize] = false;
+        }
         left.retain(|&s| is_left[s as usize]);
-        sparse = Some((lattice, light));
+        sparse = Some((cells, light));
     }
     // Gather at the other samples as long as there is time.
     let light = in_counted_batches(&left, (BATCH, BLOCK), run, |batch| {
@@ -183,14 +173,14 @@ fn at_centres(
         }
     }
     // Interpolate at those for which there was none, and state the error of that as variance.
-    if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
-        direct.interpolate(samples, lattice, light, &missing, run)?;
+    if let Some((cells, light)) = sparse.filter(|_| !missing.is_empty()) {
+        interpolate(&mut direct, cells, light, &missing, run)?;
     }
     Ok(direct)
 }
 
 /// Mean over all areas and channels.
-fn mean(samples: &Samples, found: &SampleDirect) -> f64 {
+fn mean(samples: &Samples, found: &SiteDirect) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for (sample, s) in samples.samples.iter().enumerate() {
         sum += found.mean(sample).mean() * f64::from(s.area);
@@ -201,7 +191,7 @@ fn mean(samples: &Samples, found: &SampleDirect) -> f64 {
 
 /// The samples that are looked at in more places, of those that are the only ones of their texels: the
 /// noisiest, and in the first round those that differ from a neighbour.
-fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize) -> Vec<u32> {
+fn uneven(samples: &Samples, found: &SiteDirect, permitted: f64, round: usize) -> Vec<u32> {
     let is_uneven = noisiest(samples, found, (PERMITTED * permitted).powi(2));
     let mut uneven = Vec::new();
     for (page, coverage) in samples.pages.iter().enumerate() {
@@ -243,7 +233,7 @@ fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize)
 
 /// For each sample whether it is one of the noisiest, without which the mean of the variance over the area
 /// is `permitted`.
-fn noisiest(samples: &Samples, found: &SampleDirect, permitted: f64) -> Vec<bool> {
+fn noisiest(samples: &Samples, found: &SiteDirect, permitted: f64) -> Vec<bool> {
     let area = |s: u32| f64::from(samples.samples[s as usize].area);
     let variance = |s: u32| {
         let [r, g, b] = found.variance[s as usize];

@@ -2,8 +2,9 @@
 
 use crate::atlas::Atlas;
 use crate::layout::{NO_CHART, signed_area};
-use crate::light::TexelLight;
 use crate::samples::Samples;
+use azulejo_radiosity::IrradianceField;
+use azulejo_radiosity::sites::SiteLight;
 use azulejo_trace::{DiffuseHit, Surfaces};
 
 /// Irradiance by texel.
@@ -23,7 +24,7 @@ impl<'a> TexelField<'a> {
     pub fn new(
         atlas: &'a Atlas,
         samples: &Samples,
-        light: &[TexelLight],
+        light: &[SiteLight],
         objects: &[u32],
         surfaces: &'a Surfaces<'a>,
     ) -> TexelField<'a> {
@@ -73,10 +74,11 @@ impl<'a> TexelField<'a> {
             widths: widths.collect(),
         }
     }
+}
 
-    /// Irradiance at a hit, W/m², and the width of the texel, scene units; `None` where no texel
-    /// receives on that side.
-    pub fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
+impl IrradianceField for TexelField<'_> {
+    /// That of the texel, with its width; `None` where no texel receives on that side.
+    fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
         let item = self.surfaces.item(at.hit.item);
         let (receivers, starts) = self.of_object.get(item.object as usize)?;
         let triangle = (*starts.get(item.face as usize)? + item.triangle) as usize;

@@ -8,7 +8,7 @@
 //! | Charts of coordinates that surfaces have already | [`kept_layout`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
-//! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
+//! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`TexelCells`], with [`sites`](azulejo_radiosity::sites) |
 //! | How much of the hemisphere over a point is free | [`Hemispheres`] |
 //! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
@@ -16,33 +16,26 @@
 //! | What surfaces reflect in each texel, for pictures of the light that leaves them | [`texel_colors`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
-//! This crate knows texels, not how light is computed: that comes from the caller, through
-//! [`LookRequest`] and [`PairRequest`]. `azulejo::lightmap::bake` brings both together.
+//! `azulejo::lightmap::bake` brings this together with the light of a scene.
 //!
 //! Several processes can share the work ([`Run`](azulejo_trace::Run)): what is expensive is divided between them, and all get the
 //! results of all, with the bits of one process.
 
 mod atlas;
-mod batches;
 mod buried;
 pub mod check;
-mod correction;
 mod coverage;
 mod direct;
 mod encode;
 mod field;
 mod importance;
-mod indirect;
 mod kept;
 mod lattice;
 pub mod layout;
-mod light;
 mod lightmap;
 mod lightmap_page;
-mod nodes;
 mod occlusion;
 mod pad;
-mod rays;
 mod receiver;
 mod reflectance;
 mod regions;
@@ -61,13 +54,9 @@ pub use direct::{direct, direct_from};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use importance::{ChartImportance, chart_importance};
-pub use indirect::{
-    IndirectGoal, LookRequest, NodeLattice, PairGather, PairRequest, TexelStatistics, first_look,
-    look_again, with_indirect,
-};
 pub use kept::kept_layout;
+pub use lattice::TexelCells;
 pub use layout::{Layout, ReceiverLayout};
-pub use light::{NodePair, SampleDirect, TexelLight};
 pub use lightmap::{Lightmap, QuarterLight, ShownSample, ShownSamples};
 pub use lightmap_page::LightmapPage;
 pub use occlusion::Hemispheres;

@@ -1,9 +1,9 @@
 //! Pages of texels with their irradiance.
 
 use crate::buried::buried_regions;
-use crate::light::TexelLight;
 use crate::lightmap_page::{LightmapPage, mean, neighbours};
 use crate::samples::{Samples, TexelSample};
+use azulejo_radiosity::sites::SiteLight;
 use azulejo_scene::Rgb;
 use azulejo_trace::Surfaces;
 
@@ -50,7 +50,7 @@ impl ShownSamples {
     ///
     /// # Panics
     /// If there is not one light for each sample.
-    pub fn new(samples: &Samples, light: &[TexelLight], surfaces: &Surfaces) -> ShownSamples {
+    pub fn new(samples: &Samples, light: &[SiteLight], surfaces: &Surfaces) -> ShownSamples {
         assert_eq!(samples.samples.len(), light.len(), "one light per sample");
         let is_buried = buried_regions(samples, light, surfaces);
         let of_texels = samples
@@ -85,7 +85,7 @@ impl ShownSamples {
     }
 
     /// The lightmap of some light of all samples.
-    pub fn lightmap(&self, samples: &Samples, light: &[TexelLight]) -> Lightmap {
+    pub fn lightmap(&self, samples: &Samples, light: &[SiteLight]) -> Lightmap {
         let dark = samples.pages.iter().map(|p| LightmapPage::dark(p.size));
         let mut lightmap = Lightmap {
             pages: dark.collect(),

@@ -1,10 +1,10 @@
 //! Which share of the hemispheres over points is free of things that are near.
 
 use crate::atlas::Atlas;
-use crate::batches::{SHORT_BLOCK, in_counted_batches};
 use crate::layout::NO_CHART;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
+use azulejo_trace::run::batches::{SHORT_BLOCK, in_counted_batches};
 use azulejo_trace::run::{LoopSize, digest};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
 use azulejo_trace::{

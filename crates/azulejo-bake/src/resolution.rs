@@ -7,13 +7,13 @@
 //! uneven it is there and whether they lie at the rim of a chart.
 
 use crate::atlas::Atlas;
-use crate::batches::{BLOCK, in_counted_batches};
-use crate::light::{SampleDirect, TexelLight};
 use crate::lightmap::{Lightmap, ShownSample, ShownSamples};
 use crate::lightmap_page::{LightmapPage, neighbours};
 use crate::pad::pad_charts;
 use crate::samples::{PageSampler, Samples};
+use azulejo_radiosity::sites::{SiteDirect, SiteLight};
 use azulejo_scene::Rgb;
+use azulejo_trace::run::batches::{BLOCK, in_counted_batches};
 use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
@@ -52,9 +52,9 @@ pub struct BetweenTexels<'a> {
     /// Those of them that it shows.
     pub shown: &'a ShownSamples,
     /// Direct light of all samples.
-    pub direct: &'a SampleDirect,
+    pub direct: &'a SiteDirect,
     /// All their light but that.
-    pub rest: &'a [TexelLight],
+    pub rest: &'a [SiteLight],
     /// Where direct light comes from.
     pub gatherer: &'a Gatherer<'a>,
     /// The permitted error, relative to the mean.

@@ -6,11 +6,11 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
-use crate::batches::{SHORT_BLOCK, in_blocks, in_counted_batches};
 use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
 use azulejo_scene::math::Ray;
+use azulejo_trace::run::batches::{SHORT_BLOCK, in_blocks, in_counted_batches};
 use azulejo_trace::run::{Record, RecordReader};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Run, Tracer};

@@ -21,6 +21,8 @@ pub struct PathPair {
 pub struct PairTargets<'a> {
     /// Where.
     pub points: &'a [GatherPoint],
+    /// The area for which each stands, square scene units; empty where nothing depends on it.
+    pub areas: &'a [f64],
     /// Which rays of each read light.
     pub read: Range<u32>,
     /// Which rays of each are path traced.
@@ -70,8 +72,8 @@ pub(crate) fn gather_pairs(
             });
         };
         add(&target.read, Termination::Radiosity);
-        // Where all rays are path traced, those that read light are the same.
-        let few = if target.read == target.traced {
+        // Where all rays are path traced, those that read light are the same; where none read light, no path corrects them.
+        let few = if target.read == target.traced || target.read.end == 0 {
             &(0..0)
         } else {
             &target.traced

@@ -6,6 +6,7 @@
 //! numbers given in advance or handed out one by one. A [`Run`] is that with a [`Progress`];
 //! [`Run::resumed`] is the one loop that all work in blocks uses.
 
+pub mod batches;
 mod blocks;
 mod division;
 mod record;

@@ -20,10 +20,10 @@ pub use source::{BakeSource, SourceError, SourceFile};
 
 use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{
-    Atlas, LayoutError, Lightmap, LightmapPage, ReceiverLayout, SeamErrors, TexelStatistics,
-    UnwrapOptions,
+    Atlas, LayoutError, Lightmap, LightmapPage, ReceiverLayout, SeamErrors, UnwrapOptions,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
+use azulejo_radiosity::sites::SiteStatistics;
 use azulejo_radiosity::{FirstPass, Report, SolveError};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
@@ -194,7 +194,7 @@ pub struct Baked {
     /// The texels.
     pub lightmap: Lightmap,
     /// How they were computed.
-    pub texels: TexelStatistics,
+    pub texels: SiteStatistics,
     /// The light between patches, if any was solved.
     pub report: Option<Report>,
     /// Differences along seams.

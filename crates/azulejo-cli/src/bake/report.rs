@@ -70,11 +70,11 @@ fn pages(baked: &Baked, scene: &Scene, report: &mut Report) {
     let density = layout.density(&baked.atlas.receivers) / scene.units.metres();
     let words = format!(
         "{} cover surfaces, {} of the pages; {} per metre",
-        count(baked.texels.samples),
+        count(baked.texels.sites),
         percent(covered),
         short(density)
     );
-    report.fact("texels", baked.texels.samples, "texels", words);
+    report.fact("texels", baked.texels.sites, "texels", words);
     report.value("covered", number(covered));
     report.value("texels_per_metre", number(density));
 }
@@ -83,7 +83,7 @@ fn pages(baked: &Baked, scene: &Scene, report: &mut Report) {
 fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report) {
     // Only light has a first pass with a report; occlusion is a share, without a unit of irradiance.
     let is_light = baked.report.is_some();
-    let nodes = if baked.texels.nodes == baked.texels.samples {
+    let nodes = if baked.texels.nodes == baked.texels.sites {
         "gathered at every texel".to_owned()
     } else {
         format!(

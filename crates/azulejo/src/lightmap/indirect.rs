@@ -1,12 +1,13 @@
 //! The indirect light of texels, from the solved first pass: to an error, or from a number of rays.
 
 use super::{BakedLight, DEFAULT_ERROR};
-use azulejo_bake::{
-    Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
-    ShownSamples, TexelField, TexelLight, TexelStatistics,
+use azulejo_bake::{Atlas, BetweenTexels, Samples, ShownSamples, TexelCells, TexelField};
+use azulejo_radiosity::sites::{
+    IndirectGoal, LookRequest, NodeGather, SiteDirect, SiteLight, SiteStatistics, first_look,
+    look_again, with_indirect,
 };
 use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Run};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Run};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;
@@ -32,11 +33,11 @@ const DIRECT_ERROR: [f64; 2] = [1e-3, DEFAULT_ERROR];
 /// The light of all samples.
 pub struct SampleLight {
     /// What comes straight from lamps and lights.
-    pub direct: SampleDirect,
+    pub direct: SiteDirect,
     /// All that is baked, and direct light.
-    pub all: Vec<TexelLight>,
+    pub all: Vec<SiteLight>,
     /// How it was computed.
-    pub texels: TexelStatistics,
+    pub texels: SiteStatistics,
     /// The error that was aimed at, relative to the mean.
     pub error: f64,
 }
@@ -67,9 +68,9 @@ impl IndirectLight<'_> {
         let (all, texels) = match light {
             BakedLight::Direct => (
                 direct.light(),
-                TexelStatistics {
-                    samples: samples.samples.len(),
-                    ..TexelStatistics::default()
+                SiteStatistics {
+                    sites: samples.samples.len(),
+                    ..SiteStatistics::default()
                 },
             ),
             _ => self.of_texels(atlas, objects, (samples, &direct), seed)?,
@@ -88,9 +89,9 @@ impl IndirectLight<'_> {
         &self,
         atlas: &Atlas,
         objects: &[u32],
-        (samples, direct): (&Samples, &SampleDirect),
+        (samples, direct): (&Samples, &SiteDirect),
         seed: u32,
-    ) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
+    ) -> Result<(Vec<SiteLight>, SiteStatistics), SolveError> {
         // Indirect light need not be much better than texels can show direct light.
         let coarse = self.too_coarse_for(atlas, samples, direct, seed)?;
         let goal = IndirectGoal {
@@ -104,22 +105,20 @@ impl IndirectLight<'_> {
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
             self.read_at(request.points, None, rays, 0)
         };
-        let (mut light, nodes) =
-            azulejo_bake::first_look(samples, direct, goal, self.run, &mut look)?;
+        let cells = TexelCells::new(samples);
+        let (mut light, cells) = first_look(cells, direct, goal, self.run, &mut look)?;
         // Limited bounces are path traced, so that further looks have nothing to correct.
         if self.bounces.is_some() {
             let mut gather =
-                |requests: &[PairRequest]| requests.iter().map(|r| self.limited(r)).collect();
-            let texels = azulejo_bake::with_indirect(
-                samples,
+                |targets: &[PairTargets]| targets.iter().map(|t| self.limited(t)).collect();
+            return with_indirect(
+                cells,
                 direct,
-                nodes,
                 goal,
-                true,
+                NodeGather::Final,
                 self.run,
                 &mut gather,
-            )?;
-            return Ok(texels);
+            );
         }
         // Each look reads the one before, and is corrected by paths: patches leak light into the dark.
         for number in 1..=LOOKS {
@@ -128,14 +127,23 @@ impl IndirectLight<'_> {
             }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             drop(std::mem::take(&mut light));
-            let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, number);
-            light = azulejo_bake::look_again(samples, direct, &nodes, self.run, &mut gather)?;
+            let mut gather =
+                |targets: &[PairTargets]| self.solved.path_pairs(targets, Some(&field), number);
+            light = look_again(&cells, direct, goal, self.run, &mut gather)?;
         }
         // The last gather reads the last look, and takes as many rays as the error needs.
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
-        let mut gather = |requests: &[PairRequest]| self.paired(requests, &field, LOOKS + 1);
-        azulejo_bake::with_indirect(samples, direct, nodes, goal, false, self.run, &mut gather)
+        let mut gather =
+            |targets: &[PairTargets]| self.solved.path_pairs(targets, Some(&field), LOOKS + 1);
+        with_indirect(
+            cells,
+            direct,
+            goal,
+            NodeGather::Paired,
+            self.run,
+            &mut gather,
+        )
     }
 
     /// The light of all samples from `rays` rays at each. No sample depends on what others get until all have their
@@ -163,10 +171,10 @@ impl IndirectLight<'_> {
         Ok(SampleLight {
             all: direct.plus(indirect),
             direct,
-            texels: TexelStatistics {
-                samples: points.len(),
+            texels: SiteStatistics {
+                sites: points.len(),
                 nodes: points.len(),
-                interpolation: 0.0,
+                ..SiteStatistics::default()
             },
             error,
         })
@@ -183,7 +191,7 @@ impl IndirectLight<'_> {
             let error = NOISE_SHARE * self.error;
             return self.solved.indirect(points, &areas, error, LOOKS + 2);
         }
-        self.read_at(points, Some(&FieldOfTexels(field)), FIRST_RAYS, LOOKS + 2)
+        self.read_at(points, Some(field), FIRST_RAYS, LOOKS + 2)
     }
 
     /// Root mean square of the direct light that texels are too coarse for, W/m², about.
@@ -191,13 +199,13 @@ impl IndirectLight<'_> {
         &self,
         atlas: &Atlas,
         samples: &Samples,
-        direct: &SampleDirect,
+        direct: &SiteDirect,
         seed: u32,
     ) -> Result<f64, Cancelled> {
         let gatherer = self.solved.gatherer();
         let light = direct.light();
         let shown = ShownSamples::new(samples, &light, gatherer.surfaces());
-        let none = vec![TexelLight::default(); light.len()];
+        let none = vec![SiteLight::default(); light.len()];
         let between = BetweenTexels {
             atlas,
             samples,
@@ -215,29 +223,6 @@ impl IndirectLight<'_> {
         between.estimate(&lightmap, self.run)
     }
 
-    fn paired(
-        &self,
-        requests: &[PairRequest],
-        field: &TexelField,
-        look: u32,
-    ) -> Result<Vec<Vec<NodePair>>, SolveError> {
-        let targets = requests.iter().map(|request| PairTargets {
-            points: request.points,
-            read: request.read.clone(),
-            traced: request.traced.clone(),
-        });
-        let targets: Vec<PairTargets> = targets.collect();
-        let field = FieldOfTexels(field);
-        let pair_lists = self.solved.path_pairs(&targets, Some(&field), look)?;
-        let pair = |pair: PathPair| NodePair {
-            read: pair.read,
-            few: pair.few,
-            traced: pair.traced,
-        };
-        let of_request = |pairs: Vec<PathPair>| pairs.into_iter().map(pair).collect();
-        Ok(pair_lists.into_iter().map(of_request).collect())
-    }
-
     /// The light at points by so many rays that read that of patches, or `field`.
     fn read_at(
         &self,
@@ -248,6 +233,7 @@ impl IndirectLight<'_> {
     ) -> Result<Vec<Gathered>, SolveError> {
         let targets = PairTargets {
             points,
+            areas: &[],
             read: 0..rays,
             traced: 0..0,
         };
@@ -256,24 +242,15 @@ impl IndirectLight<'_> {
     }
 
     /// Where bounces are limited, all is path traced.
-    fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
+    fn limited(&self, targets: &PairTargets) -> Result<Vec<PathPair>, SolveError> {
         let error = NOISE_SHARE * self.error;
         let indirect = self
             .solved
-            .indirect(request.points, request.areas, error, LOOKS + 1)?;
-        let node = |read| NodePair {
+            .indirect(targets.points, targets.areas, error, LOOKS + 1)?;
+        let node = |read| PathPair {
             read,
-            ..NodePair::default()
+            ..PathPair::default()
         };
         Ok(indirect.into_iter().map(node).collect())
-    }
-}
-
-/// Light of texels beside that of patches.
-struct FieldOfTexels<'a>(&'a TexelField<'a>);
-
-impl IrradianceField for FieldOfTexels<'_> {
-    fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
-        self.0.irradiance(at)
     }
 }

@@ -5,11 +5,11 @@
 
 use super::charts::{agreed_samples, arranged, receivers_of};
 use super::{BakeError, BakeOptions, Baked, BakedSides};
-use azulejo_bake::{
-    Hemispheres, IndirectGoal, NodePair, PairRequest, SampleDirect, Samples, ShownSamples,
-    TexelLight, TexelStatistics,
+use azulejo_bake::{Hemispheres, Samples, ShownSamples, TexelCells};
+use azulejo_radiosity::sites::{
+    IndirectGoal, NodeGather, SiteDirect, SiteLight, SiteStatistics, first_look, with_indirect,
 };
-use azulejo_radiosity::SolveError;
+use azulejo_radiosity::{PairTargets, PathPair, SolveError};
 use azulejo_scene::Scene;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, REPLICATES, Run, Surfaces, Tracer};
@@ -62,10 +62,7 @@ pub fn bake_occlusion<'r>(
     let samples = agreed_samples(&atlas, tracer, run)?;
     let count = samples.samples.len();
     // The free share takes the place of indirect light, with no direct light beside it.
-    let none = SampleDirect {
-        irradiance: vec![[0.0; 3]; count],
-        variance: vec![[0.0; 3]; count],
-    };
+    let none = SiteDirect::none(count);
     // Gather at all samples if the number of rays is given, else at some, by how the share changes.
     let (light, texels) = match options.fixed_rays(progress) {
         Some(rays) => everywhere(&hemispheres, (&samples, &none), rays)?,
@@ -73,7 +70,7 @@ pub fn bake_occlusion<'r>(
     };
     let surfaces = Surfaces::new(scene, tracer);
     let shown = ShownSamples::new(&samples, &light, &surfaces);
-    let light: Vec<TexelLight> = light.into_iter().map(limited).collect();
+    let light: Vec<SiteLight> = light.into_iter().map(limited).collect();
     let mut lightmap = shown.lightmap(&samples, &light);
     // Prepare the pages for viewers, who interpolate across charts and read smaller copies.
     for page in &mut lightmap.pages {
@@ -100,55 +97,56 @@ pub fn bake_occlusion<'r>(
 /// The free share at some samples, interpolated between, so that its error is `error`, relative to the mean.
 fn to_error(
     hemispheres: &Hemispheres,
-    (samples, none): (&Samples, &SampleDirect),
+    (samples, none): (&Samples, &SiteDirect),
     error: f64,
-) -> Result<(Vec<TexelLight>, TexelStatistics), Cancelled> {
+) -> Result<(Vec<SiteLight>, SiteStatistics), Cancelled> {
     let goal = IndirectGoal {
         relative: error,
         least: 0.0,
     };
     let run = hemispheres.run;
     let strata = strata(NOISE_SHARE * error);
-    let (light, nodes) = azulejo_bake::first_look(samples, none, goal, run, &mut |request| {
+    let cells = TexelCells::new(samples);
+    let (light, cells) = first_look(cells, none, goal, run, &mut |request| {
         hemispheres.free(request.points, FEW_STRATA)
     })?;
     drop(light);
-    let free = |request: &PairRequest| -> Result<Vec<NodePair>, Cancelled> {
-        let visibility = hemispheres.free(request.points, strata)?;
-        let node = |read| NodePair {
+    let free = |targets: &PairTargets| -> Result<Vec<PathPair>, Cancelled> {
+        let visibility = hemispheres.free(targets.points, strata)?;
+        let node = |read| PathPair {
             read,
-            ..NodePair::default()
+            ..PathPair::default()
         };
         Ok(visibility.into_iter().map(node).collect())
     };
-    azulejo_bake::with_indirect(samples, none, nodes, goal, true, run, &mut |requests| {
-        requests.iter().map(free).collect()
+    with_indirect(cells, none, goal, NodeGather::Final, run, &mut |targets| {
+        targets.iter().map(free).collect()
     })
 }
 
 /// The free share at all samples, from this many rays at each.
 fn everywhere(
     hemispheres: &Hemispheres,
-    (samples, none): (&Samples, &SampleDirect),
+    (samples, none): (&Samples, &SiteDirect),
     rays: u32,
-) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
+) -> Result<(Vec<SiteLight>, SiteStatistics), SolveError> {
     let (points, _) = azulejo_bake::sample_points(samples);
     let visibility = hemispheres.free_of_all(&points, strata_of(rays))?;
     let visibility = visibility.ok_or(SolveError::Elsewhere)?;
     let free = visibility
         .iter()
         .map(|free| (free.mean(), free.variance().map(f64::sqrt)));
-    let texels = TexelStatistics {
-        samples: points.len(),
+    let texels = SiteStatistics {
+        sites: points.len(),
         nodes: points.len(),
-        interpolation: 0.0,
+        ..SiteStatistics::default()
     };
     Ok((none.plus(free), texels))
 }
 
 /// Interpolation may go beyond what is free at all.
-fn limited(light: TexelLight) -> TexelLight {
-    TexelLight {
+fn limited(light: SiteLight) -> SiteLight {
+    SiteLight {
         irradiance: light.irradiance.map(|free| free.min(1.0)),
         ..light
     }

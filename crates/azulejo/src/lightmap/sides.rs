@@ -1,8 +1,9 @@
 //! Which sides of surfaces have a lightmap.
 
 use azulejo_bake::layout::NO_CHART;
-use azulejo_bake::{Atlas, Receiver, Samples, TexelLight};
+use azulejo_bake::{Atlas, Receiver, Samples};
 use azulejo_radiosity::SolvedLight;
+use azulejo_radiosity::sites::SiteLight;
 use azulejo_scene::{Rgb, Scene, Sidedness};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint};
@@ -100,7 +101,7 @@ pub fn power_beside_patches(
     objects: &[u32],
     scene: &Scene,
     solved: &SolvedLight,
-    (samples, light): (&Samples, &[TexelLight]),
+    (samples, light): (&Samples, &[SiteLight]),
 ) -> [f64; 2] {
     let faces: Vec<Vec<[u32; 2]>> = objects.iter().map(|&o| face_triangles(scene, o)).collect();
     let (mut patches, mut texels) = (0.0, 0.0);

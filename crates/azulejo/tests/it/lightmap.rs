@@ -143,7 +143,7 @@ fn texels_of_a_number_of_rays_know_their_error() {
     let mut all = Vec::new();
     for (rays, most) in [(64, 4.0), (512, 2.5)] {
         let baked = baked(&scene, &with_rays(128, rays));
-        assert_eq!(baked.texels.nodes, baked.texels.samples);
+        assert_eq!(baked.texels.nodes, baked.texels.sites);
         let stated = baked.lightmap.relative_error();
         let [rms, bias] = found_errors(&scene, &baked);
         assert!(

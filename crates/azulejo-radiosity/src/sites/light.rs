@@ -7,82 +7,83 @@ use azulejo_trace::run::{Record, RecordReader};
 /// Irradiance with its standard error, W/m² (lx in photometric scenes): in single precision, because there is one
 /// for each of millions of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TexelLight {
+pub struct SiteLight {
     /// The value.
     pub irradiance: [f32; 3],
     /// Its standard error.
     pub standard_error: [f32; 3],
 }
 
-impl TexelLight {
+impl SiteLight {
     /// The value in double precision.
-    pub(crate) fn rgb(&self) -> Rgb {
+    pub fn rgb(&self) -> Rgb {
         Rgb::from(self.irradiance.map(f64::from))
     }
 }
 
-impl Record for TexelLight {
+impl Record for SiteLight {
     fn write(&self, bytes: &mut Vec<u8>) {
         self.irradiance.write(bytes);
         self.standard_error.write(bytes);
     }
 
-    fn read(bytes: &mut RecordReader) -> Option<TexelLight> {
-        Some(TexelLight {
+    fn read(bytes: &mut RecordReader) -> Option<SiteLight> {
+        Some(SiteLight {
             irradiance: Record::read(bytes)?,
             standard_error: Record::read(bytes)?,
         })
     }
 }
 
-/// Direct light of each sample.
+/// Direct light of each site.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SampleDirect {
+pub struct SiteDirect {
     /// Irradiance, W/m².
     pub irradiance: Vec<[f32; 3]>,
     /// Its variance.
     pub variance: Vec<[f32; 3]>,
 }
 
-impl SampleDirect {
-    /// No light at this many samples.
-    pub(crate) fn none(count: usize) -> SampleDirect {
-        SampleDirect {
+impl SiteDirect {
+    /// No light at this many sites.
+    pub fn none(count: usize) -> SiteDirect {
+        SiteDirect {
             irradiance: vec![[0.0; 3]; count],
             variance: vec![[0.0; 3]; count],
         }
     }
 
-    pub(crate) fn set(&mut self, sample: usize, found: &Gathered) {
-        self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
-        self.variance[sample] = found.variance().to_f32();
+    /// Sets the light of a site.
+    pub fn set(&mut self, site: usize, found: &Gathered) {
+        self.irradiance[site] = found.mean().map(|e| e.max(0.0)).to_f32();
+        self.variance[site] = found.variance().to_f32();
     }
 
-    /// This light alone, of each sample.
-    pub fn light(&self) -> Vec<TexelLight> {
+    /// This light alone, of each site.
+    pub fn light(&self) -> Vec<SiteLight> {
         let all = self.irradiance.iter().zip(&self.variance);
-        all.map(|(e, variance)| TexelLight {
+        all.map(|(e, variance)| SiteLight {
             irradiance: *e,
             standard_error: variance.map(f32::sqrt),
         })
         .collect()
     }
 
-    /// This light and indirect light of each sample, given as its mean and standard error, W/m².
-    pub fn plus(&self, indirect: impl Iterator<Item = (Rgb, Rgb)>) -> Vec<TexelLight> {
+    /// This light and indirect light of each site, given as its mean and standard error, W/m².
+    pub fn plus(&self, indirect: impl Iterator<Item = (Rgb, Rgb)>) -> Vec<SiteLight> {
         let all = indirect.enumerate();
-        all.map(|(sample, (value, error))| {
-            let variance = Rgb::from(self.variance[sample].map(f64::from)) + error * error;
-            TexelLight {
-                irradiance: (self.mean(sample) + value).map(|e| e.max(0.0)).to_f32(),
+        all.map(|(site, (value, error))| {
+            let variance = Rgb::from(self.variance[site].map(f64::from)) + error * error;
+            SiteLight {
+                irradiance: (self.mean(site) + value).map(|e| e.max(0.0)).to_f32(),
                 standard_error: variance.map(f64::sqrt).to_f32(),
             }
         })
         .collect()
     }
 
-    /// Takes this light, and its error, out of the light of all samples.
-    pub fn take_from(&self, light: &mut [TexelLight]) {
+    /// Takes this light, and its error, out of the light of all sites.
+    pub fn take_from(&self, light: &mut [SiteLight]) {
         let direct = self.irradiance.iter().zip(&self.variance);
         for (all, (direct, variance)) in light.iter_mut().zip(direct) {
             for k in 0..3 {
@@ -93,9 +94,9 @@ impl SampleDirect {
         }
     }
 
-    /// Irradiance of a sample.
-    pub(crate) fn mean(&self, sample: usize) -> Rgb {
-        Rgb::from(self.irradiance[sample].map(f64::from))
+    /// Irradiance of a site.
+    pub fn mean(&self, site: usize) -> Rgb {
+        Rgb::from(self.irradiance[site].map(f64::from))
     }
 }
 
@@ -138,17 +139,6 @@ impl From<Gathered> for NodeLight {
             ..NodeLight::default()
         }
     }
-}
-
-/// Indirect light of a node, found in two ways, W/m².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NodePair {
-    /// From rays that read light where they end.
-    pub read: Gathered,
-    /// The same from the first few of them.
-    pub few: Gathered,
-    /// Path traced, from the same directions as `few`.
-    pub traced: Gathered,
 }
 
 /// Numbers of rays of a node.

@@ -1,26 +1,19 @@
-//! Indirect light of texels from that of some of them.
+//! Indirect light at many sites from that at some of them.
 //!
-//! Indirect light is gathered at the nodes of a [lattice](crate::lattice) and interpolated. A first look reads the
-//! light of patches; another reads that look and is [corrected](crate::correction) by paths, so that it has
+//! Indirect light is gathered at the nodes of [cells](SiteCells) and interpolated. A first look reads the
+//! light of patches; another reads that look and is corrected by paths, so that it has
 //! neither what patches leak nor what they miss; and the last, with as many rays as the requested error takes,
 //! reads that.
 
-use crate::correction::corrected;
-use crate::lattice::Lattice;
-use crate::light::{NodeLight, NodePair, PairRays, SampleDirect, TexelLight};
-use crate::nodes::Nodes;
-use crate::rays::{NodeNoise, allocated};
-use crate::samples::Samples;
+use super::cells::SiteCells;
+use super::correction::corrected;
+use super::light::{NodeLight, PairRays, SiteDirect, SiteLight};
+use super::nodes::{InterpolationErrors, Nodes};
+use super::rays::{MOST_PATHS, MOST_RAYS, NodeNoise, allocated};
+use crate::path_pairs::{PairTargets, PathPair};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Run, sequence_gain};
 use std::collections::BTreeMap;
-use std::ops::Range;
-
-/// Texels along a side of the first cells, as a power of two.
-const FIRST_LEVEL: u32 = 4;
-
-/// The same where there are so few texels that cells would be few.
-const LEAST_CELLS: usize = 1500;
 
 /// Most divisions of cells.
 const MOST_ROUNDS: u32 = 6;
@@ -67,18 +60,6 @@ pub struct LookRequest<'a> {
     pub round: u32,
 }
 
-/// Nodes at which light is to be gathered in two ways.
-pub struct PairRequest<'a> {
-    /// The points.
-    pub points: &'a [GatherPoint],
-    /// The area for which each stands, square scene units.
-    pub areas: &'a [f64],
-    /// Which rays of each read light.
-    pub read: Range<u32>,
-    /// Which rays of each are path traced.
-    pub traced: Range<u32>,
-}
-
 /// The error that indirect light may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IndirectGoal {
@@ -95,31 +76,47 @@ impl IndirectGoal {
     }
 }
 
-/// How the light of a lightmap was computed.
+/// How light is gathered at nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeGather {
+    /// The caller has it to the error that is asked, as what is read.
+    Final,
+    /// By rays that read light, which a few paths correct.
+    Paired,
+    /// By paths alone.
+    Traced,
+}
+
+/// How the light of sites was computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TexelStatistics {
-    /// Samples: about as many as texels.
-    pub samples: usize,
-    /// Samples at which indirect light was gathered.
+pub struct SiteStatistics {
+    /// Sites.
+    pub sites: usize,
+    /// Sites at which indirect light was gathered.
     pub nodes: usize,
+    /// Rays from these that read light, and paths.
+    pub rays: [u64; 2],
+    /// Share of the nodes that are path traced: all or none.
+    pub path_traced: f64,
     /// Root mean square of the error that interpolation makes, W/m².
     pub interpolation: f64,
 }
 
-/// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at some of them, so many that interpolation is off by a few times `goal`; and the nodes at which it was found. Nodes are not added once the deadline of the progress has passed.
+/// A first look at the light of all sites, for others to read: `direct`, and indirect light that
+/// `gather` finds at the nodes of cells, divided until interpolation is off by a few times `goal`; and these cells.
+/// None are divided once the deadline of the progress has passed.
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn first_look<E: From<Cancelled>>(
-    samples: &Samples,
-    direct: &SampleDirect,
+pub fn first_look<C: SiteCells, E: From<Cancelled>>(
+    cells: C,
+    direct: &SiteDirect,
     goal: IndirectGoal,
     run: Run,
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
-) -> Result<(Vec<TexelLight>, NodeLattice), E> {
-    let mut nodes = Nodes::new(samples, direct, first_lattice(samples));
-    let mut errors = Vec::new();
+) -> Result<(Vec<SiteLight>, C), E> {
+    let mut nodes = Nodes::new(direct, cells);
+    let mut errors = InterpolationErrors::default();
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
@@ -137,52 +134,49 @@ pub fn first_look<E: From<Cancelled>>(
         nodes.measure_mean();
         errors = nodes.interpolation_errors(run)?;
     }
-    let light = nodes.interpolated(&errors, run)?;
-    Ok((light, NodeLattice(nodes.into_lattice())))
+    let light = nodes.interpolated(&errors.of_cells, run)?;
+    Ok((light, nodes.into_cells()))
 }
-
-/// Where a first look found light to change.
-#[derive(Clone, Debug)]
-pub struct NodeLattice(Lattice);
 
 /// Another look, at the nodes of the first: reads the first, and corrects that by paths.
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn look_again<E: From<Cancelled>>(
-    samples: &Samples,
-    direct: &SampleDirect,
-    nodes: &NodeLattice,
+pub fn look_again<C: SiteCells, E: From<Cancelled>>(
+    cells: &C,
+    direct: &SiteDirect,
+    goal: IndirectGoal,
     run: Run,
     gather: &mut PairGather<E>,
-) -> Result<Vec<TexelLight>, E> {
-    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), run);
+) -> Result<Vec<SiteLight>, E> {
+    let mut paired = PairedNodes::new(cells.clone(), direct, goal, run);
     paired.gather_new(gather)?;
-    let errors = vec![0.0; paired.nodes.lattice().len()];
+    let errors = vec![0.0; paired.nodes.cells().len()];
     Ok(paired.nodes.interpolated(&errors, run)?)
 }
 
-/// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
-/// look and more, with as many rays as bring its error to `error`, a share of the mean. `is_final` says that
-/// `gather` has brought its light to that error itself. No nodes or rays are added once the deadline of
+/// Light of all sites: `direct`, and indirect light that `gather` finds at the nodes of cells, such as those of a first
+/// look, and more, with as many rays as bring its error to `goal`. No nodes or rays are added once the deadline of
 /// the progress has passed: the errors of the light say what that leaves.
 ///
 /// # Errors
 /// Those of `gather`.
-pub fn with_indirect<E: From<Cancelled>>(
-    samples: &Samples,
-    direct: &SampleDirect,
-    start: NodeLattice,
+pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
+    cells: C,
+    direct: &SiteDirect,
     goal: IndirectGoal,
-    is_final: bool,
+    way: NodeGather,
     run: Run,
     gather: &mut PairGather<E>,
-) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut paired = PairedNodes::new(samples, direct, start.0, run);
+) -> Result<(Vec<SiteLight>, SiteStatistics), E> {
+    // Gather at the nodes, with noise so small that it is not taken for their differences.
+    let mut paired = PairedNodes::new(cells, direct, goal, run);
+    paired.is_traced = way == NodeGather::Traced;
     paired.gather_new(gather)?;
-    if !is_final {
-        paired.quieten(goal, gather)?;
+    if way == NodeGather::Paired {
+        paired.quieten(gather)?;
     }
+    // Divide cells where interpolation is too coarse.
     let mut errors = paired.nodes.interpolation_errors(run)?;
     for _ in 1..=MOST_ROUNDS {
         let permitted = goal.permitted(paired.nodes.mean);
@@ -194,9 +188,18 @@ pub fn with_indirect<E: From<Cancelled>>(
         paired.gather_new(gather)?;
         errors = paired.nodes.interpolation_errors(run)?;
     }
-    if !is_final {
+    // Sites that have no nodes around become nodes.
+    let permitted = goal.permitted(paired.nodes.mean);
+    let lonely = paired.nodes.lonely_sites(&errors, permitted, run)?;
+    if !lonely.is_empty() {
+        paired.nodes.isolate(&lonely);
+        paired.gather_new(gather)?;
+        errors = paired.nodes.interpolation_errors(run)?;
+    }
+    // Add rays where they lower the error at least cost.
+    if way != NodeGather::Final {
         for _ in 0..MOST_RAISES {
-            let Some(rays) = paired.wanted(&errors, goal)? else {
+            let Some(rays) = paired.wanted(&errors.of_cells)? else {
                 break;
             };
             if run.progress.out_of_time() {
@@ -206,26 +209,11 @@ pub fn with_indirect<E: From<Cancelled>>(
             errors = paired.nodes.interpolation_errors(run)?;
         }
     }
-    let nodes = &paired.nodes;
-    let area: f64 = samples.samples.iter().map(|s| f64::from(s.area)).sum();
-    let squares = nodes.mean_of_cells(&errors) * area;
-    let statistics = TexelStatistics {
-        samples: samples.samples.len(),
-        nodes: nodes.light.len(),
-        interpolation: (squares.max(0.0) / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
-    };
-    Ok((nodes.interpolated(&errors, run)?, statistics))
-}
-
-/// Cells as large as leaves enough of them.
-fn first_lattice(samples: &Samples) -> Lattice {
-    let mut level = FIRST_LEVEL;
-    let mut lattice = Lattice::new(samples, level);
-    while lattice.len() < LEAST_CELLS && level > 0 {
-        level -= 1;
-        lattice = Lattice::new(samples, level);
-    }
-    lattice
+    let statistics = paired.statistics(&errors.of_cells);
+    Ok((
+        paired.nodes.interpolated(&errors.of_cells, run)?,
+        statistics,
+    ))
 }
 
 /// Rays of the first gather at each of this many nodes, fewer once there is no time.
@@ -244,29 +232,48 @@ fn first_rays(nodes: usize, progress: &Progress) -> PairRays {
 }
 
 /// Nodes at which light is gathered in two ways.
-struct PairedNodes<'a> {
-    nodes: Nodes<'a>,
-    pairs: Vec<NodePair>,
+struct PairedNodes<'a, C> {
+    nodes: Nodes<'a, C>,
+    pairs: Vec<PathPair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
+    /// Whether paths alone count.
+    is_traced: bool,
+    goal: IndirectGoal,
     run: Run<'a>,
 }
 
 /// The light at the nodes of each request, in their order.
-pub type PairGather<'g, E> = dyn FnMut(&[PairRequest]) -> Result<Vec<Vec<NodePair>>, E> + 'g;
+pub type PairGather<'g, E> = dyn FnMut(&[PairTargets]) -> Result<Vec<Vec<PathPair>>, E> + 'g;
 
-impl<'a> PairedNodes<'a> {
+impl<'a, C: SiteCells> PairedNodes<'a, C> {
     fn new(
-        samples: &'a Samples,
-        direct: &'a SampleDirect,
-        lattice: Lattice,
+        cells: C,
+        direct: &'a SiteDirect,
+        goal: IndirectGoal,
         run: Run<'a>,
-    ) -> PairedNodes<'a> {
+    ) -> PairedNodes<'a, C> {
         PairedNodes {
+            is_traced: false,
+            goal,
             run,
-            nodes: Nodes::new(samples, direct, lattice),
+            nodes: Nodes::new(direct, cells),
             pairs: Vec::new(),
             rays: Vec::new(),
+        }
+    }
+
+    fn statistics(&self, errors: &[f64]) -> SiteStatistics {
+        let nodes = &self.nodes;
+        let rays = self.rays.iter().fold([0, 0], |[read, traced], rays| {
+            [read + u64::from(rays.read), traced + u64::from(rays.traced)]
+        });
+        SiteStatistics {
+            sites: nodes.cells().site_count(),
+            nodes: nodes.light.len(),
+            rays,
+            path_traced: if self.is_traced { 1.0 } else { 0.0 },
+            interpolation: nodes.mean_of_cells(errors).max(0.0).sqrt(),
         }
     }
 
@@ -275,9 +282,17 @@ impl<'a> PairedNodes<'a> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.lattice().len(), self.run.progress);
+            let rays = first_rays(self.nodes.cells().len(), self.run.progress);
+            let rays = if self.is_traced {
+                PairRays {
+                    read: 0,
+                    traced: rays.read,
+                }
+            } else {
+                rays
+            };
             self.rays.resize(self.rays.len() + points.len(), rays);
-            let gathered = gather(&[PairRequest {
+            let gathered = gather(&[PairTargets {
                 points: &points,
                 areas: &areas,
                 read: 0..rays.read,
@@ -291,14 +306,30 @@ impl<'a> PairedNodes<'a> {
 
     fn update(&mut self) -> Result<(), Cancelled> {
         let nodes = &mut self.nodes;
-        nodes.light = corrected(nodes, &self.pairs, &self.rays, self.run)?;
-        let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
+        let counted: fn(&PathPair) -> &Gathered = if self.is_traced {
+            |pair| &pair.traced
+        } else {
+            |pair| &pair.read
+        };
+        nodes.light = if self.is_traced {
+            let traced = |pair: &PathPair| NodeLight::from(pair.traced);
+            self.pairs.iter().map(traced).collect()
+        } else {
+            corrected(nodes, &self.pairs, &self.rays, self.run)?
+        };
+        let gain = sequence_gain(self.pairs.iter().map(counted), Rgb::mean);
         nodes
             .light
             .iter_mut()
             .for_each(|light| light.noise *= gain.sqrt());
         nodes.measure_mean();
         Ok(())
+    }
+
+    /// The mean square noise that is permitted beside the rest of the error, (W/m²)².
+    fn budget(&self, rest: f64) -> f64 {
+        let permitted = (MARGIN * self.goal.permitted(self.nodes.mean)).powi(2);
+        (permitted - rest).max(LEAST_NOISE * permitted.max(rest))
     }
 
     /// Brings nodes to more rays, as many of them as there is time for.
@@ -341,7 +372,7 @@ impl<'a> PairedNodes<'a> {
             let targets: Vec<(Vec<GatherPoint>, Vec<f64>)> = targets.collect();
             let requests = parts.iter().zip(&targets).map(|((range, _), target)| {
                 let &[read, to_read, traced, to_traced] = range;
-                PairRequest {
+                PairTargets {
                     points: &target.0,
                     areas: &target.1,
                     read: read..to_read,
@@ -365,14 +396,10 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
-    fn quieten<E: From<Cancelled>>(
-        &mut self,
-        goal: IndirectGoal,
-        gather: &mut PairGather<E>,
-    ) -> Result<(), E> {
+    fn quieten<E: From<Cancelled>>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
-            let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
+            let permitted = (NODE_ERROR * self.goal.permitted(self.nodes.mean)).powi(2);
             if noise <= permitted || self.run.progress.out_of_time() {
                 break;
             }
@@ -386,14 +413,9 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Rays that bring the error to `goal`, at least cost; `None` if there are enough, or no more.
-    fn wanted(
-        &self,
-        errors: &[f64],
-        goal: IndirectGoal,
-    ) -> Result<Option<Vec<PairRays>>, Cancelled> {
+    fn wanted(&self, errors: &[f64]) -> Result<Option<Vec<PairRays>>, Cancelled> {
         let (read, shared, rest) = self.nodes.texel_noise(errors, self.run)?;
-        let permitted = (MARGIN * goal.permitted(self.nodes.mean)).powi(2);
-        let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
+        let budget = self.budget(rest);
         if read + shared <= budget {
             return Ok(None);
         }
@@ -407,15 +429,29 @@ impl<'a> PairedNodes<'a> {
     /// these factors.
     fn allocated(&self, factors: [f64; 2], permitted: f64) -> Vec<PairRays> {
         let (mut noise, mut area) = (vec![NodeNoise::default(); self.rays.len()], 0.0);
-        for cell in 0..self.nodes.lattice().len() {
-            let node = self.nodes.lattice().node(cell) as usize;
+        for cell in 0..self.nodes.cells().len() {
+            let node = self.nodes.cells().node(cell) as usize;
             let light = &self.nodes.light[node];
             let of_cell = self.nodes.cell_area(cell);
             let square = |noise: Rgb| of_cell * (noise * noise).mean();
-            noise[node].read += factors[0] * square(light.noise);
-            noise[node].traced += factors[1] * square(light.shared_noise);
+            let [read, traced] = [
+                factors[0] * square(light.noise),
+                factors[1] * square(light.shared_noise),
+            ];
+            let noise = &mut noise[node];
+            if self.is_traced {
+                noise.traced += read;
+            } else {
+                noise.read += read;
+                noise.traced += traced;
+            }
             area += of_cell;
         }
-        allocated(&self.rays, &noise, AIM * permitted * area)
+        let most = if self.is_traced {
+            MOST_PATHS
+        } else {
+            MOST_RAYS
+        };
+        allocated(&self.rays, &noise, AIM * permitted * area, most)
     }
 }

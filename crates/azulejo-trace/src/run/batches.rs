@@ -1,17 +1,17 @@
 //! Loops over many items, by all threads of all processes that share the work.
 
-use azulejo_trace::run::Record;
-use azulejo_trace::{Cancelled, Run};
+use super::{Record, Run};
+use crate::progress::Cancelled;
 use rayon::prelude::*;
 
 /// Batches of a block that one thread of a process computes before it asks for the next: some milliseconds.
-pub(crate) const BLOCK: usize = 4;
+pub const BLOCK: usize = 4;
 
 /// The same where batches take longer.
-pub(crate) const SHORT_BLOCK: usize = 1;
+pub const SHORT_BLOCK: usize = 1;
 
 /// The results of `of_batch` for all items in their order. Batches are of `size` items, whoever computes them.
-pub(crate) fn in_batches<I: Sync, T: Record + Send>(
+pub fn in_batches<I: Sync, T: Record + Send>(
     items: &[I],
     size: usize,
     run: Run,
@@ -21,7 +21,7 @@ pub(crate) fn in_batches<I: Sync, T: Record + Send>(
 }
 
 /// The same with blocks of this many batches.
-pub(crate) fn in_blocks<I: Sync, T: Record + Send>(
+pub fn in_blocks<I: Sync, T: Record + Send>(
     items: &[I],
     (size, block): (usize, usize),
     run: Run,
@@ -52,7 +52,7 @@ fn numbered<T: Record + Send>(
 }
 
 /// The same with blocks of so many batches, for items that the progress counts.
-pub(crate) fn in_counted_batches<I: Sync, T: Record + Send>(
+pub fn in_counted_batches<I: Sync, T: Record + Send>(
     items: &[I],
     size: (usize, usize),
     run: Run,

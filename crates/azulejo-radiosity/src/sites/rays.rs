@@ -4,7 +4,7 @@
 //! with the root of its area times its variance (Neyman, *On the two different aspects of the representative
 //! method*, 1934, for strata; here with another rate for rays that read light). Light that is even needs few.
 
-use crate::light::PairRays;
+use super::light::PairRays;
 use rayon::prelude::*;
 
 /// Cost of a path beside that of a ray that reads light.
@@ -17,9 +17,15 @@ pub(crate) const READ_RATE: f64 = 1.2;
 const TRACED_RATE: f64 = 1.0;
 
 /// Most rays of a node that read light, and of those that are paths.
-const MOST_RAYS: PairRays = PairRays {
+pub(crate) const MOST_RAYS: PairRays = PairRays {
     read: 1 << 14,
-    traced: 1 << 12,
+    traced: 1 << 14,
+};
+
+/// The same where paths alone count.
+pub(crate) const MOST_PATHS: PairRays = PairRays {
+    read: 0,
+    traced: 1 << 16,
 };
 
 /// Largest growth of rays at once: variances of few rays are not known well.
@@ -46,6 +52,7 @@ pub(crate) fn allocated(
     current: &[PairRays],
     noise: &[NodeNoise],
     permitted: f64,
+    most: PairRays,
 ) -> Vec<PairRays> {
     let left = |price: f64| -> f64 {
         let of_node = |(&rays, noise): (&PairRays, &NodeNoise)| {
@@ -73,10 +80,15 @@ pub(crate) fn allocated(
     };
     let of_node = |(&rays, noise): (&PairRays, &NodeNoise)| {
         let [read, traced] = growths(rays, noise, price);
-        let traced = grown(rays.traced, traced, MOST_RAYS.traced);
+        let traced = grown(rays.traced, traced, most.traced);
+        // Paths are some of the rays that read light, where there are any.
+        let read = grown(rays.read, read, most.read);
         PairRays {
-            // Paths are some of the rays that read light.
-            read: grown(rays.read, read, MOST_RAYS.read).max(traced),
+            read: if most.read > 0 {
+                read.max(traced)
+            } else {
+                read
+            },
             traced,
         }
     };
@@ -114,7 +126,7 @@ mod tests {
     fn rays_go_where_noise_is() {
         let noise = |read| NodeNoise { read, traced: 0.0 };
         let noises: Vec<NodeNoise> = [1.0, 0.01, 0.0].map(noise).to_vec();
-        let of_nodes = allocated(&[FEW; 3], &noises, 0.3);
+        let of_nodes = allocated(&[FEW; 3], &noises, 0.3, MOST_RAYS);
         assert!(of_nodes[0].read >= 2 * FEW.read, "{of_nodes:?}");
         assert_eq!(of_nodes[1..], [FEW; 2]);
         assert!(of_nodes.iter().all(|rays| rays.traced == FEW.traced));
@@ -130,7 +142,7 @@ mod tests {
             .collect();
         let all: f64 = noises.iter().map(|n| n.read + n.traced).sum();
         let current = vec![FEW; noises.len()];
-        let of_nodes = allocated(&current, &noises, 0.4 * all);
+        let of_nodes = allocated(&current, &noises, 0.4 * all, MOST_RAYS);
         let left = |rays: &[PairRays]| -> f64 {
             let of = |(noise, rays): (&NodeNoise, &PairRays)| {
                 noise.read * (f64::from(rays.read) / 64.0).powf(-READ_RATE)
@@ -154,7 +166,7 @@ mod tests {
         ];
         assert!(left(&alike) > 0.3 * all && cost(&of_nodes) < cost(&alike));
         // What is quiet enough stays.
-        assert_eq!(allocated(&current, &noises, 1.01 * all), current);
+        assert_eq!(allocated(&current, &noises, 1.01 * all, MOST_RAYS), current);
     }
 
     #[test]
@@ -165,10 +177,10 @@ mod tests {
         };
         let mut rays = vec![FEW];
         for _ in 0..6 {
-            rays = allocated(&rays, &[noise], 1e-9);
+            rays = allocated(&rays, &[noise], 1e-9, MOST_RAYS);
         }
         assert_eq!(rays, [MOST_RAYS]);
         let silent = NodeNoise::default();
-        assert_eq!(allocated(&[FEW], &[silent], 0.0), [FEW]);
+        assert_eq!(allocated(&[FEW], &[silent], 0.0, MOST_RAYS), [FEW]);
     }
 }

@@ -7,19 +7,25 @@
 //! (Glasserman, *Monte Carlo Methods in Financial Engineering*, 2004, section 4.1). In a cavity that no
 //! light reaches it is 0, and paths alone count.
 
-use crate::batches::in_batches;
-use crate::lattice::{Lattice, place};
-use crate::light::{NodeLight, NodePair, PairRays};
-use crate::nodes::{MOST_NEIGHBOURS, Nodes};
-use crate::rays::READ_RATE;
-use crate::samples::Samples;
+use super::cells::SiteCells;
+use super::light::{NodeLight, PairRays};
+use super::nodes::{MOST_NEIGHBOURS, Nodes};
+use super::rays::READ_RATE;
+use crate::path_pairs::PathPair;
 use azulejo_scene::Rgb;
+use azulejo_trace::run::batches::in_batches;
 use azulejo_trace::run::{Record, RecordReader};
 use azulejo_trace::{Cancelled, Gathered, REPLICATES, Run};
 
-/// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
-/// what changes from place to place is blurred.
-const NEIGHBOURS: [usize; 4] = [6, 12, 24, MOST_NEIGHBOURS];
+/// Nodes around one over which differences are averaged, too: as many as leave the least error. Of few, noise is left;
+/// over many, what changes from place to place is blurred.
+const NEIGHBOURS: [usize; 5] = [0, NEAREST, 12, 24, MOST_NEIGHBOURS];
+
+/// The fewest of them that tell how corrections differ.
+const NEAREST: usize = 6;
+
+/// Paths from which on the replicates of a node know most of the noise of its correction.
+const ENOUGH_PATHS: f64 = 256.0;
 
 /// Cells that are worked on together.
 const BATCH: usize = 64;
@@ -36,37 +42,57 @@ const LEAST_SHARE: f64 = 0.1;
 /// Strata of brightness in which noise and variation are measured: of one node they are hardly known.
 const STRATA: usize = 16;
 
-/// The light of every node of a lattice.
+/// The light of every node of a cells.
 ///
 /// # Errors
 /// The caller cancelled.
-pub(crate) fn corrected(
-    nodes: &Nodes,
-    pairs: &[NodePair],
+pub(crate) fn corrected<C: SiteCells>(
+    nodes: &Nodes<C>,
+    pairs: &[PathPair],
     rays: &[PairRays],
     run: Run,
 ) -> Result<Vec<NodeLight>, Cancelled> {
-    let (samples, lattice) = (nodes.samples, nodes.lattice());
-    let around = nodes.far_around(run)?;
+    let cells = nodes.cells();
+    let around = nodes.around(run)?;
     let smooth = |count| Smoothed::new(nodes, (pairs, rays), around, count, run);
-    let nearest = smooth(NEIGHBOURS[0])?;
+    let nearest = smooth(NEAREST)?;
     let strata = nearest.strata();
     // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
-    // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone.
-    let scales: Vec<f64> = strata.iter().map(|s| nearest.noise_scale(s)).collect();
-    let mut best: Option<(f64, Vec<NodeLight>)> = None;
+    // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone, the larger the more
+    // paths there are.
+    let scale = |stratum: &Vec<u32>| {
+        let paths: f64 = stratum
+            .iter()
+            .map(|&n| f64::from(rays[n as usize].traced))
+            .sum();
+        let most = 1.0 + ENOUGH_PATHS * stratum.len() as f64 / paths.max(1.0);
+        nearest.noise_scale(stratum).min(most)
+    };
+    let scales: Vec<f64> = strata.iter().map(scale).collect();
+    let areas: Vec<f64> = (0..cells.len()).map(|cell| nodes.cell_area(cell)).collect();
+    let mut of_nodes = vec![0.0; pairs.len()];
+    for (cell, area) in areas.iter().enumerate() {
+        of_nodes[cells.node(cell) as usize] = *area;
+    }
+    // In each stratum the number of nodes that leaves the least error.
+    let mut best = nearest.clone();
+    let mut least = vec![f64::INFINITY; strata.len()];
     for count in NEIGHBOURS {
-        let smoothed = if count == NEIGHBOURS[0] {
+        let mut smoothed = if count == NEAREST {
             nearest.clone()
         } else {
             smooth(count)?
         };
-        let (error, light) = smoothed.stated(samples, lattice, &strata, &scales);
-        if best.as_ref().is_none_or(|(least, _)| error < *least) {
-            best = Some((error, light));
+        for (number, stratum) in strata.iter().enumerate() {
+            let error = smoothed.state(stratum, scales[number], &of_nodes);
+            if error < least[number] {
+                least[number] = error;
+                best.take(&smoothed, stratum);
+            }
         }
     }
-    Ok(best.map_or(Vec::new(), |(_, light)| light))
+    best.restore(cells, &areas);
+    Ok(best.light)
 }
 
 /// The light of all nodes with corrections over this many of them.
@@ -81,22 +107,22 @@ struct Smoothed {
 }
 
 impl Smoothed {
-    fn new(
-        nodes: &Nodes,
-        (pairs, rays): (&[NodePair], &[PairRays]),
+    fn new<C: SiteCells>(
+        nodes: &Nodes<C>,
+        (pairs, rays): (&[PathPair], &[PairRays]),
         around: &[Vec<u32>],
         count: usize,
         run: Run,
     ) -> Result<Smoothed, Cancelled> {
-        let (samples, lattice) = (nodes.samples, nodes.lattice());
-        let cells: Vec<u32> = (0..lattice.len() as u32).collect();
+        let cells = nodes.cells();
+        let numbers: Vec<u32> = (0..cells.len() as u32).collect();
         let of_cell = |&cell: &u32| {
             let around = &around[cell as usize];
             let near = &around[..around.len().min(count + 1)];
-            let node = lattice.node(cell as usize);
-            node_light(samples, lattice, (pairs, rays), node, near)
+            let node = cells.node(cell as usize);
+            node_light(cells, (pairs, rays), node, near)
         };
-        let of_cells = in_batches(&cells, BATCH, run, |batch| {
+        let of_cells = in_batches(&numbers, BATCH, run, |batch| {
             Ok(batch.iter().map(of_cell).collect())
         })?;
         let mut smoothed = Smoothed {
@@ -105,7 +131,7 @@ impl Smoothed {
             left_out: vec![Gathered::default(); pairs.len()],
         };
         for (cell, of_node) in of_cells.into_iter().enumerate() {
-            let node = lattice.node(cell) as usize;
+            let node = cells.node(cell) as usize;
             smoothed.light[node] = of_node.light;
             smoothed.differences[node] = of_node.differences;
             smoothed.left_out[node] = of_node.left_out;
@@ -142,12 +168,12 @@ impl Smoothed {
 
     /// Makes the light of each group of nodes more or less by what was left out of their corrections: light that few
     /// paths find is noise at any one of them, and would be missing in all. What is dark stays dark.
-    fn restore(&mut self, lattice: &Lattice, areas: &[f64]) {
-        let cells: Vec<usize> = (0..lattice.len()).collect();
-        for group in cells.chunks(GROUP) {
+    fn restore<C: SiteCells>(&mut self, cells: &C, areas: &[f64]) {
+        let numbers: Vec<usize> = (0..cells.len()).collect();
+        for group in numbers.chunks(GROUP) {
             let (mut left, mut all) = (Gathered::default(), Rgb::BLACK);
             for &cell in group {
-                let node = lattice.node(cell) as usize;
+                let node = cells.node(cell) as usize;
                 let of_node = self.left_out[node].replicates.map(|r| r * areas[cell]);
                 left = left.plus(&Gathered {
                     replicates: of_node,
@@ -160,7 +186,7 @@ impl Smoothed {
             let factor = share.map(|s| (1.0 + s).max(LEAST_SHARE));
             let doubt = left.variance().map(f64::sqrt) * per_light;
             for &cell in group {
-                let light = &mut self.light[lattice.node(cell) as usize];
+                let light = &mut self.light[cells.node(cell) as usize];
                 let noise = light.irradiance.mean() * doubt;
                 let square = light.shared_noise * light.shared_noise + noise * noise;
                 light.shared_noise = square.map(f64::sqrt);
@@ -169,37 +195,29 @@ impl Smoothed {
         }
     }
 
-    /// The light with its errors, and the mean square of those by area, (W/m²)².
-    fn stated(
-        mut self,
-        samples: &Samples,
-        lattice: &Lattice,
-        strata: &[Vec<u32>],
-        scales: &[f64],
-    ) -> (f64, Vec<NodeLight>) {
-        for (stratum, &scale) in strata.iter().zip(scales) {
-            let [difference, expected] = self.sums(stratum);
-            let variation = (difference - scale * expected) / stratum.len() as f64;
-            for &n in stratum {
-                let light = &mut self.light[n as usize];
-                light.shared_noise *= scale.sqrt();
-                light.bias = variation.max(0.0).sqrt();
-            }
-        }
-        let of_cell = |cell: usize| -> f64 {
-            let of_sample = |s: &u32| f64::from(samples.samples[*s as usize].area);
-            lattice.samples(cell).iter().map(of_sample).sum()
-        };
-        let areas: Vec<f64> = (0..lattice.len()).map(of_cell).collect();
-        self.restore(lattice, &areas);
+    /// States the errors of the light of a stratum; their mean square by the areas of nodes, (W/m²)².
+    fn state(&mut self, stratum: &[u32], scale: f64, areas: &[f64]) -> f64 {
+        let [difference, expected] = self.sums(stratum);
+        let variation = (difference - scale * expected) / stratum.len() as f64;
         let (mut squares, mut area) = (0.0, 0.0);
-        for (cell, &of_cell) in areas.iter().enumerate() {
-            let light = &self.light[lattice.node(cell) as usize];
+        for &n in stratum {
+            let light = &mut self.light[n as usize];
+            light.shared_noise *= scale.sqrt();
+            light.bias = variation.max(0.0).sqrt();
             let noise = light.shared_noise * light.shared_noise;
-            squares += of_cell * (noise.mean() + light.bias.powi(2));
-            area += of_cell;
+            squares += areas[n as usize] * (noise.mean() + light.bias.powi(2));
+            area += areas[n as usize];
         }
-        (squares / f64::max(area, f64::MIN_POSITIVE), self.light)
+        squares / f64::max(area, f64::MIN_POSITIVE)
+    }
+
+    /// Takes the light of a stratum from another.
+    fn take(&mut self, other: &Smoothed, stratum: &[u32]) {
+        for &n in stratum {
+            let n = n as usize;
+            self.light[n] = other.light[n];
+            self.left_out[n] = other.left_out[n];
+        }
     }
 }
 
@@ -230,15 +248,14 @@ impl Record for FoundLight {
 }
 
 /// The light of a node from its pair and those around.
-fn node_light(
-    samples: &Samples,
-    lattice: &Lattice,
-    (pairs, rays): (&[NodePair], &[PairRays]),
+fn node_light<C: SiteCells>(
+    cells: &C,
+    (pairs, rays): (&[PathPair], &[PairRays]),
     node: u32,
     around: &[u32],
 ) -> FoundLight {
     let read = pairs[node as usize].read;
-    let weights = weights(samples, lattice, node, around);
+    let weights = weights(cells, node, around);
     let coefficient = coefficient(pairs, around, &weights);
     // The correction of what is read, and its variance.
     let mut correction = read.mean() * (coefficient - 1.0);
@@ -292,7 +309,7 @@ fn node_light(
 }
 
 /// What paths have beyond `coefficient` times what is read along the same rays.
-fn difference(pair: &NodePair, coefficient: f64) -> Gathered {
+fn difference(pair: &PathPair, coefficient: f64) -> Gathered {
     let of = |r: usize| pair.traced.replicates[r] - pair.few.replicates[r] * coefficient;
     Gathered {
         replicates: std::array::from_fn(of),
@@ -300,15 +317,15 @@ fn difference(pair: &NodePair, coefficient: f64) -> Gathered {
 }
 
 /// Weights of the nodes around one, larger for those near; their sum is 1.
-fn weights(samples: &Samples, lattice: &Lattice, node: u32, around: &[u32]) -> Vec<f64> {
-    let at = |n: u32| place(samples, lattice.nodes[n as usize]);
+fn weights<C: SiteCells>(cells: &C, node: u32, around: &[u32]) -> Vec<f64> {
+    let at = |n: u32| cells.place(cells.nodes()[n as usize]);
     let centre = at(node);
     let reach = around
         .iter()
-        .map(|&n| at(n).distance(centre))
+        .map(|&n| cells.distance(at(n), centre))
         .fold(0.0, f64::max);
     let weight = |&n: &u32| {
-        let share = at(n).distance(centre) / (1.05 * reach).max(f64::MIN_POSITIVE);
+        let share = cells.distance(at(n), centre) / (1.05 * reach).max(f64::MIN_POSITIVE);
         (1.0 - share * share).max(0.0)
     };
     let weights: Vec<f64> = around.iter().map(weight).collect();
@@ -318,7 +335,7 @@ fn weights(samples: &Samples, lattice: &Lattice, node: u32, around: &[u32]) -> V
 
 /// How much paths change with what is read along the same rays, 0 to 1: less than 1 only as far as that is
 /// sure, because the mean over many nodes blurs what is left to paths.
-fn coefficient(pairs: &[NodePair], around: &[u32], weights: &[f64]) -> f64 {
+fn coefficient(pairs: &[PathPair], around: &[u32], weights: &[f64]) -> f64 {
     let (mut both, mut own, mut other) = (0.0, 0.0, 0.0);
     for (&n, w) in around.iter().zip(weights) {
         let pair = &pairs[n as usize];
@@ -355,7 +372,7 @@ mod tests {
     #[test]
     fn what_is_read_counts_as_far_as_paths_follow_it() {
         let read = gathered([1.0, 1.2, 0.9, 0.9]);
-        let pair = |traced| NodePair {
+        let pair = |traced| PathPair {
             read,
             few: read,
             traced,
@@ -363,7 +380,7 @@ mod tests {
         let follows = pair(gathered([0.8, 1.0, 0.7, 0.7]));
         let dark = pair(gathered([0.0; 4]));
         let of =
-            |pair: NodePair| coefficient(&[pair; 9], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[1.0 / 9.0; 9]);
+            |pair: PathPair| coefficient(&[pair; 9], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[1.0 / 9.0; 9]);
         assert!((of(follows) - 1.0).abs() < 1e-12);
         assert!(of(dark).abs() < 1e-12);
     }
