@@ -4,7 +4,7 @@
 //! The cells of a region are squares of texels that are divided in four where light changes more.
 
 use crate::samples::{Samples, gather_point};
-use azulejo_radiosity::sites::{SiteCells, plane_weights, sharp};
+use azulejo_radiosity::sites::{SiteCells, plane_weights};
 use azulejo_trace::run::batches::in_batches;
 use azulejo_trace::{Cancelled, GatherPoint, Run};
 use glam::DVec2;
@@ -76,9 +76,8 @@ impl SiteCells for TexelCells<'_> {
         a.distance(b)
     }
 
-    fn weights(&self, at: DVec2, nodes: &[DVec2], found: &mut Vec<f64>) -> bool {
-        plane_weights(nodes.iter().map(|node| *node - at), sharp, found);
-        true
+    fn weights(&self, at: DVec2, nodes: &[DVec2], found: &mut Vec<f64>) {
+        plane_weights(nodes.iter().map(|node| *node - at), found);
     }
 
     fn len(&self) -> usize {

@@ -88,7 +88,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let irradiance = self.gather_at(&records, 0..rays, all.strata.termination(0))?;
         let irradiance: Option<Vec<SplitIrradiance>> = irradiance.into_iter().collect();
         let irradiance = irradiance.ok_or(GatherError::OutOfTime)?;
-        all.values = GatheredValues::of_cells(cells, self.points.len(), &irradiance);
+        all.values = GatheredValues::of_cells(cells, &all.strata, &irradiance);
         all.spent = vec![rays; self.points.len()];
         all.records = Some(records.len());
         all.combine();

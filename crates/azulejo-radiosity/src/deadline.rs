@@ -326,10 +326,13 @@ impl Gathering {
         self.allowed_noise(&errors, goal)
     }
 
-    /// Rays traced from all points of a stratum.
+    /// Rays traced from all points of a stratum, times their costs.
     pub(crate) fn spent_on(&self, stratum: usize) -> f64 {
-        let rays = |&i: &u32| f64::from(self.spent[i as usize]);
-        self.strata.points(stratum).iter().map(rays).sum()
+        let cost = |&i: &u32| {
+            let i = i as usize;
+            f64::from(self.spent[i]) * self.values.kind(i).cost()
+        };
+        self.strata.points(stratum).iter().map(cost).sum()
     }
 }
 

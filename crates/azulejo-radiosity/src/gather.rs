@@ -10,26 +10,43 @@
 use crate::deadline::GatherPace;
 use crate::gather_pass::GatherPass;
 use crate::gathered_values::GatheredValues;
-use crate::point_light::PointLight;
-use crate::shared_gather::gather_shared;
+use crate::sparse;
+use crate::strata::Strata;
 use azulejo_trace::{DiffuseLight, Gatherer, Run};
 
 pub use crate::gather_pass::GatherLight;
 pub use crate::gathering::{GatherEffort, GatherError, GatherTargets, Gathering, MOST_RAYS, Paths};
 pub use crate::strata::{ErrorParts, QuarterError};
 
-/// The light at all points as `effort` asks for it; passes intermediate results to `watch` after each pass but the last.
-/// Where there are thousands of points, they share indirect light, unless that is not wished, each is to reach the
-/// error, or a deadline has all points planned together.
-pub(crate) fn point_light(
+/// Gathers at all points until `effort` is reached or the progress is out of time.
+///
+/// To reach an error, a first pass measures the noise of each point; later ones spend rays where
+/// they reduce the error most.
+///
+/// # Errors
+/// [`GatherError`].
+pub fn gather<'r>(
+    gatherer: &Gatherer,
+    light: GatherLight<impl DiffuseLight>,
+    targets: GatherTargets,
+    effort: GatherEffort,
+    seed: u32,
+    run: impl Into<Run<'r>>,
+) -> Result<Gathering, GatherError> {
+    let run = run.into();
+    gather_watched(gatherer, light, targets, effort, seed, run, &mut |_| ())
+}
+
+/// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
+pub(crate) fn gather_watched(
     gatherer: &Gatherer,
     light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
     run: Run,
-    watch: &mut dyn FnMut(&PointLight),
-) -> Result<PointLight, GatherError> {
+    watch: &mut dyn FnMut(&Gathering),
+) -> Result<Gathering, GatherError> {
     let pass = GatherPass {
         gatherer,
         light,
@@ -39,13 +56,14 @@ pub(crate) fn point_light(
         run,
     };
     run.progress.limit_phase(1.0);
-    let is_free = light.limited.is_none() && !run.progress.has_deadline();
-    if is_free && effort.shares(targets.points.len()) {
-        return gather_shared(&pass, targets, effort);
+    // Before a deadline, all points are planned together.
+    let is_sparse = effort.interpolate && !effort.is_each && !run.progress.has_deadline();
+    if effort.error.is_some() && is_sparse && targets.points.len() >= sparse::LEAST_POINTS {
+        return sparse::gather_sparse(&pass, targets, effort, watch);
     }
     let mut all = Gathering::new(targets);
-    pass.reach(&mut all, effort, &mut |all| watch(&all.light()))?;
-    Ok(all.light())
+    pass.reach(&mut all, effort, watch)?;
+    Ok(all)
 }
 
 /// As [`gather`] without interpolation, with indirect light apart ([`Gathering::indirect`]).
@@ -67,7 +85,7 @@ pub(crate) fn gather_split(
     };
     run.progress.limit_phase(1.0);
     let mut all = Gathering {
-        values: GatheredValues::apart(targets.points.len()),
+        values: GatheredValues::apart(&Strata::new(targets.points.len(), targets.areas)),
         ..Gathering::new(targets)
     };
     pass.reach(&mut all, effort, &mut |_| ())?;

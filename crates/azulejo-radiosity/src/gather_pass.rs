@@ -2,7 +2,7 @@
 //! or a deadline is reached.
 
 use crate::deadline::{GatherPace, hasty_rays, planned_seconds};
-use crate::gathered_values::GatherKind;
+use crate::gathered_values::PointKind;
 use crate::gathering::{
     CHUNK, FEWEST_RAYS, FIRST_RAYS, GatherEffort, GatherError, Gathering, MOST_RAYS, Paths,
 };
@@ -77,7 +77,7 @@ pub(crate) struct GatherPass<'a, L> {
 
 /// A group of points that are gathered alike: from this many rays, to this many, ending so, and whether
 /// their indirect light is gathered at all.
-type Way = (u32, u32, Termination, GatherKind);
+type Way = (u32, u32, Termination, PointKind);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Rays of the first pass before a deadline, from the pace of a keyed sample; `None` if there is no
@@ -229,7 +229,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     pub fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
         let way = |i: usize| -> Way {
             let termination = all.strata.termination_of(i);
-            (all.spent[i], totals[i], termination, all.values.kind)
+            (all.spent[i], totals[i], termination, all.values.kind(i))
         };
         let groups: Vec<Way> = (0..totals.len()).map(way).collect();
         let mut ways: Vec<Way> = groups.iter().copied().filter(|w| w.1 > w.0).collect();
@@ -306,8 +306,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     fn group_of<'g>(&'g self, way: &Way, chosen: &'g [u32]) -> PointGroup<'g> {
         let &(spent, total, termination, kind) = way;
         match kind {
-            GatherKind::All => self.irradiance_group(chosen, spent..total, termination),
-            GatherKind::Direct => self.direct_group(chosen, spent..total),
+            PointKind::Record => self.irradiance_group(chosen, spent..total, termination),
+            PointKind::Interpolated => self.direct_group(chosen, spent..total),
         }
     }
 
@@ -533,7 +533,7 @@ mod tests {
     #[test]
     fn ways_are_gathered_together_while_their_tables_are_small() {
         let way =
-            |(spent, total): (u32, u32)| (spent, total, Termination::Radiosity, GatherKind::All);
+            |(spent, total): (u32, u32)| (spent, total, Termination::Radiosity, PointKind::Record);
         let of = |rays: &[(u32, u32)], has_deadline: bool| -> Vec<(usize, usize)> {
             let ways: Vec<Way> = rays.iter().copied().map(way).collect();
             let spans = batches(&ways, has_deadline);

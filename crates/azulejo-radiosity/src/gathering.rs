@@ -1,6 +1,6 @@
 //! Irradiance at points with the rays it took, its error by strata, and the rays that would lower it at least cost.
 
-use crate::gathered_values::{GatherKind, GatheredValues};
+use crate::gathered_values::{GatheredValues, PointKind};
 use crate::strata::{ErrorParts, QuarterError, Strata, StratumError};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Termination};
 
@@ -18,9 +18,6 @@ pub(crate) const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
-
-/// Fewest points that share indirect light: fewer are soon gathered.
-pub(crate) const LEAST_POINTS: usize = 4096;
 
 /// Fewest rays per patch or point: two for each replicate.
 pub(crate) const FEWEST_RAYS: u32 = 8;
@@ -55,11 +52,6 @@ pub enum Paths {
 }
 
 impl GatherEffort {
-    /// Whether so many points share indirect light.
-    pub(crate) fn shares(&self, points: usize) -> bool {
-        self.interpolate && !self.is_each && self.error.is_some() && points >= LEAST_POINTS
-    }
-
     /// Most rays per point.
     pub(crate) fn most(&self) -> u32 {
         self.rays.clamp(1, MOST_RAYS)
@@ -125,7 +117,7 @@ impl Gathering {
     }
 
     /// Indirect light of each point, where it is kept apart.
-    pub(crate) fn indirect(&self) -> &[Gathered] {
+    pub(crate) fn indirect(&self) -> Vec<Gathered> {
         self.values.indirect()
     }
 
@@ -141,16 +133,18 @@ impl Gathering {
 
     /// Share of the points whose indirect light is interpolated.
     pub fn interpolated(&self) -> f64 {
-        let of = |records: usize| 1.0 - records as f64 / self.gathered.len().max(1) as f64;
-        self.records.map_or(0.0, of)
+        let records = self.values.records();
+        1.0 - records as f64 / self.gathered.len().max(1) as f64
     }
 
     /// Mean number of rays per point, shadow rays not counted.
     pub fn rays_per_point(&self) -> u32 {
-        // The points of a cell have the rays of its record.
-        let sum: u64 = self.spent.iter().map(|&rays| u64::from(rays)).sum();
-        let rays = sum as f64 * (1.0 - self.interpolated());
-        (rays / self.spent.len().max(1) as f64).ceil() as u32
+        let rays = |(i, &spent): (usize, &u32)| match self.values.kind(i) {
+            PointKind::Record => u64::from(spent),
+            PointKind::Interpolated => 0,
+        };
+        let sum: u64 = self.spent.iter().enumerate().map(rays).sum();
+        sum.div_ceil(self.spent.len().max(1) as u64) as u32
     }
 
     /// Estimated error: the root mean square, over points and channels, of the error of irradiance,
@@ -260,27 +254,29 @@ impl Gathering {
         totals
     }
 
-    /// Variance times rays^rate of every point of a stratum, by its part of the stratum's area relative to the mean.
-    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, u32)> {
+    /// Variance times rays^rate of every point of a stratum, by its part of the stratum's area relative to the mean, and
+    /// the cost of its rays.
+    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, f64, u32)> {
         let rate = noise_rate(self.strata.termination(stratum));
         let points = self.strata.points(stratum);
         let weight = |i: usize| self.strata.weight(i);
-        let count = points.len().max(1) as f64;
-        let mean_weight = points.iter().map(|&i| weight(i as usize)).sum::<f64>() / count;
-        // Of points of equal areas.
-        let alone = |i: usize| {
-            let variance = self.strata.mean_of(self.values.variance(i));
+        let mean_weight =
+            points.iter().map(|&i| weight(i as usize)).sum::<f64>() / points.len() as f64;
+        let own = |i: usize| {
+            let variance = self.strata.mean_of(self.values.variance(i, weight(i)));
             variance * error.gain * f64::from(self.spent[i]).powf(rate) / mean_weight
         };
-        let shared = points.iter().map(|&i| alone(i as usize)).sum::<f64>() / count;
+        // What the rays of points of equal areas leave, as far as they are alike.
+        let shared = self.values.mean_by_kind(points, &|i| own(i) / weight(i));
         let strength = |&i: &u32| {
-            let index = i as usize;
+            let i = i as usize;
+            let kind = self.values.kind(i);
+            let (shared, spent) = (shared[kind as usize] * weight(i), self.spent[i]);
             // Four replicates estimate a point's variance badly; half of it is taken from all. Of few
             // rays, all is: points that miss a rare light would be believed to be dark, and stay so.
-            let is_known =
-                self.spent[index] >= FIRST_RAYS || self.values.kind == GatherKind::Direct;
-            let own = if is_known { alone(index) } else { shared };
-            (0.5 * (own + shared) * weight(index), i)
+            let is_known = spent >= FIRST_RAYS || kind == PointKind::Interpolated;
+            let own = if is_known { own(i) } else { shared };
+            (0.5 * (own + shared), kind.cost(), i as u32)
         };
         points.iter().map(strength).collect()
     }
@@ -303,9 +299,9 @@ pub(crate) fn noise_rate(termination: Termination) -> f64 {
 
 /// The mean of strength^(1/(1 + rate)) · cost^(rate/(1 + rate)), to which the cost of an error is in
 /// proportion.
-pub(crate) fn mean_strength(strengths: &[(f64, u32)], rate: f64) -> f64 {
+pub(crate) fn mean_strength(strengths: &[(f64, f64, u32)], rate: f64) -> f64 {
     let power = 1.0 / (1.0 + rate);
-    let term = |s: &(f64, u32)| s.0.powf(power);
+    let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
     strengths.iter().map(term).sum::<f64>() / strengths.len().max(1) as f64
 }
 
@@ -314,13 +310,17 @@ pub(crate) fn mean_strength(strengths: &[(f64, u32)], rate: f64) -> f64 {
 ///
 /// A point's variance falls with its rays n as strength n^−rate; the sum of costs is then least for n
 /// in proportion to (strength/cost)^(1/(1 + rate)), by Lagrange.
-fn cheapest(strengths: &[(f64, u32)], rate: f64, allowed: f64) -> impl Iterator<Item = (u32, f64)> {
+fn cheapest(
+    strengths: &[(f64, f64, u32)],
+    rate: f64,
+    allowed: f64,
+) -> impl Iterator<Item = (u32, f64)> {
     let power = 1.0 / (1.0 + rate);
     let mean = mean_strength(strengths, rate);
     let scale = (mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / rate);
     strengths
         .iter()
-        .map(move |&(s, i)| (i, scale * s.powf(power)))
+        .map(move |&(s, cost, i)| (i, scale * (s / cost).powf(power)))
 }
 
 /// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,

@@ -19,8 +19,8 @@
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //! | `plan` | whether light between patches pays, or paths alone are cheaper |
 //! | `deadline` | what the time until a deadline suffices for |
-//! | [`sites`] | many points, or texels, from few of them; `shared_gather` does it for points, in the cells of `point_cells` and `records` |
-//! | `point_light` | irradiance at points, whichever way it was found |
+//! | `sparse`, `records`, `interpolation` | many points from few of them |
+//! | [`sites`] | texels, or other sites in cells, from nodes that paths correct |
 //! | `standard_errors` | errors of single points, from their own spread and that of points like them |
 //! | [`StoredSides`] | which side of a surface is stored |
 //!
@@ -36,22 +36,21 @@ pub mod gather;
 mod gather_pass;
 mod gathered_values;
 mod gathering;
+mod interpolation;
 pub mod light;
 pub mod particles;
 mod path_pairs;
 mod plan;
-mod point_cells;
-mod point_light;
 mod preview;
 mod records;
 pub mod refine;
 mod report;
-mod shared_gather;
 mod sides;
 pub mod sites;
 pub mod solve;
 pub mod solved;
 mod solved_light;
+mod sparse;
 mod standard_errors;
 pub mod stochastic;
 pub mod strata;

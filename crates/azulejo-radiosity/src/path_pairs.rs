@@ -72,8 +72,8 @@ pub(crate) fn gather_pairs(
             });
         };
         add(&target.read, Termination::Radiosity);
-        // Where all rays are path traced, those that read light are the same; where none read light, no path corrects them.
-        let few = if target.read == target.traced || target.read.end == 0 {
+        // Where all rays are path traced, those that read light are the same.
+        let few = if target.read == target.traced {
             &(0..0)
         } else {
             &target.traced

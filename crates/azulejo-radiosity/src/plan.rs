@@ -3,8 +3,9 @@
 //!
 //! Costs are numbers of rays, never seconds, so that the same scene is always solved in the same way.
 
-use crate::gathering::{CHUNK, GatherTargets, LEAST_POINTS, noise_rate, well_spread};
+use crate::gathering::{CHUNK, GatherTargets, noise_rate, well_spread};
 use crate::light::PatchLight;
+use crate::sparse::LEAST_POINTS;
 use crate::strata::{DARKEST_OF_EACH, Strata};
 use azulejo_factors::{PatchSize, Patches};
 use azulejo_scene::{Material, Rgb};
@@ -31,10 +32,6 @@ const DIRECT_SHARE: f64 = 16.0;
 
 /// Fewest paths from each point, however small the budget.
 const FEWEST_PATHS: u32 = 16;
-
-/// Part of the points whose patches are too coarse that are to be path traced where points share their light: the paths of
-/// some of them correct what others read.
-const CORRECTED: f64 = 0.8;
 
 /// Cost of a point that reads patches, relative to that of paths with the same noise: an estimate, from the rays and
 /// the variance that paths have after their first segment.
@@ -137,10 +134,7 @@ impl Pilot {
         };
         let by_paths = paths_per_point * gathered as f64;
         let rows = patches.len() as f64 * f64::from(rays) / self.rays_per_path;
-        let traced = match self.count {
-            LEAST_POINTS.. if !goal.is_each => CORRECTED * clutter(patches.len(), size),
-            _ => clutter(patches.len(), size),
-        };
+        let traced = clutter(patches.len(), size);
         Some(GatherForecast {
             paths_per_point,
             by_paths,

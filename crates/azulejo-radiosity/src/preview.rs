@@ -1,7 +1,7 @@
 //! Previews of light while it is being solved.
 
 use crate::first_pass::FirstPass;
-use crate::point_light::PointLight;
+use crate::gathering::Gathering;
 use crate::system::RadiositySolution;
 use crate::vertices::{Targets, targets};
 use azulejo_factors::{Patches, ProxyScene};
@@ -70,12 +70,12 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
     }
 
     /// Reports what has been gathered at the vertices so far.
-    pub fn show_vertices(&mut self, targets: &Targets, patches: &Patches, found: &PointLight) {
+    pub fn show_vertices(&mut self, targets: &Targets, patches: &Patches, found: &Gathering) {
         let scene = &self.proxy.scene;
         self.show(PreviewStage::Vertices, |stage| Preview {
-            irradiance: targets.irradiance(scene, patches, &found.estimates),
+            irradiance: targets.irradiance(scene, patches, found),
             stage,
-            error: found.summary.error,
+            error: found.relative_error(),
         });
     }
 

@@ -109,51 +109,19 @@ impl RecordCells {
             .map(|cell| &self.order[cell.points.clone()])
     }
 
-    /// The points of a cell.
-    pub fn points_of(&self, cell: usize) -> &[u32] {
-        &self.order[self.cells[cell].points.clone()]
-    }
-
-    /// Makes cells of their own of points that are not records already.
-    pub fn isolate(&mut self, is_lonely: &[bool]) {
-        let mut cells = Vec::new();
-        for cell in std::mem::take(&mut self.cells) {
-            let Range { start, end } = cell.points;
-            let is_apart = |i: u32| is_lonely[i as usize] && i != cell.record;
-            // Those that stay come first.
-            let pairs = self.order[start..end].iter().zip(&self.codes[start..end]);
-            let (apart, mut kept): (Vec<_>, Vec<_>) = pairs
-                .map(|(&i, &code)| (i, code))
-                .partition(|(i, _)| is_apart(*i));
-            let middle = start + kept.len();
-            kept.extend(apart);
-            for (at, (point, code)) in (start..).zip(kept) {
-                (self.order[at], self.codes[at]) = (point, code);
-            }
-            cells.push(Cell {
-                points: start..middle,
-                ..cell
-            });
-            cells.extend((middle..end).map(|at| Cell {
-                points: at..at + 1,
-                depth: DEPTH,
-                record: self.order[at],
-            }));
-        }
-        self.cells = cells;
-    }
-
-    /// Divides the cells whose entry is set.
-    pub fn divide(&mut self, is_divided: &[bool]) {
-        let mut cells = Vec::new();
-        for (cell, &divide) in std::mem::take(&mut self.cells).into_iter().zip(is_divided) {
+    /// Divides the cells whose entry is set. Returns for each cell which one it was part of.
+    pub fn divide(&mut self, is_divided: &[bool]) -> Vec<u32> {
+        let (mut cells, mut parents) = (Vec::new(), Vec::new());
+        for (parent, (cell, &divide)) in self.cells.iter().zip(is_divided).enumerate() {
             if divide {
-                cells.extend(self.children(&cell));
+                cells.extend(self.children(cell));
             } else {
-                cells.push(cell);
+                cells.push(cell.clone());
             }
+            parents.resize(cells.len(), parent as u32);
         }
         self.cells = cells;
+        parents
     }
 
     /// The parts of a cell at the next depth at which there are several; itself if there is none.
@@ -267,28 +235,14 @@ mod tests {
         let before: Vec<u32> = cells.records().collect();
         assert!((100..=400).contains(&before.len()), "{}", before.len());
         let is_divided: Vec<bool> = (0..before.len()).map(|i| i % 3 == 0).collect();
-        cells.divide(&is_divided);
+        let parents = cells.divide(&is_divided);
         check(&cells, &points);
         let after: Vec<u32> = cells.records().collect();
-        assert!(after.len() > before.len());
-        assert!(before.iter().all(|record| after.contains(record)));
-    }
-
-    #[test]
-    fn points_become_cells_of_their_own() {
-        let points = walls(1000);
-        let mut cells = RecordCells::new(&points, 3, 50);
-        let before = cells.count();
-        let records: Vec<u32> = cells.records().collect();
-        let is_lonely: Vec<bool> = (0..1000).map(|i| i % 7 == 0).collect();
-        let expected = (0..1000)
-            .filter(|i| i % 7 == 0 && !records.contains(i))
-            .count();
-        cells.isolate(&is_lonely);
-        check(&cells, &points);
-        assert_eq!(cells.count(), before + expected);
-        let alone = (0..cells.count()).filter(|&cell| cells.points_of(cell).len() == 1);
-        assert!(alone.count() >= expected);
+        assert_eq!(after.len(), parents.len());
+        for (parent, record) in before.iter().enumerate() {
+            let parts = parents.iter().filter(|&&p| p as usize == parent).count();
+            assert!(after.contains(record) && (parts > 1) == (parent % 3 == 0));
+        }
     }
 
     #[test]
@@ -300,7 +254,6 @@ mod tests {
         let mut cells = RecordCells::new(&points, 0, 10);
         check(&cells, &points);
         assert_eq!(cells.records().count(), 1);
-        cells.divide(&[true]);
-        assert_eq!(cells.count(), 1);
+        assert_eq!(cells.divide(&[true]), [0]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use crate::first_pass::{FirstPass, PatchPurpose};
-use crate::gather::point_light;
+use crate::gather::gather_watched;
 use crate::gather_pass::GatherLight;
 use crate::gathering::GatherTargets;
 use crate::preview::{Preview, PreviewReporter};
@@ -111,18 +111,18 @@ fn solve_for(
         points: &targets.points,
         areas: &areas,
     };
-    let found = point_light(
+    let gathering = gather_watched(
         &solved.gatherer,
         GatherLight::new(&light, black.as_ref()),
         all,
         solved.effort_at(&light, all, pass.ray_budget, seed),
         seed,
         run,
-        &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
+        &mut |gathering| reporter.show_vertices(&targets, &solved.patches, gathering),
     )?;
-    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &found.estimates);
+    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &gathering);
     Ok(LightSolution {
         irradiance,
-        report: solved.report(&found.summary),
+        report: solved.report(&gathering),
     })
 }

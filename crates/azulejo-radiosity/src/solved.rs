@@ -3,11 +3,10 @@
 use crate::deadline::affordable_patch_rays;
 use crate::error::SolveError;
 use crate::first_pass::{DEFAULT_RAYS, FirstPass, PatchPurpose};
-use crate::gathering::{CHUNK, GatherEffort, GatherTargets, HASTY_RAYS};
+use crate::gathering::{CHUNK, GatherEffort, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
 use crate::plan::{GatherForecast, GatherGoal, Pilot};
-use crate::point_light::GatherSummary;
 use crate::records::RecordCells;
 use crate::refine::{RefinementGoal, RefinementWork, refine};
 use crate::report::{Estimate, Method, Report};
@@ -75,10 +74,14 @@ pub fn radiosity(
     let purpose = PatchPurpose::Result;
     let run = Run::alone(progress);
     let solved = SolvedPatches::new(&proxy, pass, purpose, run, &mut |_, _| ())?;
+    let nothing = Gathering::new(GatherTargets {
+        points: &[],
+        areas: &[],
+    });
     if solved.method == Method::Paths {
         return Err(SolveError::OutOfTime);
     }
-    let mut report = solved.report(&GatherSummary::of_none());
+    let mut report = solved.report(&nothing);
     report.error = report.patch_error.max(solved.unexplained());
     Ok(PatchRadiosity {
         sides: solved.radiosity(),
@@ -292,37 +295,37 @@ impl<'a> SolvedPatches<'a> {
         lost.max(self.absorbed_by_limit)
     }
 
-    pub fn report(&self, found: &GatherSummary) -> Report {
+    pub fn report(&self, gathering: &Gathering) -> Report {
         let scene = self.gatherer.surfaces().scene;
         let square_metres = scene.units.metres().powi(2);
         let mut engine_used = self.engine_used.clone();
-        engine_used.notes.extend(found.records.map(|records| {
+        engine_used.notes.extend(gathering.records.map(|records| {
             format!(
                 "the time did not suffice for all {} points: each has the light of one of {records}",
-                found.points
+                gathering.gathered.len()
             )
         }));
         Report {
             method: self.method,
             engine_used,
             patches: self.patches.len(),
-            points: found.points,
+            points: gathering.gathered.len(),
             patch_rays: self.solution.rays,
             refined_rows: self.spent.rows,
             patch_error: self.solution.error(&self.patches),
-            point_rays: found.rays,
+            point_rays: gathering.rays_per_point(),
             bytes: self.solution.bytes,
             iterations: self.solution.convergence.iterations,
             residual: self.solution.convergence.residual,
             balance: self.solution.balance.scaled(square_metres),
             balance_error: self.solution.balance_error,
-            error: found.error.max(self.unexplained()),
-            error_each: found.error_each,
-            error_parts: found.parts,
-            quarters: found.quarters,
-            path_traced: found.path_traced,
-            rays_needed: found.rays_needed,
-            interpolated: found.interpolated,
+            error: gathering.relative_error().max(self.unexplained()),
+            error_each: gathering.error_of_each(),
+            error_parts: gathering.parts(),
+            quarters: gathering.quarters(),
+            path_traced: gathering.path_traced(),
+            rays_needed: gathering.rays_needed,
+            interpolated: gathering.interpolated(),
         }
     }
 }

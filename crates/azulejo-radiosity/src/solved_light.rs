@@ -3,11 +3,10 @@
 use crate::error::SolveError;
 use crate::fine_light::IrradianceField;
 use crate::first_pass::{FirstPass, PatchPurpose};
-use crate::gather::{gather_split, point_light};
+use crate::gather::{gather, gather_split};
 use crate::gather_pass::GatherLight;
 use crate::gathering::{GatherEffort, GatherTargets, Gathering};
 use crate::path_pairs::{PairTargets, PathPair, gather_pairs};
-use crate::point_light::GatherSummary;
 use crate::report::{Estimate, Report};
 use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
@@ -69,7 +68,10 @@ impl<'a> SolvedLight<'a> {
 
     /// Statistics and error of the light between patches.
     pub fn report(&self) -> Report {
-        self.solved.report(&GatherSummary::of_none())
+        self.solved.report(&Gathering::new(GatherTargets {
+            points: &[],
+            areas: &[],
+        }))
     }
 
     /// Irradiance of either side at a place of a face, as hits have it, front and back: that of the whole
@@ -123,7 +125,7 @@ impl<'a> SolvedLight<'a> {
         self.run.blocks.rely_on(RunStage::Points, digest)?;
         let places = gather_points(&self.proxy.on_polygons(points));
         let (light, black) = (self.solved.light(), self.solved.black_light());
-        let found = point_light(
+        let gathering = gather(
             &self.solved.gatherer,
             GatherLight::new(&light, black.as_ref()),
             GatherTargets {
@@ -133,11 +135,22 @@ impl<'a> SolvedLight<'a> {
             self.solved.effort(),
             hash(&[self.solved.key(), 2]),
             self.run,
-            &mut |_| (),
         )?;
+        let errors = gathering.standard_errors();
+        let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
+            // The estimate of a visible fraction may fall slightly below zero.
+            value: g.mean().map(|e| e.max(0.0)),
+            error,
+        };
+        let estimates = gathering
+            .gathered
+            .iter()
+            .zip(&errors)
+            .map(estimate)
+            .collect();
         Ok(Probed {
-            report: self.solved.report(&found.summary),
-            estimates: found.estimates,
+            estimates,
+            report: self.solved.report(&gathering),
         })
     }
 
@@ -199,7 +212,7 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.solved.key(), 2, seed]),
             run,
         )?;
-        Ok(gathering.indirect().to_vec())
+        Ok(gathering.indirect())
     }
 
     /// Irradiance at points that stand for areas (square scene units), from `rays` rays at each, up to
@@ -236,7 +249,7 @@ impl<'a> SolvedLight<'a> {
         )?;
         let relative_error = gathering.relative_error();
         // Standard errors are those of what is in `gathered`: from here on, indirect light alone.
-        gathering.gathered = gathering.indirect().to_vec();
+        gathering.gathered = gathering.indirect();
         let errors = gathering.standard_errors();
         let estimate = |(g, error): (&Gathered, Rgb)| Estimate {
             value: g.mean(),

@@ -7,6 +7,7 @@
 //! models and empirical Bayes methods*, Stat. Appl. Genet. Mol. Biol. 3, 2004). The mean variance of
 //! the points, and with it the error of the whole, stays what it is.
 
+use crate::gathered_values::PointKind;
 use crate::gathering::Gathering;
 use crate::strata::{OWN, coverage};
 use azulejo_scene::Rgb;
@@ -29,10 +30,15 @@ impl Gathering {
         let mut errors = vec![Rgb::BLACK; self.gathered.len()];
         for (stratum, error) in self.errors().iter().enumerate() {
             let points = self.strata.points(stratum);
-            let fixed = Rgb::grey(error.discretization + error.interpolation);
+            // The error of interpolation is a mean over all points, of which some have none.
+            let is_interpolated = |i: u32| self.values.kind(i as usize) == PointKind::Interpolated;
+            let interpolated = points.iter().filter(|&&i| is_interpolated(i)).count();
+            let theirs = error.interpolation * points.len() as f64 / interpolated.max(1) as f64;
             for class in classes(points, &self.spent) {
                 for (&i, noise) in class.iter().zip(noise_of(&class, self, error.gain)) {
-                    errors[i as usize] = (noise + fixed).map(f64::sqrt);
+                    let interpolation = if is_interpolated(i) { theirs } else { 0.0 };
+                    let fixed = error.discretization + interpolation;
+                    errors[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
                 }
             }
         }

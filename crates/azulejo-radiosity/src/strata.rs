@@ -222,6 +222,22 @@ impl Strata {
         self.strata[stratum].interpolation = error;
     }
 
+    /// The same strata of other points, each of which is in the stratum of a point of these.
+    /// `areas` are those of the new points.
+    pub fn spread(&self, parents: &[u32], areas: &[f64]) -> Strata {
+        let mut strata = Strata {
+            of: parents.iter().map(|&p| self.of[p as usize]).collect(),
+            channels: self.channels,
+            strata: self.strata.clone(),
+            ..Strata::new(parents.len(), areas)
+        };
+        strata.strata.iter_mut().for_each(|s| s.points.clear());
+        for (i, &stratum) in strata.of.iter().enumerate() {
+            strata.strata[usize::from(stratum)].points.push(i as u32);
+        }
+        strata
+    }
+
     /// Share of the points in strata that are path traced.
     pub fn path_traced(&self) -> f64 {
         let traced = self

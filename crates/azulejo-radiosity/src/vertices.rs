@@ -6,7 +6,7 @@
 //! always the front; their proxy polygons are never reversed.
 
 use crate::first_pass::FirstPass;
-use crate::report::Estimate;
+use crate::gathering::Gathering;
 use crate::sides::{SideChoice, choose, is_mesh};
 use crate::system::RadiositySolution;
 use azulejo_factors::row::side;
@@ -15,7 +15,7 @@ use azulejo_scene::SurfaceLight;
 use azulejo_scene::{
     BackIrradiance, Irradiance, Mesh, Object, ObjectIrradiance, Rgb, Scene, Shape,
 };
-use azulejo_trace::GatherPoint;
+use azulejo_trace::{GatherPoint, Gathered};
 use std::collections::HashMap;
 
 /// The points to gather at: one per display vertex of the patches, and after them one for each
@@ -132,12 +132,12 @@ impl Targets {
     }
 
     /// The irradiance gathered at the points, on the objects of the divided scene.
-    pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &[Estimate]) -> Irradiance {
-        let values: Vec<Rgb> = found.iter().map(|e| e.value).collect();
-        let errors: Vec<Rgb> = found.iter().map(|e| e.error).collect();
+    pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
+        let means = found.gathered.iter().map(Gathered::mean);
+        let values: Vec<Rgb> = means.map(positive).collect();
         let light = PointValues {
             irradiance: &values,
-            error: &errors,
+            error: &found.standard_errors(),
         };
         self.of_objects(scene, patches, &light)
     }

@@ -24,9 +24,8 @@ pub trait SiteCells: Clone + Sync {
     /// How far two places are apart, in any unit.
     fn distance(&self, a: Self::Place, b: Self::Place) -> f64;
 
-    /// Replaces `found` by the weights of values at nodes for the value at a place, which sum to 1. `false` where these nodes
-    /// say nothing of it.
-    fn weights(&self, at: Self::Place, nodes: &[Self::Place], found: &mut Vec<f64>) -> bool;
+    /// Replaces `found` by the weights of values at nodes for the value at a place, which sum to 1.
+    fn weights(&self, at: Self::Place, nodes: &[Self::Place], found: &mut Vec<f64>);
 
     /// Number of cells.
     fn len(&self) -> usize;
@@ -47,9 +46,6 @@ pub trait SiteCells: Clone + Sync {
 
     /// Divides the cells whose entry is set; a cell's node stays that of the part that has it.
     fn divide(&mut self, is_divided: &[bool]);
-
-    /// Makes cells of their own of sites that no nodes say anything of.
-    fn isolate(&mut self, _sites: &[u32]) {}
 
     /// For each cell its own node, and up to `count` of those around it that say something of its sites, nearest first.
     ///

@@ -17,15 +17,9 @@ use azulejo_trace::run::batches::in_batches;
 use azulejo_trace::run::{Record, RecordReader};
 use azulejo_trace::{Cancelled, Gathered, REPLICATES, Run};
 
-/// Nodes around one over which differences are averaged, too: as many as leave the least error. Of few, noise is left;
-/// over many, what changes from place to place is blurred.
-const NEIGHBOURS: [usize; 5] = [0, NEAREST, 12, 24, MOST_NEIGHBOURS];
-
-/// The fewest of them that tell how corrections differ.
-const NEAREST: usize = 6;
-
-/// Paths from which on the replicates of a node know most of the noise of its correction.
-const ENOUGH_PATHS: f64 = 256.0;
+/// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
+/// what changes from place to place is blurred.
+const NEIGHBOURS: [usize; 4] = [6, 12, 24, MOST_NEIGHBOURS];
 
 /// Cells that are worked on together.
 const BATCH: usize = 64;
@@ -55,44 +49,24 @@ pub(crate) fn corrected<C: SiteCells>(
     let cells = nodes.cells();
     let around = nodes.around(run)?;
     let smooth = |count| Smoothed::new(nodes, (pairs, rays), around, count, run);
-    let nearest = smooth(NEAREST)?;
+    let nearest = smooth(NEIGHBOURS[0])?;
     let strata = nearest.strata();
     // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
-    // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone, the larger the more
-    // paths there are.
-    let scale = |stratum: &Vec<u32>| {
-        let paths: f64 = stratum
-            .iter()
-            .map(|&n| f64::from(rays[n as usize].traced))
-            .sum();
-        let most = 1.0 + ENOUGH_PATHS * stratum.len() as f64 / paths.max(1.0);
-        nearest.noise_scale(stratum).min(most)
-    };
-    let scales: Vec<f64> = strata.iter().map(scale).collect();
-    let areas: Vec<f64> = (0..cells.len()).map(|cell| nodes.cell_area(cell)).collect();
-    let mut of_nodes = vec![0.0; pairs.len()];
-    for (cell, area) in areas.iter().enumerate() {
-        of_nodes[cells.node(cell) as usize] = *area;
-    }
-    // In each stratum the number of nodes that leaves the least error.
-    let mut best = nearest.clone();
-    let mut least = vec![f64::INFINITY; strata.len()];
+    // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone.
+    let scales: Vec<f64> = strata.iter().map(|s| nearest.noise_scale(s)).collect();
+    let mut best: Option<(f64, Vec<NodeLight>)> = None;
     for count in NEIGHBOURS {
-        let mut smoothed = if count == NEAREST {
+        let smoothed = if count == NEIGHBOURS[0] {
             nearest.clone()
         } else {
             smooth(count)?
         };
-        for (number, stratum) in strata.iter().enumerate() {
-            let error = smoothed.state(stratum, scales[number], &of_nodes);
-            if error < least[number] {
-                least[number] = error;
-                best.take(&smoothed, stratum);
-            }
+        let (error, light) = smoothed.stated(cells, &strata, &scales);
+        if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, light));
         }
     }
-    best.restore(cells, &areas);
-    Ok(best.light)
+    Ok(best.map_or(Vec::new(), |(_, light)| light))
 }
 
 /// The light of all nodes with corrections over this many of them.
@@ -195,29 +169,34 @@ impl Smoothed {
         }
     }
 
-    /// States the errors of the light of a stratum; their mean square by the areas of nodes, (W/m²)².
-    fn state(&mut self, stratum: &[u32], scale: f64, areas: &[f64]) -> f64 {
-        let [difference, expected] = self.sums(stratum);
-        let variation = (difference - scale * expected) / stratum.len() as f64;
+    /// The light with its errors, and the mean square of those by area, (W/m²)².
+    fn stated<C: SiteCells>(
+        mut self,
+        cells: &C,
+        strata: &[Vec<u32>],
+        scales: &[f64],
+    ) -> (f64, Vec<NodeLight>) {
+        for (stratum, &scale) in strata.iter().zip(scales) {
+            let [difference, expected] = self.sums(stratum);
+            let variation = (difference - scale * expected) / stratum.len() as f64;
+            for &n in stratum {
+                let light = &mut self.light[n as usize];
+                light.shared_noise *= scale.sqrt();
+                light.bias = variation.max(0.0).sqrt();
+            }
+        }
+        let of_cell =
+            |cell: usize| -> f64 { cells.sites(cell).iter().map(|&site| cells.area(site)).sum() };
+        let areas: Vec<f64> = (0..cells.len()).map(of_cell).collect();
+        self.restore(cells, &areas);
         let (mut squares, mut area) = (0.0, 0.0);
-        for &n in stratum {
-            let light = &mut self.light[n as usize];
-            light.shared_noise *= scale.sqrt();
-            light.bias = variation.max(0.0).sqrt();
+        for (cell, &of_cell) in areas.iter().enumerate() {
+            let light = &self.light[cells.node(cell) as usize];
             let noise = light.shared_noise * light.shared_noise;
-            squares += areas[n as usize] * (noise.mean() + light.bias.powi(2));
-            area += areas[n as usize];
+            squares += of_cell * (noise.mean() + light.bias.powi(2));
+            area += of_cell;
         }
-        squares / f64::max(area, f64::MIN_POSITIVE)
-    }
-
-    /// Takes the light of a stratum from another.
-    fn take(&mut self, other: &Smoothed, stratum: &[u32]) {
-        for &n in stratum {
-            let n = n as usize;
-            self.light[n] = other.light[n];
-            self.left_out[n] = other.left_out[n];
-        }
+        (squares / f64::max(area, f64::MIN_POSITIVE), self.light)
     }
 }
 

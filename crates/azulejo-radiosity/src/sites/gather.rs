@@ -8,8 +8,8 @@
 use super::cells::SiteCells;
 use super::correction::corrected;
 use super::light::{NodeLight, PairRays, SiteDirect, SiteLight};
-use super::nodes::{InterpolationErrors, Nodes};
-use super::rays::{MOST_PATHS, MOST_RAYS, NodeNoise, allocated};
+use super::nodes::Nodes;
+use super::rays::{NodeNoise, allocated};
 use crate::path_pairs::{PairTargets, PathPair};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Run, sequence_gain};
@@ -76,17 +76,6 @@ impl IndirectGoal {
     }
 }
 
-/// How light is gathered at nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NodeGather {
-    /// The caller has it to the error that is asked, as what is read.
-    Final,
-    /// By rays that read light, which a few paths correct.
-    Paired,
-    /// By paths alone.
-    Traced,
-}
-
 /// How the light of sites was computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SiteStatistics {
@@ -96,8 +85,6 @@ pub struct SiteStatistics {
     pub nodes: usize,
     /// Rays from these that read light, and paths.
     pub rays: [u64; 2],
-    /// Share of the nodes that are path traced: all or none.
-    pub path_traced: f64,
     /// Root mean square of the error that interpolation makes, W/m².
     pub interpolation: f64,
 }
@@ -116,7 +103,7 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<SiteLight>, C), E> {
     let mut nodes = Nodes::new(direct, cells);
-    let mut errors = InterpolationErrors::default();
+    let mut errors = Vec::new();
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
@@ -134,7 +121,7 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
         nodes.measure_mean();
         errors = nodes.interpolation_errors(run)?;
     }
-    let light = nodes.interpolated(&errors.of_cells, run)?;
+    let light = nodes.interpolated(&errors, run)?;
     Ok((light, nodes.into_cells()))
 }
 
@@ -156,7 +143,8 @@ pub fn look_again<C: SiteCells, E: From<Cancelled>>(
 }
 
 /// Light of all sites: `direct`, and indirect light that `gather` finds at the nodes of cells, such as those of a first
-/// look, and more, with as many rays as bring its error to `goal`. No nodes or rays are added once the deadline of
+/// look, and more, with as many rays as bring its error to `goal`. `is_final` says that `gather` has brought its light to
+/// that error itself. No nodes or rays are added once the deadline of
 /// the progress has passed: the errors of the light say what that leaves.
 ///
 /// # Errors
@@ -165,15 +153,14 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
     cells: C,
     direct: &SiteDirect,
     goal: IndirectGoal,
-    way: NodeGather,
+    is_final: bool,
     run: Run,
     gather: &mut PairGather<E>,
 ) -> Result<(Vec<SiteLight>, SiteStatistics), E> {
     // Gather at the nodes, with noise so small that it is not taken for their differences.
     let mut paired = PairedNodes::new(cells, direct, goal, run);
-    paired.is_traced = way == NodeGather::Traced;
     paired.gather_new(gather)?;
-    if way == NodeGather::Paired {
+    if !is_final {
         paired.quieten(gather)?;
     }
     // Divide cells where interpolation is too coarse.
@@ -188,18 +175,10 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
         paired.gather_new(gather)?;
         errors = paired.nodes.interpolation_errors(run)?;
     }
-    // Sites that have no nodes around become nodes.
-    let permitted = goal.permitted(paired.nodes.mean);
-    let lonely = paired.nodes.lonely_sites(&errors, permitted, run)?;
-    if !lonely.is_empty() {
-        paired.nodes.isolate(&lonely);
-        paired.gather_new(gather)?;
-        errors = paired.nodes.interpolation_errors(run)?;
-    }
     // Add rays where they lower the error at least cost.
-    if way != NodeGather::Final {
+    if !is_final {
         for _ in 0..MOST_RAISES {
-            let Some(rays) = paired.wanted(&errors.of_cells)? else {
+            let Some(rays) = paired.wanted(&errors)? else {
                 break;
             };
             if run.progress.out_of_time() {
@@ -209,11 +188,8 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
             errors = paired.nodes.interpolation_errors(run)?;
         }
     }
-    let statistics = paired.statistics(&errors.of_cells);
-    Ok((
-        paired.nodes.interpolated(&errors.of_cells, run)?,
-        statistics,
-    ))
+    let statistics = paired.statistics(&errors);
+    Ok((paired.nodes.interpolated(&errors, run)?, statistics))
 }
 
 /// Rays of the first gather at each of this many nodes, fewer once there is no time.
@@ -237,8 +213,6 @@ struct PairedNodes<'a, C> {
     pairs: Vec<PathPair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
-    /// Whether paths alone count.
-    is_traced: bool,
     goal: IndirectGoal,
     run: Run<'a>,
 }
@@ -254,7 +228,6 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         run: Run<'a>,
     ) -> PairedNodes<'a, C> {
         PairedNodes {
-            is_traced: false,
             goal,
             run,
             nodes: Nodes::new(direct, cells),
@@ -272,7 +245,6 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
             sites: nodes.cells().site_count(),
             nodes: nodes.light.len(),
             rays,
-            path_traced: if self.is_traced { 1.0 } else { 0.0 },
             interpolation: nodes.mean_of_cells(errors).max(0.0).sqrt(),
         }
     }
@@ -283,14 +255,6 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
             let rays = first_rays(self.nodes.cells().len(), self.run.progress);
-            let rays = if self.is_traced {
-                PairRays {
-                    read: 0,
-                    traced: rays.read,
-                }
-            } else {
-                rays
-            };
             self.rays.resize(self.rays.len() + points.len(), rays);
             let gathered = gather(&[PairTargets {
                 points: &points,
@@ -306,18 +270,8 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
 
     fn update(&mut self) -> Result<(), Cancelled> {
         let nodes = &mut self.nodes;
-        let counted: fn(&PathPair) -> &Gathered = if self.is_traced {
-            |pair| &pair.traced
-        } else {
-            |pair| &pair.read
-        };
-        nodes.light = if self.is_traced {
-            let traced = |pair: &PathPair| NodeLight::from(pair.traced);
-            self.pairs.iter().map(traced).collect()
-        } else {
-            corrected(nodes, &self.pairs, &self.rays, self.run)?
-        };
-        let gain = sequence_gain(self.pairs.iter().map(counted), Rgb::mean);
+        nodes.light = corrected(nodes, &self.pairs, &self.rays, self.run)?;
+        let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
         nodes
             .light
             .iter_mut()
@@ -434,24 +388,10 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
             let light = &self.nodes.light[node];
             let of_cell = self.nodes.cell_area(cell);
             let square = |noise: Rgb| of_cell * (noise * noise).mean();
-            let [read, traced] = [
-                factors[0] * square(light.noise),
-                factors[1] * square(light.shared_noise),
-            ];
-            let noise = &mut noise[node];
-            if self.is_traced {
-                noise.traced += read;
-            } else {
-                noise.read += read;
-                noise.traced += traced;
-            }
+            noise[node].read += factors[0] * square(light.noise);
+            noise[node].traced += factors[1] * square(light.shared_noise);
             area += of_cell;
         }
-        let most = if self.is_traced {
-            MOST_PATHS
-        } else {
-            MOST_RAYS
-        };
-        allocated(&self.rays, &noise, AIM * permitted * area, most)
+        allocated(&self.rays, &noise, AIM * permitted * area)
     }
 }

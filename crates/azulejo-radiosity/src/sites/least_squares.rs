@@ -9,25 +9,8 @@ const RIDGE: f64 = 1e-3;
 /// Largest sum of squared weights: more is extrapolation.
 const MOST_VARIANCE: f64 = 1.0;
 
-/// How much a node counts at a distance, as a share of that from which on none does.
-pub type Falloff = fn(f64) -> f64;
-
-/// The nearest node counts by far the most: edges of light stay sharp where nodes are dense.
-pub fn sharp(share: f64) -> f64 {
-    (1.0 - share).powi(2) / (share * share + 0.01)
-}
-
-/// All near nodes count, so that their noise is averaged.
-pub fn smooth(share: f64) -> f64 {
-    (1.0 - share * share).powi(2)
-}
-
 /// Replaces `found` by the weights of values at nodes for the value at the origin, from the way to each of them.
-pub fn plane_weights(
-    ways: impl Iterator<Item = DVec2> + Clone,
-    falloff: Falloff,
-    found: &mut Vec<f64>,
-) {
+pub fn plane_weights(ways: impl Iterator<Item = DVec2> + Clone, found: &mut Vec<f64>) {
     found.clear();
     let farthest = ways.clone().map(DVec2::length).fold(0.0, f64::max);
     if farthest == 0.0 {
@@ -36,7 +19,11 @@ pub fn plane_weights(
         return;
     }
     let reach = 1.05 * farthest;
-    found.extend(ways.clone().map(|way| falloff(way.length() / reach)));
+    let kernel = |way: DVec2| {
+        let share = way.length() / reach;
+        (1.0 - share).powi(2) / (share * share + 0.01)
+    };
+    found.extend(ways.clone().map(kernel));
     // Normal equations of value and slopes, in units of the reach.
     let (mut sum, mut first, mut second) = (0.0, DVec2::ZERO, [0.0; 3]);
     for (way, &w) in ways.clone().zip(found.iter()) {

@@ -1,4 +1,4 @@
-//! Irradiance at many sites from that at some of them: vertices of a mesh, texels of a lightmap, points.
+//! Irradiance at many sites from that at some of them, such as texels of a lightmap.
 //!
 //! Sites are divided into [cells](SiteCells) with a *node* each, at which indirect light is gathered; direct light
 //! is found at every site. In this order:
@@ -23,9 +23,8 @@ mod rays;
 
 pub use cells::SiteCells;
 pub use gather::{
-    IndirectGoal, LookRequest, NodeGather, PairGather, SiteStatistics, first_look, look_again,
-    with_indirect,
+    IndirectGoal, LookRequest, PairGather, SiteStatistics, first_look, look_again, with_indirect,
 };
-pub use least_squares::{plane_weights, sharp, smooth};
+pub use least_squares::plane_weights;
 pub use light::{SiteDirect, SiteLight};
 pub use nodes::interpolated_direct;

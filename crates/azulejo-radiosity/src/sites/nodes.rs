@@ -21,24 +21,11 @@ const LEFT_OUT: f64 = 0.5;
 /// The same after its cell was divided, where light is smooth.
 const DIVIDED: f64 = 0.25;
 
-/// For each cell the mean square error of interpolating in it.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct InterpolationErrors {
-    /// (W/m²)², mean of the channels; zero where nothing is interpolated.
-    pub of_cells: Vec<f64>,
-    /// Whether there are too few nodes around to know it.
-    is_unknown: Vec<bool>,
-}
-
 /// Nodes of one interpolation.
 const NEIGHBOURS: usize = 12;
 
 /// Most nodes of a correction.
 pub(crate) const MOST_NEIGHBOURS: usize = 48;
-
-/// Mean square error of interpolation in a cell, relative to what is permitted on average, above which its sites
-/// become nodes if they can.
-const MOST_LOCAL: f64 = 4.0;
 
 /// Cells that are worked on together.
 const BATCH: usize = 32;
@@ -194,7 +181,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
                 of_cell[of_cell.len() - 1],
             ];
             let noise = some.map(|s| {
-                self.weights(s, &places, &mut shares);
+                (self.cells).weights(self.cells.place(s), &places, &mut shares);
                 let square = |(&n, w): (&u32, &f64)| {
                     let noise = self.light[n as usize].noise * *w;
                     (noise * noise).mean()
@@ -219,50 +206,41 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         ))
     }
 
-    /// The error of interpolating in each cell.
+    /// For each cell the mean square error of interpolating in it, (W/m²)², mean of the channels.
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn interpolation_errors(&self, run: Run) -> Result<InterpolationErrors, Cancelled> {
+    pub fn interpolation_errors(&self, run: Run) -> Result<Vec<f64>, Cancelled> {
         let around = self.near_around(run)?;
         let own = self.of_cells(run, |cell| self.left_out(cell, around[cell]))?;
-        let mut of_node = vec![None; self.light.len()];
+        let mut of_node = vec![0.0; self.light.len()];
         for (cell, &error) in own.iter().enumerate() {
             of_node[self.cells.node(cell) as usize] = error;
         }
         // One difference has one degree of freedom; those around it say more.
         let pooled = |nodes: &[u32]| {
-            let known = nodes.iter().filter_map(|&n| of_node[n as usize]);
-            let (sum, count) = known.fold((0.0, 0), |(sum, count), e: f64| (sum + e, count + 1));
-            LEFT_OUT * (sum / f64::from(count.max(1))).max(0.0)
+            let sum: f64 = nodes.iter().map(|&n| of_node[n as usize]).sum();
+            LEFT_OUT * (sum / nodes.len().max(1) as f64).max(0.0)
         };
-        let is_one = |cell: usize| self.cells.sites(cell).len() == 1;
-        // A cell of one site is gathered, not interpolated.
-        let of_cell =
-            |(cell, nodes): (usize, &&[u32])| if is_one(cell) { 0.0 } else { pooled(nodes) };
-        let unknown = own.iter().enumerate();
-        Ok(InterpolationErrors {
-            of_cells: around.iter().enumerate().map(of_cell).collect(),
-            is_unknown: unknown
-                .map(|(cell, own)| own.is_none() && !is_one(cell))
-                .collect(),
-        })
+        let of_cell = |(cell, nodes): (usize, &&[u32])| match self.cells.sites(cell).len() {
+            // A cell of one site is gathered, not interpolated.
+            1 => 0.0,
+            _ => pooled(nodes),
+        };
+        Ok(around.iter().enumerate().map(of_cell).collect())
     }
 
-    /// The squared difference between a cell's node and what those around it give, less its noise; `None` where
-    /// they say nothing of it.
-    fn left_out(&self, cell: usize, around: &[u32]) -> Option<f64> {
+    /// The squared difference between a cell's node and what those around it give, less its noise.
+    fn left_out(&self, cell: usize, around: &[u32]) -> f64 {
         let own = self.cells.node(cell);
         let others: Vec<u32> = around.iter().copied().filter(|&n| n != own).collect();
+        if others.len() < 3 {
+            return 0.0;
+        }
         let node = self.cells.nodes()[own as usize];
         let places = self.places(&others);
         let mut shares = Vec::new();
-        if !(self.cells).weights(self.cells.place(node), &places, &mut shares) {
-            return None;
-        }
-        if others.len() < 3 {
-            return Some(0.0);
-        }
+        (self.cells).weights(self.cells.place(node), &places, &mut shares);
         let mut difference = self.light[own as usize].irradiance;
         for (&n, w) in others.iter().zip(shares) {
             let other = self.light[n as usize].irradiance;
@@ -271,52 +249,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
             }
         }
         let mean = difference.mean();
-        Some((mean * mean - difference.variance()).mean())
-    }
-
-    /// The weights of nodes for a site, its own node first: that alone, where the others say nothing of it.
-    fn weights(&self, site: u32, nodes: &[C::Place], found: &mut Vec<f64>) {
-        if !(self.cells).weights(self.cells.place(site), nodes, found) {
-            found.clear();
-            found.resize(nodes.len(), 0.0);
-            found.iter_mut().take(1).for_each(|own| *own = 1.0);
-        }
-    }
-
-    /// The sites that cannot be interpolated from the nodes around, or only with an error that is far from what is
-    /// permitted in all, W/m², of cells with more than one.
-    ///
-    /// # Errors
-    /// The caller cancelled.
-    pub fn lonely_sites(
-        &self,
-        errors: &InterpolationErrors,
-        permitted: f64,
-        run: Run,
-    ) -> Result<Vec<u32>, Cancelled> {
-        let around = self.near_around(run)?;
-        let most = MOST_LOCAL * SHARE * permitted.powi(2);
-        let of_cell = |cell: usize| -> Vec<u32> {
-            let is_unsure = errors.is_unknown[cell] || errors.of_cells[cell] > most;
-            let (sites, node) = (self.cells.sites(cell), self.cells.node(cell));
-            let places = self.places(around[cell]);
-            let mut shares = Vec::new();
-            let mut is_lonely = |site: u32| {
-                site != self.cells.nodes()[node as usize]
-                    && (is_unsure
-                        || !(self.cells).weights(self.cells.place(site), &places, &mut shares))
-            };
-            let others = sites.iter().copied();
-            others.filter(|&site| is_lonely(site)).collect()
-        };
-        let lonely = self.of_cells(run, of_cell)?;
-        Ok(lonely.into_iter().flatten().collect())
-    }
-
-    /// Makes nodes of sites.
-    pub fn isolate(&mut self, sites: &[u32]) {
-        self.cells.isolate(sites);
-        self.around = OnceLock::new();
+        (mean * mean - difference.variance()).mean()
     }
 
     fn places(&self, nodes: &[u32]) -> Vec<C::Place> {
@@ -326,8 +259,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
 
     /// The cells to be divided, those with the largest errors, so that the whole is within its share of
     /// an error, W/m².
-    pub fn coarse_cells(&self, errors: &InterpolationErrors, permitted: f64) -> Vec<bool> {
-        let (is_unknown, errors) = (&errors.is_unknown, &errors.of_cells);
+    pub fn coarse_cells(&self, errors: &[f64], permitted: f64) -> Vec<bool> {
         let areas: Vec<f64> = (0..self.cells.len()).map(|c| self.cell_area(c)).collect();
         let all: f64 = areas.iter().sum();
         let permitted = SHARE * permitted.powi(2) * all;
@@ -335,7 +267,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         let mut left: f64 = (0..areas.len()).map(of_cell).sum();
         let mut worst: Vec<usize> = (0..areas.len()).filter(|&c| of_cell(c) > 0.0).collect();
         worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
-        let mut is_coarse = is_unknown.clone();
+        let mut is_coarse = vec![false; areas.len()];
         for cell in worst {
             if left <= permitted {
                 break;
@@ -357,7 +289,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
             let places = self.places(around[cell]);
             let mut shares = Vec::new();
             let of_site = |&s: &u32| {
-                self.weights(s, &places, &mut shares);
+                (self.cells).weights(self.cells.place(s), &places, &mut shares);
                 self.site_light(s, around[cell], &shares, errors[cell])
             };
             self.cells.sites(cell).iter().map(of_site).collect()
@@ -419,5 +351,5 @@ pub fn interpolated_direct<C: SiteCells>(
     let mut nodes = Nodes::new(&none, cells);
     nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
     let errors = nodes.interpolation_errors(run)?;
-    nodes.interpolated(&errors.of_cells, run)
+    nodes.interpolated(&errors, run)
 }

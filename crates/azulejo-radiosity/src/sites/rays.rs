@@ -17,15 +17,9 @@ pub(crate) const READ_RATE: f64 = 1.2;
 const TRACED_RATE: f64 = 1.0;
 
 /// Most rays of a node that read light, and of those that are paths.
-pub(crate) const MOST_RAYS: PairRays = PairRays {
+const MOST_RAYS: PairRays = PairRays {
     read: 1 << 14,
-    traced: 1 << 14,
-};
-
-/// The same where paths alone count.
-pub(crate) const MOST_PATHS: PairRays = PairRays {
-    read: 0,
-    traced: 1 << 16,
+    traced: 1 << 12,
 };
 
 /// Largest growth of rays at once: variances of few rays are not known well.
@@ -52,7 +46,6 @@ pub(crate) fn allocated(
     current: &[PairRays],
     noise: &[NodeNoise],
     permitted: f64,
-    most: PairRays,
 ) -> Vec<PairRays> {
     let left = |price: f64| -> f64 {
         let of_node = |(&rays, noise): (&PairRays, &NodeNoise)| {
@@ -80,15 +73,10 @@ pub(crate) fn allocated(
     };
     let of_node = |(&rays, noise): (&PairRays, &NodeNoise)| {
         let [read, traced] = growths(rays, noise, price);
-        let traced = grown(rays.traced, traced, most.traced);
-        // Paths are some of the rays that read light, where there are any.
-        let read = grown(rays.read, read, most.read);
+        let traced = grown(rays.traced, traced, MOST_RAYS.traced);
         PairRays {
-            read: if most.read > 0 {
-                read.max(traced)
-            } else {
-                read
-            },
+            // Paths are some of the rays that read light.
+            read: grown(rays.read, read, MOST_RAYS.read).max(traced),
             traced,
         }
     };
@@ -126,7 +114,7 @@ mod tests {
     fn rays_go_where_noise_is() {
         let noise = |read| NodeNoise { read, traced: 0.0 };
         let noises: Vec<NodeNoise> = [1.0, 0.01, 0.0].map(noise).to_vec();
-        let of_nodes = allocated(&[FEW; 3], &noises, 0.3, MOST_RAYS);
+        let of_nodes = allocated(&[FEW; 3], &noises, 0.3);
         assert!(of_nodes[0].read >= 2 * FEW.read, "{of_nodes:?}");
         assert_eq!(of_nodes[1..], [FEW; 2]);
         assert!(of_nodes.iter().all(|rays| rays.traced == FEW.traced));
@@ -142,7 +130,7 @@ mod tests {
             .collect();
         let all: f64 = noises.iter().map(|n| n.read + n.traced).sum();
         let current = vec![FEW; noises.len()];
-        let of_nodes = allocated(&current, &noises, 0.4 * all, MOST_RAYS);
+        let of_nodes = allocated(&current, &noises, 0.4 * all);
         let left = |rays: &[PairRays]| -> f64 {
             let of = |(noise, rays): (&NodeNoise, &PairRays)| {
                 noise.read * (f64::from(rays.read) / 64.0).powf(-READ_RATE)
@@ -166,7 +154,7 @@ mod tests {
         ];
         assert!(left(&alike) > 0.3 * all && cost(&of_nodes) < cost(&alike));
         // What is quiet enough stays.
-        assert_eq!(allocated(&current, &noises, 1.01 * all, MOST_RAYS), current);
+        assert_eq!(allocated(&current, &noises, 1.01 * all), current);
     }
 
     #[test]
@@ -177,10 +165,10 @@ mod tests {
         };
         let mut rays = vec![FEW];
         for _ in 0..6 {
-            rays = allocated(&rays, &[noise], 1e-9, MOST_RAYS);
+            rays = allocated(&rays, &[noise], 1e-9);
         }
         assert_eq!(rays, [MOST_RAYS]);
         let silent = NodeNoise::default();
-        assert_eq!(allocated(&[FEW], &[silent], 0.0, MOST_RAYS), [FEW]);
+        assert_eq!(allocated(&[FEW], &[silent], 0.0), [FEW]);
     }
 }

@@ -27,7 +27,10 @@ const ARROWS: [(&str, &[&str]); 14] = [
         &["azulejo-scene", "azulejo-trace", "azulejo-factors"],
     ),
     ("azulejo-render", &["azulejo-scene", "azulejo-trace"]),
-    ("azulejo-bake", &["azulejo-scene", "azulejo-trace"]),
+    (
+        "azulejo-bake",
+        &["azulejo-scene", "azulejo-trace", "azulejo-radiosity"],
+    ),
     (
         "azulejo",
         &[

@@ -3,8 +3,8 @@
 use super::{BakedLight, DEFAULT_ERROR};
 use azulejo_bake::{Atlas, BetweenTexels, Samples, ShownSamples, TexelCells, TexelField};
 use azulejo_radiosity::sites::{
-    IndirectGoal, LookRequest, NodeGather, SiteDirect, SiteLight, SiteStatistics, first_look,
-    look_again, with_indirect,
+    IndirectGoal, LookRequest, SiteDirect, SiteLight, SiteStatistics, first_look, look_again,
+    with_indirect,
 };
 use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Run};
@@ -111,14 +111,7 @@ impl IndirectLight<'_> {
         if self.bounces.is_some() {
             let mut gather =
                 |targets: &[PairTargets]| targets.iter().map(|t| self.limited(t)).collect();
-            return with_indirect(
-                cells,
-                direct,
-                goal,
-                NodeGather::Final,
-                self.run,
-                &mut gather,
-            );
+            return with_indirect(cells, direct, goal, true, self.run, &mut gather);
         }
         // Each look reads the one before, and is corrected by paths: patches leak light into the dark.
         for number in 1..=LOOKS {
@@ -136,14 +129,7 @@ impl IndirectLight<'_> {
         drop(light);
         let mut gather =
             |targets: &[PairTargets]| self.solved.path_pairs(targets, Some(&field), LOOKS + 1);
-        with_indirect(
-            cells,
-            direct,
-            goal,
-            NodeGather::Paired,
-            self.run,
-            &mut gather,
-        )
+        with_indirect(cells, direct, goal, false, self.run, &mut gather)
     }
 
     /// The light of all samples from `rays` rays at each. No sample depends on what others get until all have their

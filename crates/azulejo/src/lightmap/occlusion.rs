@@ -7,7 +7,7 @@ use super::charts::{agreed_samples, arranged, receivers_of};
 use super::{BakeError, BakeOptions, Baked, BakedSides};
 use azulejo_bake::{Hemispheres, Samples, ShownSamples, TexelCells};
 use azulejo_radiosity::sites::{
-    IndirectGoal, NodeGather, SiteDirect, SiteLight, SiteStatistics, first_look, with_indirect,
+    IndirectGoal, SiteDirect, SiteLight, SiteStatistics, first_look, with_indirect,
 };
 use azulejo_radiosity::{PairTargets, PathPair, SolveError};
 use azulejo_scene::Scene;
@@ -119,7 +119,7 @@ fn to_error(
         };
         Ok(visibility.into_iter().map(node).collect())
     };
-    with_indirect(cells, none, goal, NodeGather::Final, run, &mut |targets| {
+    with_indirect(cells, none, goal, true, run, &mut |targets| {
         targets.iter().map(free).collect()
     })
 }
