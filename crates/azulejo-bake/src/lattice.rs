@@ -36,7 +36,7 @@ impl<'a> TexelCells<'a> {
     pub fn new(samples: &'a Samples) -> TexelCells<'a> {
         let mut level = FIRST_LEVEL;
         let mut cells = TexelCells::of_level(samples, level);
-        while cells.len() < LEAST_CELLS && level > 0 {
+        while cells.cell_count() < LEAST_CELLS && level > 0 {
             level -= 1;
             cells = TexelCells::of_level(samples, level);
         }
@@ -80,7 +80,7 @@ impl SiteCells for TexelCells<'_> {
         plane_weights(nodes.iter().map(|node| *node - at), found);
     }
 
-    fn len(&self) -> usize {
+    fn cell_count(&self) -> usize {
         self.lattice.cells.len()
     }
 

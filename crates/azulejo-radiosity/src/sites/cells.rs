@@ -28,15 +28,15 @@ pub trait SiteCells: Clone + Sync {
     fn weights(&self, at: Self::Place, nodes: &[Self::Place], found: &mut Vec<f64>);
 
     /// Number of cells.
-    fn len(&self) -> usize;
-
-    /// Whether there is no cell.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
+    fn cell_count(&self) -> usize;
 
     /// The sites of a cell.
     fn sites(&self, cell: usize) -> &[u32];
+
+    /// The area of a cell, square scene units.
+    fn cell_area(&self, cell: usize) -> f64 {
+        self.sites(cell).iter().map(|&site| self.area(site)).sum()
+    }
 
     /// The node of a cell.
     fn node(&self, cell: usize) -> u32;

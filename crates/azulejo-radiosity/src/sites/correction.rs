@@ -89,7 +89,7 @@ impl Smoothed {
         run: Run,
     ) -> Result<Smoothed, Cancelled> {
         let cells = nodes.cells();
-        let numbers: Vec<u32> = (0..cells.len() as u32).collect();
+        let numbers: Vec<u32> = (0..cells.cell_count() as u32).collect();
         let of_cell = |&cell: &u32| {
             let around = &around[cell as usize];
             let near = &around[..around.len().min(count + 1)];
@@ -143,7 +143,7 @@ impl Smoothed {
     /// Makes the light of each group of nodes more or less by what was left out of their corrections: light that few
     /// paths find is noise at any one of them, and would be missing in all. What is dark stays dark.
     fn restore<C: SiteCells>(&mut self, cells: &C, areas: &[f64]) {
-        let numbers: Vec<usize> = (0..cells.len()).collect();
+        let numbers: Vec<usize> = (0..cells.cell_count()).collect();
         for group in numbers.chunks(GROUP) {
             let (mut left, mut all) = (Gathered::default(), Rgb::BLACK);
             for &cell in group {
@@ -187,7 +187,7 @@ impl Smoothed {
         }
         let of_cell =
             |cell: usize| -> f64 { cells.sites(cell).iter().map(|&site| cells.area(site)).sum() };
-        let areas: Vec<f64> = (0..cells.len()).map(of_cell).collect();
+        let areas: Vec<f64> = (0..cells.cell_count()).map(of_cell).collect();
         self.restore(cells, &areas);
         let (mut squares, mut area) = (0.0, 0.0);
         for (cell, &of_cell) in areas.iter().enumerate() {

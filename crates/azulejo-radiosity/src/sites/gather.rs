@@ -52,14 +52,6 @@ const BETWEEN_LOOKS: usize = 2048;
 /// Most times that rays are added.
 const MOST_RAISES: u32 = 6;
 
-/// Nodes at which a first look is to be gathered, from rays that read patches.
-pub struct LookRequest<'a> {
-    /// The points.
-    pub points: &'a [GatherPoint],
-    /// Counts the requests.
-    pub round: u32,
-}
-
 /// The error that indirect light may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IndirectGoal {
@@ -83,11 +75,10 @@ pub struct SiteStatistics {
     pub sites: usize,
     /// Sites at which indirect light was gathered.
     pub nodes: usize,
-    /// Rays from these that read light, and paths.
-    pub rays: [u64; 2],
-    /// Root mean square of the error that interpolation makes, W/m².
-    pub interpolation: f64,
 }
+
+/// The indirect light at points, from rays that read that of patches.
+pub type LookGather<'g, E> = dyn FnMut(&[GatherPoint]) -> Result<Vec<Gathered>, E> + 'g;
 
 /// A first look at the light of all sites, for others to read: `direct`, and indirect light that
 /// `gather` finds at the nodes of cells, divided until interpolation is off by a few times `goal`; and these cells.
@@ -100,7 +91,7 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
     direct: &SiteDirect,
     goal: IndirectGoal,
     run: Run,
-    gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
+    gather: &mut LookGather<E>,
 ) -> Result<(Vec<SiteLight>, C), E> {
     let mut nodes = Nodes::new(direct, cells);
     let mut errors = Vec::new();
@@ -113,10 +104,7 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
             nodes.divide(&coarse);
         }
         let (points, _) = nodes.targets();
-        let light = gather(&LookRequest {
-            points: &points,
-            round,
-        })?;
+        let light = gather(&points)?;
         nodes.light.extend(light.into_iter().map(NodeLight::from));
         nodes.measure_mean();
         errors = nodes.interpolation_errors(run)?;
@@ -132,13 +120,12 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
 pub fn look_again<C: SiteCells, E: From<Cancelled>>(
     cells: &C,
     direct: &SiteDirect,
-    goal: IndirectGoal,
     run: Run,
     gather: &mut PairGather<E>,
 ) -> Result<Vec<SiteLight>, E> {
-    let mut paired = PairedNodes::new(cells.clone(), direct, goal, run);
+    let mut paired = PairedNodes::new(cells.clone(), direct, run);
     paired.gather_new(gather)?;
-    let errors = vec![0.0; paired.nodes.cells().len()];
+    let errors = vec![0.0; paired.nodes.cells().cell_count()];
     Ok(paired.nodes.interpolated(&errors, run)?)
 }
 
@@ -158,10 +145,10 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
     gather: &mut PairGather<E>,
 ) -> Result<(Vec<SiteLight>, SiteStatistics), E> {
     // Gather at the nodes, with noise so small that it is not taken for their differences.
-    let mut paired = PairedNodes::new(cells, direct, goal, run);
+    let mut paired = PairedNodes::new(cells, direct, run);
     paired.gather_new(gather)?;
     if !is_final {
-        paired.quieten(gather)?;
+        paired.quieten(goal, gather)?;
     }
     // Divide cells where interpolation is too coarse.
     let mut errors = paired.nodes.interpolation_errors(run)?;
@@ -178,7 +165,7 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
     // Add rays where they lower the error at least cost.
     if !is_final {
         for _ in 0..MOST_RAISES {
-            let Some(rays) = paired.wanted(&errors)? else {
+            let Some(rays) = paired.wanted(&errors, goal)? else {
                 break;
             };
             if run.progress.out_of_time() {
@@ -188,8 +175,12 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
             errors = paired.nodes.interpolation_errors(run)?;
         }
     }
-    let statistics = paired.statistics(&errors);
-    Ok((paired.nodes.interpolated(&errors, run)?, statistics))
+    let nodes = &paired.nodes;
+    let statistics = SiteStatistics {
+        sites: nodes.cells().site_count(),
+        nodes: nodes.light.len(),
+    };
+    Ok((nodes.interpolated(&errors, run)?, statistics))
 }
 
 /// Rays of the first gather at each of this many nodes, fewer once there is no time.
@@ -213,7 +204,6 @@ struct PairedNodes<'a, C> {
     pairs: Vec<PathPair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
-    goal: IndirectGoal,
     run: Run<'a>,
 }
 
@@ -221,31 +211,12 @@ struct PairedNodes<'a, C> {
 pub type PairGather<'g, E> = dyn FnMut(&[PairTargets]) -> Result<Vec<Vec<PathPair>>, E> + 'g;
 
 impl<'a, C: SiteCells> PairedNodes<'a, C> {
-    fn new(
-        cells: C,
-        direct: &'a SiteDirect,
-        goal: IndirectGoal,
-        run: Run<'a>,
-    ) -> PairedNodes<'a, C> {
+    fn new(cells: C, direct: &'a SiteDirect, run: Run<'a>) -> PairedNodes<'a, C> {
         PairedNodes {
-            goal,
             run,
             nodes: Nodes::new(direct, cells),
             pairs: Vec::new(),
             rays: Vec::new(),
-        }
-    }
-
-    fn statistics(&self, errors: &[f64]) -> SiteStatistics {
-        let nodes = &self.nodes;
-        let rays = self.rays.iter().fold([0, 0], |[read, traced], rays| {
-            [read + u64::from(rays.read), traced + u64::from(rays.traced)]
-        });
-        SiteStatistics {
-            sites: nodes.cells().site_count(),
-            nodes: nodes.light.len(),
-            rays,
-            interpolation: nodes.mean_of_cells(errors).max(0.0).sqrt(),
         }
     }
 
@@ -254,7 +225,7 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.cells().len(), self.run.progress);
+            let rays = first_rays(self.nodes.cells().cell_count(), self.run.progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
             let gathered = gather(&[PairTargets {
                 points: &points,
@@ -278,12 +249,6 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
             .for_each(|light| light.noise *= gain.sqrt());
         nodes.measure_mean();
         Ok(())
-    }
-
-    /// The mean square noise that is permitted beside the rest of the error, (W/m²)².
-    fn budget(&self, rest: f64) -> f64 {
-        let permitted = (MARGIN * self.goal.permitted(self.nodes.mean)).powi(2);
-        (permitted - rest).max(LEAST_NOISE * permitted.max(rest))
     }
 
     /// Brings nodes to more rays, as many of them as there is time for.
@@ -350,10 +315,14 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
     }
 
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
-    fn quieten<E: From<Cancelled>>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn quieten<E: From<Cancelled>>(
+        &mut self,
+        goal: IndirectGoal,
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
-            let permitted = (NODE_ERROR * self.goal.permitted(self.nodes.mean)).powi(2);
+            let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
             if noise <= permitted || self.run.progress.out_of_time() {
                 break;
             }
@@ -367,9 +336,14 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
     }
 
     /// Rays that bring the error to `goal`, at least cost; `None` if there are enough, or no more.
-    fn wanted(&self, errors: &[f64]) -> Result<Option<Vec<PairRays>>, Cancelled> {
+    fn wanted(
+        &self,
+        errors: &[f64],
+        goal: IndirectGoal,
+    ) -> Result<Option<Vec<PairRays>>, Cancelled> {
         let (read, shared, rest) = self.nodes.texel_noise(errors, self.run)?;
-        let budget = self.budget(rest);
+        let permitted = (MARGIN * goal.permitted(self.nodes.mean)).powi(2);
+        let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
         if read + shared <= budget {
             return Ok(None);
         }
@@ -383,10 +357,10 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
     /// these factors.
     fn allocated(&self, factors: [f64; 2], permitted: f64) -> Vec<PairRays> {
         let (mut noise, mut area) = (vec![NodeNoise::default(); self.rays.len()], 0.0);
-        for cell in 0..self.nodes.cells().len() {
+        for cell in 0..self.nodes.cells().cell_count() {
             let node = self.nodes.cells().node(cell) as usize;
             let light = &self.nodes.light[node];
-            let of_cell = self.nodes.cell_area(cell);
+            let of_cell = self.nodes.cells().cell_area(cell);
             let square = |noise: Rgb| of_cell * (noise * noise).mean();
             noise[node].read += factors[0] * square(light.noise);
             noise[node].traced += factors[1] * square(light.shared_noise);

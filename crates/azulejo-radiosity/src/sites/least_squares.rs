@@ -53,3 +53,37 @@ pub fn plane_weights(ways: impl Iterator<Item = DVec2> + Clone, found: &mut Vec<
     }
     found.iter_mut().for_each(|w| *w /= sum);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec2;
+
+    #[test]
+    fn planes_are_reproduced() {
+        let ways = [
+            [-3.0, 0.5],
+            [2.0, -1.0],
+            [0.5, 4.0],
+            [-1.0, -2.5],
+            [3.5, 2.0],
+        ]
+        .map(DVec2::from);
+        let mut found = Vec::new();
+        plane_weights(ways.into_iter(), &mut found);
+        let plane = |at: DVec2| 3.0 + at.dot(dvec2(0.5, -0.25));
+        let sum: f64 = found.iter().sum();
+        let value: f64 = ways
+            .iter()
+            .zip(&found)
+            .map(|(way, w)| w * plane(*way))
+            .sum();
+        // The ridge moves gradients toward zero by a thousandth of their squared distances.
+        assert!(
+            (sum - 1.0).abs() < 1e-12 && (value - 3.0).abs() < 2e-2,
+            "{sum}, {value}"
+        );
+        plane_weights([DVec2::ZERO; 2].into_iter(), &mut found);
+        assert_eq!(found, [0.5; 2]);
+    }
+}

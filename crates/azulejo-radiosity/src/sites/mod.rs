@@ -23,7 +23,7 @@ mod rays;
 
 pub use cells::SiteCells;
 pub use gather::{
-    IndirectGoal, LookRequest, PairGather, SiteStatistics, first_look, look_again, with_indirect,
+    IndirectGoal, LookGather, PairGather, SiteStatistics, first_look, look_again, with_indirect,
 };
 pub use least_squares::plane_weights;
 pub use light::{SiteDirect, SiteLight};

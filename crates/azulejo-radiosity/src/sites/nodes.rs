@@ -98,7 +98,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         run: Run,
         of_cell: impl Fn(usize) -> T + Sync,
     ) -> Result<Vec<T>, Cancelled> {
-        let cells: Vec<u32> = (0..self.cells.len() as u32).collect();
+        let cells: Vec<u32> = (0..self.cells.cell_count() as u32).collect();
         in_batches(&cells, BATCH, run, |batch| {
             Ok(batch.iter().map(|&cell| of_cell(cell as usize)).collect())
         })
@@ -110,9 +110,9 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         let new = &self.cells.nodes()[known..];
         let point = |&s: &u32| self.cells.point(s);
         let mut areas = vec![0.0; new.len()];
-        for cell in 0..self.cells.len() {
+        for cell in 0..self.cells.cell_count() {
             if let Some(of_node) = (self.cells.node(cell) as usize).checked_sub(known) {
-                areas[of_node] += self.cell_area(cell);
+                areas[of_node] += self.cells.cell_area(cell);
             }
         }
         (new.iter().map(point).collect(), areas)
@@ -125,7 +125,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
             let site = self.cells.nodes()[node];
             (self.direct_of(site) + self.light[node].irradiance.mean()).mean()
         };
-        let lights: Vec<f64> = (0..self.cells.len()).map(light).collect();
+        let lights: Vec<f64> = (0..self.cells.cell_count()).map(light).collect();
         self.mean = self.mean_of_cells(&lights);
     }
 
@@ -133,17 +133,11 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
     pub fn mean_of_cells(&self, values: &[f64]) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
         for (cell, value) in values.iter().enumerate() {
-            let of_cell = self.cell_area(cell);
+            let of_cell = self.cells.cell_area(cell);
             sum += of_cell * value;
             area += of_cell;
         }
         sum / f64::max(area, f64::MIN_POSITIVE)
-    }
-
-    /// The area of a cell, square scene units.
-    pub fn cell_area(&self, cell: usize) -> f64 {
-        let area = |&s: &u32| self.cells.area(s);
-        self.cells.sites(cell).iter().map(area).sum()
     }
 
     fn direct_of(&self, site: u32) -> Rgb {
@@ -157,7 +151,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
                 let noise = part(&self.light[self.cells.node(cell) as usize]);
                 (noise * noise).mean()
             };
-            let squares: Vec<f64> = (0..self.cells.len()).map(square).collect();
+            let squares: Vec<f64> = (0..self.cells.cell_count()).map(square).collect();
             self.mean_of_cells(&squares)
         };
         (of(|light| light.noise), of(|light| light.shared_noise))
@@ -192,7 +186,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         })?;
         let of_node = |cell: usize| &self.light[self.cells.node(cell) as usize];
         let rest = |cell: usize| errors[cell] + of_node(cell).bias.powi(2);
-        let rest: Vec<f64> = (0..self.cells.len()).map(rest).collect();
+        let rest: Vec<f64> = (0..self.cells.cell_count()).map(rest).collect();
         let (mut direct, mut area) = (0.0, 0.0);
         for (site, variance) in (0..).zip(&self.direct.variance) {
             let of_site = self.cells.area(site);
@@ -260,7 +254,9 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
     /// The cells to be divided, those with the largest errors, so that the whole is within its share of
     /// an error, W/m².
     pub fn coarse_cells(&self, errors: &[f64], permitted: f64) -> Vec<bool> {
-        let areas: Vec<f64> = (0..self.cells.len()).map(|c| self.cell_area(c)).collect();
+        let areas: Vec<f64> = (0..self.cells.cell_count())
+            .map(|c| self.cells.cell_area(c))
+            .collect();
         let all: f64 = areas.iter().sum();
         let permitted = SHARE * permitted.powi(2) * all;
         let of_cell = |c: usize| areas[c] * errors[c];
@@ -294,7 +290,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
             };
             self.cells.sites(cell).iter().map(of_site).collect()
         };
-        let cells: Vec<u32> = (0..self.cells.len() as u32).collect();
+        let cells: Vec<u32> = (0..self.cells.cell_count() as u32).collect();
         for cells in cells.chunks(AT_ONCE) {
             let of_sites = in_batches(cells, BATCH, run, |batch| {
                 let of_cells = batch.iter().flat_map(|&cell| of_cell(cell as usize));

@@ -3,8 +3,7 @@
 use super::{BakedLight, DEFAULT_ERROR};
 use azulejo_bake::{Atlas, BetweenTexels, Samples, ShownSamples, TexelCells, TexelField};
 use azulejo_radiosity::sites::{
-    IndirectGoal, LookRequest, SiteDirect, SiteLight, SiteStatistics, first_look, look_again,
-    with_indirect,
+    IndirectGoal, SiteDirect, SiteLight, SiteStatistics, first_look, look_again, with_indirect,
 };
 use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Run};
@@ -70,7 +69,7 @@ impl IndirectLight<'_> {
                 direct.light(),
                 SiteStatistics {
                     sites: samples.samples.len(),
-                    ..SiteStatistics::default()
+                    nodes: 0,
                 },
             ),
             _ => self.of_texels(atlas, objects, (samples, &direct), seed)?,
@@ -100,10 +99,10 @@ impl IndirectLight<'_> {
         };
         let surfaces = self.solved.gatherer().surfaces();
         // The first look reads the light of patches.
-        let mut look = |request: &LookRequest| {
+        let mut look = |points: &[GatherPoint]| {
             let is_late = self.run.progress.out_of_time();
             let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
-            self.read_at(request.points, None, rays, 0)
+            self.read_at(points, None, rays, 0)
         };
         let cells = TexelCells::new(samples);
         let (mut light, cells) = first_look(cells, direct, goal, self.run, &mut look)?;
@@ -122,7 +121,7 @@ impl IndirectLight<'_> {
             drop(std::mem::take(&mut light));
             let mut gather =
                 |targets: &[PairTargets]| self.solved.path_pairs(targets, Some(&field), number);
-            light = look_again(&cells, direct, goal, self.run, &mut gather)?;
+            light = look_again(&cells, direct, self.run, &mut gather)?;
         }
         // The last gather reads the last look, and takes as many rays as the error needs.
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
@@ -160,7 +159,6 @@ impl IndirectLight<'_> {
             texels: SiteStatistics {
                 sites: points.len(),
                 nodes: points.len(),
-                ..SiteStatistics::default()
             },
             error,
         })

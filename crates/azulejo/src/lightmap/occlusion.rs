@@ -107,8 +107,8 @@ fn to_error(
     let run = hemispheres.run;
     let strata = strata(NOISE_SHARE * error);
     let cells = TexelCells::new(samples);
-    let (light, cells) = first_look(cells, none, goal, run, &mut |request| {
-        hemispheres.free(request.points, FEW_STRATA)
+    let (light, cells) = first_look(cells, none, goal, run, &mut |points| {
+        hemispheres.free(points, FEW_STRATA)
     })?;
     drop(light);
     let free = |targets: &PairTargets| -> Result<Vec<PathPair>, Cancelled> {
@@ -139,7 +139,6 @@ fn everywhere(
     let texels = SiteStatistics {
         sites: points.len(),
         nodes: points.len(),
-        ..SiteStatistics::default()
     };
     Ok((none.plus(free), texels))
 }
