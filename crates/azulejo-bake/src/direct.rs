@@ -10,6 +10,7 @@ use azulejo_trace::sampling::{hash, uniform};
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
 use glam::DVec2;
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// Samples that are gathered together.
 const BATCH: usize = 64;
@@ -17,9 +18,14 @@ const BATCH: usize = 64;
 /// Uneven texels of a batch: each takes as long as many samples.
 const UNEVEN_BATCH: usize = 4;
 
-/// Where there is a deadline, light is gathered first at one sample of a square of this many texels along a side, as
-/// a power of two.
-const SPARSE: u32 = 2;
+/// Where there is a deadline, light is gathered first at one sample of a square of so many texels along a side, as
+/// powers of two: at the coarsest, and at what there is time for.
+const COARSEST: u32 = 4;
+const FINEST: u32 = 2;
+
+/// Share of the time until a deadline that direct light may take, and of that, a lattice.
+const TIME_SHARE: f64 = 0.3;
+const LATTICE_SHARE: f64 = 0.5;
 
 /// Root mean square of the standard errors of direct light, as a share of what is permitted in all, that is
 /// left: texels with the largest are looked at in more places until it is reached.
@@ -54,7 +60,7 @@ fn interpolate(
 }
 
 /// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
-/// the mean of the whole. Once the deadline of the progress has passed, it is interpolated between one sample of
+/// the mean of the whole. Once its share of the time until a deadline is over, it is interpolated between one sample of
 /// each few, with what that misses in its variance.
 ///
 /// # Errors
@@ -67,8 +73,11 @@ pub fn direct(
     seed: u32,
     run: Run,
 ) -> Result<SiteDirect, Cancelled> {
+    run.progress.limit_phase(TIME_SHARE);
     let direct = at_centres(samples, gatherer, seed, run)?;
-    with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)
+    let found = with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)?;
+    run.progress.limit_phase(1.0);
+    Ok(found)
 }
 
 /// As [`direct`], from direct light that was gathered at the point of each sample.
@@ -102,14 +111,14 @@ fn with_shadow_edges(
     let progress = run.progress;
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
-        if progress.out_of_time() {
+        if progress.phase_is_over() {
             break;
         }
         let uneven = uneven(samples, &found, error * mean, round);
         progress.begin("shadow edges", uneven.len() as u64);
         let fine = in_counted_batches(&uneven, (UNEVEN_BATCH, BLOCK), run, |batch| {
             let light = |&s: &u32| {
-                (!progress.out_of_time())
+                (!progress.phase_is_over())
                     .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
             };
             Ok(batch.iter().map(light).collect())
@@ -145,10 +154,7 @@ fn at_centres(
     let mut sparse = None;
     // Before a deadline, gather at a sparse lattice first, from which all samples can be interpolated.
     if progress.has_deadline() {
-        let cells = TexelCells::of_level(samples, SPARSE);
-        let light = in_counted_batches(cells.nodes(), (BATCH, BLOCK), run, |batch| {
-            Ok(gather(batch))
-        })?;
+        let (cells, light) = at_lattice(samples, &gather, run)?;
         let mut is_left = vec![true; count];
         for (&sample, light) in cells.nodes().iter().zip(&light) {
             direct.set(sample as usize, light);
@@ -159,7 +165,7 @@ fn at_centres(
     }
     // Gather at the other samples as long as there is time.
     let light = in_counted_batches(&left, (BATCH, BLOCK), run, |batch| {
-        Ok(if progress.out_of_time() {
+        Ok(if progress.phase_is_over() {
             vec![None; batch.len()]
         } else {
             gather(batch).into_iter().map(Some).collect()
@@ -177,6 +183,34 @@ fn at_centres(
         interpolate(&mut direct, cells, light, &missing, run)?;
     }
     Ok(direct)
+}
+
+/// Gathers at the nodes of the finest lattice of a few for which there is time, by the pace of those before it.
+fn at_lattice<'a>(
+    samples: &'a Samples,
+    gather: &(impl Fn(&[u32]) -> Vec<Gathered> + Sync),
+    run: Run,
+) -> Result<(TexelCells<'a>, Vec<Gathered>), Cancelled> {
+    let gathered = |cells: &TexelCells| {
+        in_counted_batches(cells.nodes(), (BATCH, BLOCK), run, |batch| {
+            Ok(gather(batch))
+        })
+    };
+    let mut started = Instant::now();
+    let mut cells = TexelCells::of_level(samples, COARSEST);
+    let mut light = gathered(&cells)?;
+    for level in (FINEST..COARSEST).rev() {
+        let finer = TexelCells::of_level(samples, level);
+        let growth = finer.nodes().len() as f64 / cells.nodes().len().max(1) as f64;
+        let left = run.progress.phase_left().unwrap_or_default();
+        if started.elapsed().mul_f64(growth) > left.mul_f64(LATTICE_SHARE) {
+            break;
+        }
+        started = Instant::now();
+        light = gathered(&finer)?;
+        cells = finer;
+    }
+    Ok((cells, light))
 }
 
 /// Mean over all areas and channels.

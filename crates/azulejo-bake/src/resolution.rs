@@ -28,6 +28,9 @@ const EVEN: u32 = 16;
 /// For a first estimate, one of this many texels where light is uneven is looked at.
 const FEW: u32 = 8;
 
+/// The same where there is a deadline.
+const FEWER: u32 = 64;
+
 /// Difference to a neighbour, as a multiple of the permitted error, above which light is uneven.
 const UNEVEN: f64 = 1.0;
 
@@ -83,7 +86,7 @@ impl BetweenTexels<'_> {
         run: Run,
     ) -> Result<f64, Cancelled> {
         let is_short = run.progress.out_of_time();
-        let one_of = if is_short { FEW } else { 1 };
+        let one_of = if is_short { FEWER } else { 1 };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, rest)
             .filter(|(shown, is_uneven)| {
@@ -167,9 +170,10 @@ impl BetweenTexels<'_> {
     /// The caller cancelled.
     pub fn estimate(&self, lightmap: &Lightmap, run: Run) -> Result<f64, Cancelled> {
         let rest = self.shown.lightmap(self.samples, self.rest);
+        let one_of = if run.progress.has_deadline() { FEWER } else { FEW };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, &rest)
-            .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
+            .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(one_of, shown))
             .collect();
         let all_squares = self.all_squares(&looked_at, lightmap, &rest, run)?;
         let area = |shown: &ShownSample| {
@@ -181,7 +185,7 @@ impl BetweenTexels<'_> {
             .map(|((shown, _), squares)| area(shown) * squares.map_or(0.0, mean))
             .sum();
         let all: f64 = self.shown.seen().map(area).sum();
-        let square = f64::from(FEW) * sum / f64::max(all, f64::MIN_POSITIVE);
+        let square = f64::from(one_of) * sum / f64::max(all, f64::MIN_POSITIVE);
         Ok(square.max(0.0).sqrt())
     }
 

@@ -8,6 +8,7 @@ use azulejo_trace::{Cancelled, Progress, Tracer};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
 
 /// Largest width and height of a page, texels: what graphics cards take.
@@ -21,6 +22,9 @@ const FEW_TEXELS: f64 = 65_536.0;
 
 /// Fewest charts that are packed in rows: by shape, thousands of them take tens of seconds.
 const MOST_SHAPED: usize = 40_000;
+
+/// Part of the time until a deadline after which charts are packed in rows, if they are not packed by shape.
+const PACKING_SHARE: f64 = 0.1;
 
 /// How finely and where charts are laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -453,17 +457,31 @@ fn packed(
         packing,
         ..Options::default()
     };
+    // Packing by shape must leave the most of the time to light.
+    let most = progress.time_left().map(|left| left.mul_f64(PACKING_SHARE));
+    let started = Instant::now();
+    let is_late = || most.is_some_and(|most| started.elapsed() > most);
     let flattened = AtomicUsize::new(0);
-    let report = |p: uvunwrap::Progress| match p.stage {
+    let report = |settings: &Options, p: uvunwrap::Progress| match p.stage {
         Stage::Parameterizing => {
             let before = flattened.swap(p.done, Ordering::Relaxed);
             progress
                 .advance(p.done.saturating_sub(before) as u64)
                 .is_ok()
         }
-        _ => progress.advance(0).is_ok(),
+        _ => progress.advance(0).is_ok() && !(settings.packing == Packing::Shape && is_late()),
     };
-    let atlas = uvunwrap::generate_with_progress(inputs, &settings, report);
+    let unwrap = |settings: &Options| {
+        uvunwrap::generate_with_progress(inputs, settings, |p| report(settings, p))
+    };
+    let mut atlas = unwrap(&settings);
+    if matches!(atlas, Err(uvunwrap::Error::Cancelled)) && is_late() {
+        progress.advance(0)?;
+        atlas = unwrap(&Options {
+            packing: Packing::Fast,
+            ..settings
+        });
+    }
     let atlas = atlas.map_err(|error| match error {
         uvunwrap::Error::Cancelled => LayoutError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {

@@ -30,6 +30,9 @@ use std::f64::consts::PI;
 /// paths are traced, which takes about ten times as long for the same noise (measured).
 const PATCH_SHARE: f64 = 0.6;
 
+/// The same where points are not known yet: they are texels, which are many and have looks of their own.
+const PATCH_SHARE_OF_TEXELS: f64 = 0.25;
+
 /// Share of the time that is left then for its refinement: a point reads hundreds of patches, which
 /// leaves little of their noise.
 const REFINEMENT_SHARE: f64 = 0.05;
@@ -466,7 +469,10 @@ impl SolverInputs<'_> {
         }
         // Entries of eight bytes, hardly more of them than rays.
         let expected = self.patches.len() as u64 * u64::from(self.rays) * 8;
-        progress.limit_phase(PATCH_SHARE);
+        progress.limit_phase(match purpose {
+            PatchPurpose::Points([]) => PATCH_SHARE_OF_TEXELS,
+            _ => PATCH_SHARE,
+        });
         let solution = if pass.engine == Engine::Particles {
             Some(self.particles(pass, progress)?)
         } else if expected <= pass.memory {

@@ -193,6 +193,14 @@ impl Progress {
         clock.paused = clock.paused.map(|_| Instant::now());
     }
 
+    /// Moves the deadline, if there is one, so much earlier: for work that has to be done after it.
+    pub fn reserve(&self, time: Duration) {
+        let mut clock = lock(&self.clock);
+        let now = clock.now();
+        let earlier = |d: Instant| d.checked_sub(time).map_or(now, |d| d.max(now));
+        clock.deadline = clock.deadline.map(earlier);
+    }
+
     /// Whether there is a deadline.
     pub fn has_deadline(&self) -> bool {
         lock(&self.clock).deadline.is_some()

@@ -14,6 +14,7 @@ use crate::path_pairs::{PairTargets, PathPair};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Run, sequence_gain};
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Most divisions of cells.
 const MOST_ROUNDS: u32 = 6;
@@ -49,6 +50,11 @@ const MARGIN: f64 = 0.95;
 /// Nodes that get more rays between two looks at a clock that matters.
 const BETWEEN_LOOKS: usize = 2048;
 
+/// Share of the time until a deadline that new nodes may take. Those of a first look get light again in every gather
+/// after it, from more rays.
+const NEW_SHARE: f64 = 0.5;
+const NEW_LOOK_SHARE: f64 = 0.1;
+
 /// Most times that rays are added.
 const MOST_RAISES: u32 = 6;
 
@@ -82,7 +88,7 @@ pub type LookGather<'g, E> = dyn FnMut(&[GatherPoint]) -> Result<Vec<Gathered>, 
 
 /// A first look at the light of all sites, for others to read: `direct`, and indirect light that
 /// `gather` finds at the nodes of cells, divided until interpolation is off by a few times `goal`; and these cells.
-/// None are divided once the deadline of the progress has passed.
+/// None are divided if that would take too much of the time until a deadline.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -95,16 +101,17 @@ pub fn first_look<C: SiteCells, E: From<Cancelled>>(
 ) -> Result<(Vec<SiteLight>, C), E> {
     let mut nodes = Nodes::new(direct, cells);
     let mut errors = Vec::new();
+    let mut pace = NodePace::default();
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
-            if !coarse.contains(&true) || run.progress.out_of_time() {
+            if !coarse.contains(&true) || pace.is_late(&coarse, NEW_LOOK_SHARE, run.progress) {
                 break;
             }
             nodes.divide(&coarse);
         }
         let (points, _) = nodes.targets();
-        let light = gather(&points)?;
+        let light = pace.timed(points.len(), || gather(&points))?;
         nodes.light.extend(light.into_iter().map(NodeLight::from));
         nodes.measure_mean();
         errors = nodes.interpolation_errors(run)?;
@@ -124,15 +131,15 @@ pub fn look_again<C: SiteCells, E: From<Cancelled>>(
     gather: &mut PairGather<E>,
 ) -> Result<Vec<SiteLight>, E> {
     let mut paired = PairedNodes::new(cells.clone(), direct, run);
-    paired.gather_new(gather)?;
+    paired.gather_new(&mut NodePace::default(), gather)?;
     let errors = vec![0.0; paired.nodes.cells().cell_count()];
     Ok(paired.nodes.interpolated(&errors, run)?)
 }
 
 /// Light of all sites: `direct`, and indirect light that `gather` finds at the nodes of cells, such as those of a first
 /// look, and more, with as many rays as bring its error to `goal`. `is_final` says that `gather` has brought its light to
-/// that error itself. No nodes or rays are added once the deadline of
-/// the progress has passed: the errors of the light say what that leaves.
+/// that error itself. No nodes or rays are added for which there is
+/// no time before a deadline: the errors of the light say what that leaves.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -146,7 +153,8 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
 ) -> Result<(Vec<SiteLight>, SiteStatistics), E> {
     // Gather at the nodes, with noise so small that it is not taken for their differences.
     let mut paired = PairedNodes::new(cells, direct, run);
-    paired.gather_new(gather)?;
+    let mut pace = NodePace::default();
+    paired.gather_new(&mut pace, gather)?;
     if !is_final {
         paired.quieten(goal, gather)?;
     }
@@ -155,11 +163,11 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
     for _ in 1..=MOST_ROUNDS {
         let permitted = goal.permitted(paired.nodes.mean);
         let coarse = paired.nodes.coarse_cells(&errors, permitted);
-        if !coarse.contains(&true) || run.progress.out_of_time() {
+        if !coarse.contains(&true) || pace.is_late(&coarse, NEW_SHARE, run.progress) {
             break;
         }
         paired.nodes.divide(&coarse);
-        paired.gather_new(gather)?;
+        paired.gather_new(&mut pace, gather)?;
         errors = paired.nodes.interpolation_errors(run)?;
     }
     // Add rays where they lower the error at least cost.
@@ -181,6 +189,35 @@ pub fn with_indirect<C: SiteCells, E: From<Cancelled>>(
         nodes: nodes.light.len(),
     };
     Ok((nodes.interpolated(&errors, run)?, statistics))
+}
+
+/// The time that nodes take, to foresee that of more of them before a deadline.
+#[derive(Default)]
+struct NodePace {
+    seconds: f64,
+    nodes: usize,
+}
+
+impl NodePace {
+    /// Gathers light at so many nodes.
+    fn timed<T>(&mut self, nodes: usize, gather: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let light = gather();
+        self.seconds += started.elapsed().as_secs_f64();
+        self.nodes += nodes;
+        light
+    }
+
+    /// Whether the nodes that dividing these cells adds would take more than a share of the time until a deadline.
+    fn is_late(&self, is_divided: &[bool], share: f64, progress: &Progress) -> bool {
+        let Some(left) = progress.time_left() else {
+            return false;
+        };
+        // Each cell becomes four, of which one has its node.
+        let new = 3 * is_divided.iter().filter(|divided| **divided).count();
+        let seconds = self.seconds * new as f64 / self.nodes.max(1) as f64;
+        seconds >= share * left.as_secs_f64()
+    }
 }
 
 /// Rays of the first gather at each of this many nodes, fewer once there is no time.
@@ -221,18 +258,23 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
     }
 
     /// Gathers at the nodes that have no light yet.
-    fn gather_new<E: From<Cancelled>>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn gather_new<E: From<Cancelled>>(
+        &mut self,
+        pace: &mut NodePace,
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
             let rays = first_rays(self.nodes.cells().cell_count(), self.run.progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
-            let gathered = gather(&[PairTargets {
+            let request = PairTargets {
                 points: &points,
                 areas: &areas,
                 read: 0..rays.read,
                 traced: 0..rays.traced,
-            }])?;
+            };
+            let gathered = pace.timed(points.len(), || gather(&[request]))?;
             self.pairs.extend(gathered.into_iter().flatten());
         }
         self.update()?;
