@@ -170,7 +170,11 @@ impl BetweenTexels<'_> {
     /// The caller cancelled.
     pub fn estimate(&self, lightmap: &Lightmap, run: Run) -> Result<f64, Cancelled> {
         let rest = self.shown.lightmap(self.samples, self.rest);
-        let one_of = if run.progress.has_deadline() { FEWER } else { FEW };
+        let one_of = if run.progress.has_deadline() {
+            FEWER
+        } else {
+            FEW
+        };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, &rest)
             .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(one_of, shown))

@@ -34,6 +34,7 @@ pub(crate) mod row_stream;
 mod rows;
 mod shaft;
 mod sides;
+mod sky_patches;
 mod smoothing;
 mod spread;
 mod truncate;
@@ -65,6 +66,7 @@ pub use options::{Closure, FormFactorOptions, MOST_RAYS};
 pub use points::{FactorPoint, PointFactors};
 use rows::RowTracing;
 use sides::Sides;
+pub use sky_patches::SkyFactors;
 use std::sync::OnceLock;
 
 /// Computes the form factors of a scene; lights matter only for the choice of formulas.

@@ -279,6 +279,7 @@ pub fn foreign_form_factors(
             factors,
             rows,
             outside: None,
+            sky: None,
             elsewhere: None,
         };
         Ok((enclosure, asymmetry))

@@ -63,6 +63,7 @@ fn computed(
         painted.map_err(|e| in_file(&args.materials, e))?;
         let request = FactorRequest {
             computation: &args.computation,
+            sky: None,
             separate: false,
             // Rows have radiosities of their own unless they are lumped.
             groups: args.by.groups().filter(|_| args.lump),

@@ -10,6 +10,7 @@ use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_exchange::files::FactorFormat;
 use azulejo_exchange::files::openfoam::OpenFoamVersion;
 use azulejo_factors::Closure;
+use azulejo_scene::sky::SkyDivision;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
@@ -181,6 +182,13 @@ pub struct MatrixArgs {
     /// or glass
     #[arg(long)]
     pub separate: bool,
+    /// Also write what each row sees of patches of the sky, in an .npz or a .csv: `tregenza` for 145 patches,
+    /// `reinhart:2` for 577, `reinhart:4` for 2,305
+    ///
+    /// Columns are in the order of Radiance's gendaymtx, the ground first; the others add up to what escapes to the
+    /// sky, mirrors and glass included. North is that of --north.
+    #[arg(long, value_name = "DIVISION", value_parser = SkyDivision::from_str)]
+    pub sky_patches: Option<SkyDivision>,
 }
 
 /// Groups of patches that become one row.

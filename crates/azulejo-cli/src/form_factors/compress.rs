@@ -1,6 +1,7 @@
 //! The matrix in blocks between clusters: `--compress`.
 
 use super::args::{FormFactorArgs, PrecisionName};
+use super::outside::AskedSky;
 use super::view3d::View3dInput;
 use super::{FactorRequest, FactorSetup, facing, outside, stored, summary};
 use crate::failure::Failure;
@@ -32,6 +33,7 @@ pub fn run(
     }
     let how = FactorRequest {
         computation: &args.computation,
+        sky: AskedSky::of(args)?,
         separate: false,
         groups: None,
         room: None,
@@ -59,7 +61,9 @@ pub fn run(
     // Add the light from outside, and warn of objects that are probably turned inside out.
     let mut blocks = BlockArchive::of(&prepared, &scene, stated_factors, tolerance);
     let factors = &blocks.enclosure.factors;
+    let sky = outside::sky(&prepared, factors, how.sky, session)?;
     blocks.enclosure.outside = outside::irradiance(&prepared, &scene, factors, session)?;
+    blocks.enclosure.sky = sky;
     if !setup.options.two_sided {
         facing::advise(&scene, &setup.tracer, &blocks.enclosure, session)?;
     }

@@ -29,6 +29,7 @@ use azulejo_formats::Format;
 use azulejo_scene::Scene;
 use azulejo_trace::{Run, Tracer};
 use destination::Destination;
+use outside::AskedSky;
 use std::path::Path;
 use view3d::View3dInput;
 
@@ -74,8 +75,15 @@ pub fn run(
         closure: args.closure(),
         ..args.computation.clone()
     };
+    let sky = AskedSky::of(args)?;
+    if sky.is_some() && room.is_some() {
+        return Err(Failure::misuse(
+            "--sky-patches: a View3D file has rows of its own, without a sky in patches",
+        ));
+    }
     let request = FactorRequest {
         computation: &computation,
+        sky,
         separate: args.matrix.separate,
         groups: args.only_groups(),
         room: room.as_ref(),
@@ -169,6 +177,8 @@ fn read_scene(
 pub struct FactorRequest<'a> {
     /// The options.
     pub computation: &'a ComputationArgs,
+    /// The patches of the sky that are wanted beside the matrix.
+    pub sky: Option<AskedSky>,
     /// Whether orders of mirrors are kept apart.
     pub separate: bool,
     /// The groups of rows that alone are wanted.
@@ -271,7 +281,10 @@ pub fn enclosure(
     }
     match how.room {
         Some(room) => value = room.finish(&value, session, report)?,
-        None => value.outside = outside::irradiance(&prepared, scene, &value.factors, session)?,
+        None => {
+            value.sky = outside::sky(&prepared, &value.factors, how.sky, session)?;
+            value.outside = outside::irradiance(&prepared, scene, &value.factors, session)?;
+        }
     }
     Ok(Some(Completed { value, rest }))
 }

@@ -35,6 +35,7 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     refuse_computation((&args.input, args.clock), &args.computation)?;
     let others = [
         ("--separate", args.matrix.separate),
+        ("--sky-patches", args.matrix.sky_patches.is_some()),
         ("--materials", args.materials.is_some()),
     ];
     if let Some((option, _)) = others.into_iter().find(|(_, is_given)| *is_given) {

@@ -327,6 +327,7 @@ impl KnownEnclosure {
             factors,
             rows,
             outside: None,
+            sky: None,
             elsewhere: None,
         }
     }

@@ -243,6 +243,7 @@ fn read_blocks(mut archive: Arrays) -> Result<BlockArchive, ArchiveError> {
         factors,
         elsewhere: None,
         outside: archive.outside()?,
+        sky: archive.sky()?,
     };
     let tolerance = archive.whole("tolerance")?.unwrap_or_default();
     Ok(BlockArchive {

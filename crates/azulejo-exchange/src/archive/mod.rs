@@ -7,6 +7,8 @@
 //! | `direct`, `one_mirror`, `more_mirrors`, each with `…_error` | entry | orders of reflection, if they were kept |
 //! | `areas`, `row_error`, `sky`, `sky_error`, `ground`, `ground_error`, `escaped`, `hidden`, `hidden_error`, `cut`, `lost`, `unseen` | row | see [`FormFactors`](azulejo_factors::FormFactors) |
 //! | `irradiance`, `irradiance_error` (n × 3) | row | light from outside, if there is any |
+//! | `sky_patches`, `sky_patches_error` (n × p) | row | shares toward the patches of the sky, if they were asked for: the ground, and [`SkyDivision`](azulejo_scene::sky::SkyDivision) |
+//! | `sky_directions` (p × 3), `sky_solid_angles`, `sky_division`, `sky_north` | patch | their middles as unit vectors of the model, sr; their name, and radians |
 //! | `names`, `patch_face` (n × 2: object, face), `patch_back`, `material`, `rho_s`, `diffuse` (n × 3) | row | what the row is |
 //! | `centroids`, `normals` (n × 3) | row | its place |
 //! | `points` (m × 3), `cell_corners`, `cell_starts`, `cell_rows` | | its polygons |

@@ -2,10 +2,11 @@
 
 use super::{BLOCKS, ORDERS, VERSION};
 use crate::enclosure::{CellMesh, Enclosure, OutsideLight, RowTable, unique};
-use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
+use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder, SkyFactors};
 use azulejo_factors::{EngineUsed, FaceId, FormFactors};
 use azulejo_formats::numpy::npy::StoredArray;
 use azulejo_formats::numpy::npz::NpzReader;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_scene::{Rgb, Up, Zone};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -81,6 +82,7 @@ impl Arrays<'_> {
                 factors,
                 rows,
                 outside: archive.outside()?,
+                sky: archive.sky()?,
                 elsewhere: None,
             },
             arrays,
@@ -369,6 +371,29 @@ impl<'a> Arrays<'a> {
                 error: Rgb::new(s[0], s[1], s[2]),
             };
             pairs.map(row).collect()
+        }))
+    }
+
+    /// What rows see of the patches of the sky; `None` if that is not there.
+    pub fn sky(&mut self) -> Result<Option<SkyFactors>, ArchiveError> {
+        let Some(words) = self.texts("sky_division")? else {
+            return Ok(None);
+        };
+        let failed = |e: String| ArchiveError(format!("sky_division: {e}"));
+        let division: SkyDivision = words.concat().parse().map_err(failed)?;
+        let north = self.whole("sky_north")?.unwrap_or_default();
+        let count = division.count();
+        let Some(shares) = self.list("sky_patches", count)? else {
+            return Ok(None);
+        };
+        let errors = self.list("sky_patches_error", count)?;
+        let errors = errors.unwrap_or_else(|| vec![0.0; shares.len()]);
+        let single = |numbers: Vec<f64>| numbers.into_iter().map(|x| x as f32).collect();
+        Ok(Some(SkyFactors {
+            division,
+            north,
+            shares: single(shares),
+            errors: single(errors),
         }))
     }
 

@@ -5,7 +5,7 @@ use crate::enclosure::Enclosure;
 use crate::enclosure::OutsideLight;
 use crate::enclosure::tests::two_squares;
 use crate::files::{FactorFileError, FactorFormat, FileOptions};
-use azulejo_factors::form_factors::{ExchangeAreas, Plan};
+use azulejo_factors::form_factors::{ExchangeAreas, Plan, SkyFactors};
 use azulejo_factors::hierarchy::{FactorOperator, StatedFactors};
 use azulejo_factors::{
     CompressedFactors, CompressionOptions, Engine, FormFactorOptions, PatchSize,
@@ -13,6 +13,7 @@ use azulejo_factors::{
 use azulejo_formats::numpy::npy;
 use azulejo_formats::numpy::npz::{NpzReader, NpzWriter};
 use azulejo_scene::Rgb;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_trace::Progress;
 use std::io::Cursor;
 
@@ -37,6 +38,12 @@ fn lit() -> Enclosure {
         error: Rgb::new(0.3, 0.2, 0.1),
     };
     enclosure.outside = Some(vec![row, OutsideLight::default()]);
+    enclosure.sky = Some(SkyFactors {
+        division: SkyDivision::TREGENZA,
+        north: 0.5,
+        shares: (0..2 * 146).map(|k| k as f32).collect(),
+        errors: vec![0.25; 2 * 146],
+    });
     enclosure.factors.unseen = vec![0.125, 0.0];
     enclosure.factors.rays = 8192;
     enclosure.factors.engine_used.name = "rays".to_owned();
@@ -51,6 +58,7 @@ fn everything_comes_back() {
     assert_eq!(read.enclosure.factors, enclosure.factors);
     assert_eq!(read.enclosure.rows, enclosure.rows);
     assert_eq!(read.enclosure.outside, enclosure.outside);
+    assert_eq!(read.enclosure.sky, enclosure.sky);
     assert_eq!((read.is_single, read.asymmetry), (false, 0.0));
     // A second time the bytes are the same.
     let again = bytes(&read.enclosure, ArchivePrecision::Auto);

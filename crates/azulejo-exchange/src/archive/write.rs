@@ -3,9 +3,10 @@
 use super::{ORDERS, VERSION};
 use crate::enclosure::{CellMesh, Enclosure, RowTable, entry_of};
 use azulejo_factors::FormFactors;
-use azulejo_factors::form_factors::RowRemainder;
+use azulejo_factors::form_factors::{RowRemainder, SkyFactors};
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
+use azulejo_scene::environment::upright;
 use azulejo_scene::{Up, Zone};
 use std::io::{self, Write};
 use std::ops::Range;
@@ -52,6 +53,9 @@ pub(super) fn write_around(enclosure: &Enclosure, archive: &mut NpzWriter) -> io
         archive.add("irradiance_error", |w| {
             triples(rows.iter().map(|r| r.error.to_array()), w)
         })?;
+    }
+    if let Some(sky) = &enclosure.sky {
+        write_sky(sky, enclosure, archive)?;
     }
     write_rows(enclosure, archive)?;
     write_cells(&enclosure.rows.cells, enclosure.len(), archive)?;
@@ -128,6 +132,29 @@ fn write_shares(factors: &FormFactors, archive: &mut NpzWriter) -> io::Result<()
     add("hidden_error", |r| r.hidden_error)?;
     add("cut", |r| r.cut)?;
     add("lost", |r| r.lost)
+}
+
+/// What rows see of the patches of the sky, and what these are.
+fn write_sky(sky: &SkyFactors, enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> {
+    let (division, rows) = (sky.division, enclosure.len());
+    let patches = 0..division.count();
+    for (name, numbers) in [
+        ("sky_patches", &sky.shares),
+        ("sky_patches_error", &sky.errors),
+    ] {
+        archive.add(name, |w| npy::write(&[rows, division.count()], numbers, w))?;
+    }
+    let world = upright(enclosure.rows.up, sky.north);
+    let directions = patches
+        .clone()
+        .map(|k| (world * division.direction(k)).to_array());
+    archive.add("sky_directions", |w| triples(directions, w))?;
+    let angles: Vec<f64> = patches.map(|k| division.solid_angle(k)).collect();
+    archive.add("sky_solid_angles", |w| list(&angles, |&x| x, w))?;
+    archive.add("sky_division", |w| {
+        npy::write_texts(&[division.to_string()], w)
+    })?;
+    archive.add("sky_north", |w| npy::write(&[], &[sky.north], w))
 }
 
 /// What rows are.

@@ -1,6 +1,7 @@
 //! Rows combined into groups.
 
 use super::{CellMesh, Enclosure, OutsideLight, RowTable};
+use azulejo_factors::form_factors::SkyFactors;
 use azulejo_factors::{FaceId, FormFactors, GroupBy, hierarchy};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, Progress};
@@ -53,6 +54,7 @@ impl Enclosure {
             factors: self.factors.grouped(&groups.of_rows, groups.names.len()),
             rows: self.rows.grouped(groups, &self.factors),
             outside: self.mean_outside(groups),
+            sky: self.mean_sky(groups),
             elsewhere: None,
         }
     }
@@ -74,6 +76,7 @@ impl Enclosure {
             factors,
             rows: self.rows.grouped(groups, &self.factors),
             outside: self.mean_outside(groups),
+            sky: self.mean_sky(groups),
             elsewhere: None,
         })
     }
@@ -88,6 +91,14 @@ impl Enclosure {
             &groups.of_rows,
             count,
         ))
+    }
+}
+
+impl Enclosure {
+    /// What each group sees of the patches of the sky.
+    fn mean_sky(&self, groups: &Groups) -> Option<SkyFactors> {
+        let sky = self.sky.as_ref()?;
+        Some(sky.grouped(&self.factors.areas, &groups.of_rows, groups.names.len()))
     }
 }
 

@@ -6,11 +6,12 @@ use azulejo_factors::form_factors::ExchangeAreas;
 
 impl Enclosure {
     /// The rows of this enclosure, followed by those of another of the same materials, without exchange between
-    /// them. Polygons are those of the first, and light from outside is left out, as nobody needs either of several.
+    /// them. Polygons are those of the first, and light and patches from outside are left out, as nobody needs them of several.
     #[must_use]
     pub fn beside(mut self, other: Enclosure) -> Enclosure {
         let (rows, objects) = (self.len() as u32, self.rows.objects.len() as u32);
         self.outside = None;
+        self.sky = None;
         let (a, b) = (&mut self.factors, other.factors);
         append(&mut a.exchange, &b.exchange, rows);
         let orders = a.orders.iter_mut().zip(&b.orders);

@@ -13,7 +13,7 @@ pub use cells::CellMesh;
 pub use clusters::{ClusterError, ClusterOptions};
 pub use groups::{Groups, unique};
 
-use azulejo_factors::form_factors::{PreparedPlan, RowRemainder};
+use azulejo_factors::form_factors::{PreparedPlan, RowRemainder, SkyFactors};
 use azulejo_factors::hierarchy::FactorOperator;
 use azulejo_factors::{FaceId, FormFactors};
 use azulejo_scene::{MaterialId, Rgb, Scene, Up, Zone};
@@ -33,6 +33,8 @@ pub struct Enclosure {
     /// Light from outside (sun, sky, pictures of the surroundings) on each row; `None` if there is
     /// none.
     pub outside: Option<Vec<OutsideLight>>,
+    /// What rows see of the patches of the sky, if it was asked for.
+    pub sky: Option<SkyFactors>,
 }
 
 /// Light on a row from outside, straight and by way of one flat mirror.
@@ -110,6 +112,7 @@ impl Enclosure {
             elsewhere: None,
             rows,
             outside: None,
+            sky: None,
         }
     }
 

@@ -30,6 +30,7 @@ pub fn fronts(areas: Vec<f64>, exchange: ExchangeAreas) -> Enclosure {
             ..RowTable::default()
         },
         outside: None,
+        sky: None,
         elsewhere: None,
     }
 }
@@ -84,6 +85,7 @@ pub fn two_squares() -> Enclosure {
             ..RowTable::default()
         },
         outside: None,
+        sky: None,
         elsewhere: None,
     }
 }

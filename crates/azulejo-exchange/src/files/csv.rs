@@ -13,7 +13,7 @@ const ORDERS: &str =
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
 /// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j, light that ends on
-/// sides without a row on lines with `hidden`; light from outside, in W/m² and not a share, on lines with `irradiance`.
+/// sides without a row on lines with `hidden`; what the sky's patches have of `sky`, on lines with `sky:1` and on; light from outside, in W/m² and not a share, on lines with `irradiance`.
 ///
 /// # Errors
 /// Those of writing.
@@ -53,6 +53,17 @@ pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
             ];
             for (name, share, error) in away.into_iter().filter(|(_, share, _)| *share > 0.0) {
                 start(enclosure, i, name, share, error, out)?;
+                writeln!(out, "{}", ",,".repeat(orders.len()))?;
+            }
+            let of_sky = enclosure
+                .sky
+                .as_ref()
+                .map(|sky| (sky.row(i), sky.row_errors(i)));
+            let (shares, errors) = of_sky.unwrap_or_default();
+            let patches = shares.iter().zip(errors).enumerate().skip(1);
+            for (k, (&share, &error)) in patches.filter(|(_, (share, _))| **share > 0.0) {
+                let name = format!("sky:{k}");
+                start(enclosure, i, &name, share.into(), error.into(), out)?;
                 writeln!(out, "{}", ",,".repeat(orders.len()))?;
             }
             if let Some(rows) = &enclosure.outside {

@@ -17,6 +17,7 @@
 //! ```
 
 mod cie;
+mod patches;
 mod perez;
 mod quadrature;
 mod sun_position;
@@ -25,6 +26,7 @@ mod sun_position;
 mod tests;
 
 pub use cie::CieSky;
+pub use patches::SkyDivision;
 pub use perez::{PerezSky, PerezWeather, TYPICAL_DEW_POINT};
 pub use sun_position::{
     SUN_HALF_ANGLE, SUN_SOLID_ANGLE, SunPosition, radiance_sun_position, sun_position,

@@ -40,6 +40,7 @@ fn matrix(factors: &[&[f64]], names: &[&str], mirrors: &[f64]) -> Enclosure {
             ..crate::RowTable::default()
         },
         outside: None,
+        sky: None,
         elsewhere: None,
     }
 }

@@ -44,6 +44,7 @@ pub fn enclosure_of(areas: &[f64], s: &[Vec<f64>], mirrors: &[f64]) -> Enclosure
             ..RowTable::default()
         },
         outside: None,
+        sky: None,
         elsewhere: None,
     }
 }

@@ -1,0 +1,310 @@
+//! What rows see of the sky, by patches of it: directly, and by way of mirrors and glass.
+
+use super::{FormFactors, PreparedPlan, RowRemainder};
+use crate::error::FactorsError;
+use crate::rays::{BATCH, RowSampler};
+use azulejo_scene::environment::upright;
+use azulejo_scene::sky::SkyDivision;
+use azulejo_trace::follow::{Event, Scratch, follow};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Progress, REPLICATES};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Rays of each row, of all replicates.
+const RAYS: usize = 8192;
+
+/// The share of each row's light that leaves toward each patch of the sky, with its standard error.
+///
+/// The irradiance of a row is π times the sum of its shares times the radiances of the patches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyFactors {
+    /// The patches.
+    pub division: SkyDivision,
+    /// North of the scene, radians clockwise, seen from above, from +y where z is up and from −z where y is up.
+    pub north: f64,
+    /// One row after the other, a share for each patch: that of patch 0 is what leaves toward the ground, and the
+    /// others add up to what leaves toward the sky.
+    pub shares: Vec<f32>,
+    /// Their standard errors, as those of independent rays: an upper bound.
+    pub errors: Vec<f32>,
+}
+
+impl SkyFactors {
+    /// The shares of a row.
+    pub fn row(&self, row: usize) -> &[f32] {
+        let count = self.division.count();
+        &self.shares[row * count..][..count]
+    }
+
+    /// The standard errors of a row.
+    pub fn row_errors(&self, row: usize) -> &[f32] {
+        let count = self.division.count();
+        &self.errors[row * count..][..count]
+    }
+
+    /// Means over groups of rows, by area: `groups` has the group of each row, `None` of those in none.
+    #[must_use]
+    pub fn grouped(&self, areas: &[f64], groups: &[Option<u32>], group_count: usize) -> SkyFactors {
+        let count = self.division.count();
+        let mut wholes = vec![0.0; group_count];
+        for (area, group) in areas.iter().zip(groups) {
+            if let Some(group) = group {
+                wholes[*group as usize] += area;
+            }
+        }
+        let mean = |values: &[f32], power: f64| -> Vec<f64> {
+            let mut sums = vec![0.0; group_count * count];
+            let rows = values.chunks(count).zip(areas).zip(groups);
+            for ((row, area), group) in rows {
+                let Some(group) = group.map(|group| group as usize) else {
+                    continue;
+                };
+                let share = area / f64::max(wholes[group], f64::MIN_POSITIVE);
+                for (sum, &value) in sums[group * count..].iter_mut().zip(row) {
+                    *sum += (share * f64::from(value)).powf(power);
+                }
+            }
+            sums
+        };
+        let shares = mean(&self.shares, 1.0);
+        let squares = mean(&self.errors, 2.0);
+        SkyFactors {
+            shares: shares.into_iter().map(|x| x as f32).collect(),
+            errors: squares.into_iter().map(|x| x.sqrt() as f32).collect(),
+            ..*self
+        }
+    }
+}
+
+impl PreparedPlan<'_> {
+    /// What each row sees of the patches of the sky, by rays that are scaled to what `factors`, computed from this plan,
+    /// have of sky and ground. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`FactorsError::Cancelled`].
+    pub fn sky_factors(
+        &self,
+        division: SkyDivision,
+        north: f64,
+        factors: &FormFactors,
+        progress: &Progress,
+    ) -> Result<SkyFactors, FactorsError> {
+        let (surfaces, count) = (self.gatherer.surfaces(), division.count());
+        progress.begin("patches of the sky", factors.len() as u64);
+        let rays = RAYS / REPLICATES;
+        let seed = hash(&[self.seed, 0x5c1]);
+        let sampler = RowSampler::new(surfaces.tracer, &self.plan.patches, rays, seed);
+        let up = surfaces.scene.units.up;
+        let sky_from_world = upright(up, north).conjugate();
+        // Follow the rays of a row to where they leave the scene, and count them by patch.
+        let of_row = |row: usize| -> Result<(Vec<f64>, Vec<f64>), FactorsError> {
+            progress.advance(1)?;
+            let side = self.sides.side(row);
+            let (mut sums, mut squares) = (vec![0.0; count], vec![0.0; count]);
+            let (mut paths, mut scratch) = (Vec::new(), Scratch::default());
+            for replicate in 0..REPLICATES {
+                for first in (0..rays).step_by(BATCH) {
+                    let stretch = first..(first + BATCH).min(rays);
+                    sampler.fill(side, replicate, stretch, 1.0, &mut paths);
+                    let chances = hash(&[seed, side, replicate as u32, first as u32]);
+                    follow(
+                        surfaces,
+                        &mut paths,
+                        &mut scratch,
+                        chances,
+                        |path, event| {
+                            if let Event::Escape = event {
+                                let direction = surfaces.tracer.world_ray(&path.ray).direction;
+                                let patch = division.patch(sky_from_world * direction);
+                                let weight = path.weight.mean();
+                                sums[patch] += weight;
+                                squares[patch] += weight * weight;
+                            }
+                        },
+                    );
+                }
+            }
+            let all = RAYS as f64;
+            // One ray more or less is always possible.
+            let variance = |(sum, square): (&f64, f64)| {
+                (square / all - (sum / all).powi(2)) / all + all.powi(-2)
+            };
+            let errors = sums.iter().zip(squares).map(variance);
+            let errors = errors.map(|v| v.max(0.0).sqrt()).collect();
+            sums.iter_mut().for_each(|sum| *sum /= all);
+            Ok((sums, errors))
+        };
+        let rows: Vec<(Vec<f64>, Vec<f64>)> = (0..factors.len())
+            .into_par_iter()
+            .map(|row| {
+                let (mut shares, mut errors) = of_row(row)?;
+                let normal = self.sides.flip(row) * self.plan.patches.normal(self.sides.patch(row));
+                let rest = &factors.rest[row];
+                scale(
+                    division,
+                    sky_from_world * normal,
+                    rest,
+                    &mut shares,
+                    &mut errors,
+                );
+                Ok((shares, errors))
+            })
+            .collect::<Result<_, FactorsError>>()?;
+        let single = |x: &f64| *x as f32;
+        Ok(SkyFactors {
+            division,
+            north,
+            shares: rows.iter().flat_map(|row| &row.0).map(single).collect(),
+            errors: rows.iter().flat_map(|row| &row.1).map(single).collect(),
+        })
+    }
+}
+
+/// Scales the shares of a row, whose normal is in the frame of the sky, to what is known of sky and ground. What no ray
+/// found is spread as an unobstructed row sees it.
+fn scale(
+    division: SkyDivision,
+    normal: DVec3,
+    rest: &RowRemainder,
+    shares: &mut [f64],
+    errors: &mut [f64],
+) {
+    shares[0] = rest.ground;
+    errors[0] = rest.ground_error;
+    let found: f64 = shares[1..].iter().sum();
+    if found > 0.0 {
+        let scale = rest.sky / found;
+        let sky = shares[1..].iter_mut().chain(&mut errors[1..]);
+        sky.for_each(|share| *share *= scale);
+    } else if rest.sky > 0.0 {
+        let cosine =
+            |k: usize| division.direction(k).dot(normal).max(0.0) * division.solid_angle(k);
+        let free: f64 = (1..shares.len()).map(cosine).sum();
+        for k in 1..shares.len() {
+            shares[k] = rest.sky * cosine(k) / free.max(f64::MIN_POSITIVE);
+            errors[k] = shares[k];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form_factors::{FormFactorOptions, Plan};
+    use crate::patch::PatchSize;
+    use azulejo_scene::sky::direction_from;
+    use azulejo_scene::{Material, Object, Primitive, Rgb, Scene, Shape, Up};
+    use azulejo_trace::Tracer;
+    use glam::dvec3;
+    use std::f64::consts::{PI, TAU};
+
+    /// Rectangles in a world with z up, each given by a corner and two sides; the first is a mirror if it is said.
+    fn scene(rectangles: &[[DVec3; 3]], first: Material) -> Scene {
+        let mut scene = Scene::default();
+        scene.units.up = Up::Z;
+        let first = scene.add_material(first);
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        for (k, &[corner, a, b]) in rectangles.iter().enumerate() {
+            let material = if k == 0 { first } else { grey };
+            let shape = Shape::Primitive(Primitive::parallelogram(corner, a, b, material));
+            scene.objects.push(Object::new(format!("{k}"), shape));
+        }
+        scene
+    }
+
+    fn sky_of(scene: &Scene, division: SkyDivision) -> (SkyFactors, FormFactors) {
+        let tracer = Tracer::new(scene);
+        let options = FormFactorOptions {
+            size: PatchSize::Edge(0.0),
+            ..FormFactorOptions::default()
+        };
+        let plan = Plan::new(scene, &tracer, &options).unwrap();
+        let (prepared, progress) = (plan.prepare(), Progress::new());
+        let factors = prepared.compute(&progress).unwrap();
+        let sky = prepared
+            .sky_factors(division, 0.0, &factors, &progress)
+            .unwrap();
+        (sky, factors)
+    }
+
+    /// Level ground under an open sky: of a band between two altitudes sin² − sin² (Nusselt), each of its patches alike.
+    #[test]
+    fn level_ground_sees_each_patch_as_nusselt_says() {
+        let ground = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let scene = scene(&[ground], Material::diffuse("ground", Rgb::grey(0.2)));
+        for subdivisions in [1, 2] {
+            let division = SkyDivision::reinhart(subdivisions).unwrap();
+            let (sky, factors) = sky_of(&scene, division);
+            assert_eq!(factors.len(), 1);
+            let sum: f64 = sky.row(0)[1..].iter().map(|x| f64::from(*x)).sum();
+            assert!((sum - factors.rest[0].sky).abs() < 1e-6 && (sum - 1.0).abs() < 1e-6);
+            // sin² b − sin² a = (sin b − sin a) · 2 sin((a + b)/2) cos((b − a)/2), and sin² of the half of the zenith.
+            let half = 0.25 * PI / (7.0 * subdivisions as f64 + 0.5);
+            let zenith = division.count() - 1;
+            for k in 1..=zenith {
+                let band = division.solid_angle(k) / PI * division.direction(k).z * half.cos();
+                let exact = if k == zenith {
+                    half.sin().powi(2)
+                } else {
+                    band
+                };
+                let (found, error) = (f64::from(sky.row(0)[k]), f64::from(sky.errors[k]));
+                assert!(
+                    (found - exact).abs() < 4.0 * error,
+                    "{k}: {found} ± {error}, {exact}"
+                );
+            }
+        }
+    }
+
+    /// A wall that faces east sees nothing of the west, and half of the sky.
+    #[test]
+    fn a_wall_sees_the_half_of_the_sky_before_it() {
+        let wall = [DVec3::ZERO, DVec3::Y, DVec3::Z];
+        let scene = scene(&[wall], Material::diffuse("wall", Rgb::grey(0.2)));
+        let (sky, factors) = sky_of(&scene, SkyDivision::TREGENZA);
+        let row = sky.row(0);
+        assert!((factors.rest[0].sky - 0.5).abs() < 1e-3 && (row[0] - 0.5).abs() < 1e-3);
+        let toward = |azimuth: f64| row[sky.division.patch(direction_from(azimuth, 0.1))];
+        assert!(toward(0.25 * TAU) > 0.01 && toward(0.75 * TAU) == 0.0);
+    }
+
+    /// Ground before a mirror sees the sky behind its back where the mirror shows it.
+    #[test]
+    fn mirrors_show_the_sky_on_the_other_side() {
+        let mirror = [dvec3(0.0, -50.0, 0.0), 100.0 * DVec3::Y, 100.0 * DVec3::Z];
+        let ground = [dvec3(0.5, -0.1, 0.0), 0.2 * DVec3::X, 0.2 * DVec3::Y];
+        let scene = scene(
+            &[mirror, ground],
+            Material::mirror("mirror", Rgb::grey(1.0)),
+        );
+        let (sky, factors) = sky_of(&scene, SkyDivision::TREGENZA);
+        let row = (0..factors.len())
+            .find(|&i| factors.faces[i].object == 1)
+            .unwrap();
+        let toward = |azimuth: f64| sky.row(row)[sky.division.patch(direction_from(azimuth, 0.5))];
+        // Straight from the east, and again by way of the mirror; nothing from behind it.
+        let (east, west) = (toward(0.25 * TAU), toward(0.75 * TAU));
+        let free = sky.division.solid_angle(40) * 0.5_f64.sin() / PI;
+        assert!(
+            (f64::from(east) / free - 2.0).abs() < 0.5 && west == 0.0,
+            "{east}, {west}, {free}"
+        );
+    }
+
+    #[test]
+    fn groups_have_means_by_area() {
+        let sky = SkyFactors {
+            division: SkyDivision::TREGENZA,
+            north: 0.0,
+            shares: [vec![0.25; 146], vec![0.5; 146], vec![9.0; 146]].concat(),
+            errors: [vec![0.3; 146], vec![0.4; 146], vec![9.0; 146]].concat(),
+        };
+        let groups = sky.grouped(&[1.0, 3.0, 1.0], &[Some(1), Some(1), None], 2);
+        assert_eq!(groups.row(0), [0.0; 146]);
+        assert_eq!(groups.row(1), [0.4375; 146]);
+        let error = f64::from(groups.errors[146]);
+        assert!((error - (0.075_f64.powi(2) + 0.3_f64.powi(2)).sqrt()).abs() < 1e-7);
+    }
+}
