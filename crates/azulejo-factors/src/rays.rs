@@ -81,18 +81,22 @@ impl<'a> RowSampler<'a> {
                 Frame::from_normal(normal)
             };
             let origin = self.tracer.leaving(at.position, normal);
-            Path {
-                ray: self
-                    .tracer
-                    .kernel_ray(&Ray::new(origin, cosine_about(&frame, u3, u4))),
-                id: replicate as u32,
-                weight: Rgb::grey(share * at.weight),
-                via: Via::Direct,
-                depth: 0,
-                density: 0.0,
-                passed_pane: false,
-            }
+            let ray = Ray::new(origin, cosine_about(&frame, u3, u4));
+            straight(self.tracer, &ray, share * at.weight, replicate as u32)
         }));
+    }
+}
+
+/// A path that begins with a ray and this weight.
+pub(crate) fn straight(tracer: &Tracer, ray: &Ray, weight: f64, id: u32) -> Path {
+    Path {
+        ray: tracer.kernel_ray(ray),
+        id,
+        weight: Rgb::grey(weight),
+        via: Via::Direct,
+        depth: 0,
+        density: 0.0,
+        passed_pane: false,
     }
 }
 

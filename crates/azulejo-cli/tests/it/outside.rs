@@ -361,3 +361,46 @@ fn form_factors_give_the_light_from_outside() {
             .contains("irradiance")
     );
 }
+
+/// Level ground beside a wall: what its patches of the sky have is what it has of the sky, and matrices that were stored
+/// keep them through groups.
+#[test]
+fn shares_of_the_sky_by_patches_add_up() {
+    let folder = Folder::new();
+    let ground = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\n";
+    let wall = "v 2 0 0\nv 2 1 0\nv 2 1 1\nv 2 0 1\n";
+    folder.write(
+        "court.obj",
+        format!("{ground}{wall}o ground\nf 1 2 3 4\no wall\nf 5 6 7 8\n"),
+    );
+    let make = "form-factors court.obj -o patches.csv --patch-size 0.5 --sky-patches tregenza";
+    let said = folder.ok(make).err;
+    assert!(said.contains("145 (tregenza), and the ground"), "{said}");
+    let text = |name: &str| String::from_utf8(folder.read(name)).unwrap();
+    let patches = text("patches.csv");
+    let share = |row: &str, of: &dyn Fn(&str) -> bool| -> f64 {
+        let lines = patches
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let chosen = lines.filter(|cells| cells[0] == row && of(cells[1]));
+        chosen.map(|cells| cells[2].parse::<f64>().unwrap()).sum()
+    };
+    for row in ["0", "3", "5"] {
+        let (sky, patches) = (
+            share(row, &|to| to == "sky"),
+            share(row, &|to| to.starts_with("sky:")),
+        );
+        assert!(
+            sky > 0.3 && (sky - patches).abs() < 1e-6,
+            "{sky}, {patches}"
+        );
+    }
+    // A file that has no place for them is refused before the work; a stored matrix has them or not.
+    let refused = "form-factors court.obj -o a.vtu --sky-patches reinhart:2";
+    folder.fails(refused, 2, "expected an .npz or a .csv");
+    folder.ok("form-factors court.obj -o f.npz --patch-size 0.5 --sky-patches reinhart:2");
+    folder.ok("form-factors f.npz -o by.csv --by object");
+    assert!(text("by.csv").contains("ground,sky:577,"));
+    let again = "form-factors f.npz -o g.npz --sky-patches tregenza";
+    folder.fails(again, 2, "are computed");
+}

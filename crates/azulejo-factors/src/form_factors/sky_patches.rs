@@ -2,17 +2,21 @@
 
 use super::{FormFactors, PreparedPlan, RowRemainder};
 use crate::error::FactorsError;
-use crate::rays::{BATCH, RowSampler};
+use crate::rays::straight;
+use azulejo_scene::Material;
 use azulejo_scene::environment::upright;
+use azulejo_scene::math::Ray;
 use azulejo_scene::sky::SkyDivision;
+use azulejo_trace::Progress;
 use azulejo_trace::follow::{Event, Scratch, follow};
-use azulejo_trace::sampling::hash;
-use azulejo_trace::{Progress, REPLICATES};
-use glam::DVec3;
+use azulejo_trace::sampling::{hash, seeds, sobol};
+use glam::{DQuat, DVec3};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
-/// Rays of each row, of all replicates.
-const RAYS: usize = 8192;
+/// Fewest rays of each row, and toward each patch of the sky.
+const LEAST_RAYS: usize = 8192;
+const LEAST_OF_PATCH: usize = 16;
 
 /// The share of each row's light that leaves toward each patch of the sky, with its standard error.
 ///
@@ -78,8 +82,8 @@ impl SkyFactors {
 }
 
 impl PreparedPlan<'_> {
-    /// What each row sees of the patches of the sky, by rays that are scaled to what `factors`, computed from this plan,
-    /// have of sky and ground. The result does not depend on the number of threads.
+    /// What each row sees of the patches of the sky, scaled to what `factors`, computed from this plan, have of sky and
+    /// ground. The result does not depend on the number of threads.
     ///
     /// # Errors
     /// [`FactorsError::Cancelled`].
@@ -90,101 +94,126 @@ impl PreparedPlan<'_> {
         factors: &FormFactors,
         progress: &Progress,
     ) -> Result<SkyFactors, FactorsError> {
-        let (surfaces, count) = (self.gatherer.surfaces(), division.count());
         progress.begin("patches of the sky", factors.len() as u64);
-        let rays = RAYS / REPLICATES;
-        let seed = hash(&[self.seed, 0x5c1]);
-        let sampler = RowSampler::new(surfaces.tracer, &self.plan.patches, rays, seed);
-        let up = surfaces.scene.units.up;
-        let sky_from_world = upright(up, north).conjugate();
-        // Follow the rays of a row to where they leave the scene, and count them by patch.
-        let of_row = |row: usize| -> Result<(Vec<f64>, Vec<f64>), FactorsError> {
-            progress.advance(1)?;
-            let side = self.sides.side(row);
-            let (mut sums, mut squares) = (vec![0.0; count], vec![0.0; count]);
-            let (mut paths, mut scratch) = (Vec::new(), Scratch::default());
-            for replicate in 0..REPLICATES {
-                for first in (0..rays).step_by(BATCH) {
-                    let stretch = first..(first + BATCH).min(rays);
-                    sampler.fill(side, replicate, stretch, 1.0, &mut paths);
-                    let chances = hash(&[seed, side, replicate as u32, first as u32]);
-                    follow(
-                        surfaces,
-                        &mut paths,
-                        &mut scratch,
-                        chances,
-                        |path, event| {
-                            if let Event::Escape = event {
-                                let direction = surfaces.tracer.world_ray(&path.ray).direction;
-                                let patch = division.patch(sky_from_world * direction);
-                                let weight = path.weight.mean();
-                                sums[patch] += weight;
-                                squares[patch] += weight * weight;
-                            }
-                        },
-                    );
-                }
-            }
-            let all = RAYS as f64;
-            // One ray more or less is always possible.
-            let variance = |(sum, square): (&f64, f64)| {
-                (square / all - (sum / all).powi(2)) / all + all.powi(-2)
-            };
-            let errors = sums.iter().zip(squares).map(variance);
-            let errors = errors.map(|v| v.max(0.0).sqrt()).collect();
-            sums.iter_mut().for_each(|sum| *sum /= all);
-            Ok((sums, errors))
-        };
-        let rows: Vec<(Vec<f64>, Vec<f64>)> = (0..factors.len())
+        let world_from_sky = upright(self.gatherer.surfaces().scene.units.up, north);
+        let rows: Vec<Vec<Share>> = (0..factors.len())
             .into_par_iter()
             .map(|row| {
-                let (mut shares, mut errors) = of_row(row)?;
-                let normal = self.sides.flip(row) * self.plan.patches.normal(self.sides.patch(row));
-                let rest = &factors.rest[row];
-                scale(
-                    division,
-                    sky_from_world * normal,
-                    rest,
-                    &mut shares,
-                    &mut errors,
-                );
-                Ok((shares, errors))
+                progress.advance(1)?;
+                let mut shares = self.sky_of(row, division, world_from_sky);
+                scale(&factors.rest[row], &mut shares);
+                Ok(shares)
             })
             .collect::<Result<_, FactorsError>>()?;
-        let single = |x: &f64| *x as f32;
+        let all = || rows.iter().flatten();
         Ok(SkyFactors {
             division,
             north,
-            shares: rows.iter().flat_map(|row| &row.0).map(single).collect(),
-            errors: rows.iter().flat_map(|row| &row.1).map(single).collect(),
+            shares: all().map(|share| share.value as f32).collect(),
+            errors: all().map(|share| share.error as f32).collect(),
         })
+    }
+
+    /// The shares of a row, by rays toward all patches of the sky and, where there are mirrors, of the ground that these
+    /// may show: each ray counts for the patch toward which it leaves the scene.
+    fn sky_of(&self, row: usize, division: SkyDivision, world_from_sky: DQuat) -> Vec<Share> {
+        let surfaces = self.gatherer.surfaces();
+        let (side, flip) = (self.sides.side(row), self.sides.flip(row));
+        let sampler = self.plan.patches.sampler(self.sides.patch(row));
+        let (mut paths, mut scratch) = (Vec::new(), Scratch::default());
+        let mut shares = vec![Share::default(); division.count()];
+        let mut trace = |toward: Option<usize>,
+                         rays: usize,
+                         direction: &dyn Fn([f64; 2]) -> DVec3,
+                         angle: f64| {
+            let key = toward.map_or(u32::MAX, |patch| patch as u32);
+            let seeds = seeds(&[self.seed, side, key, 0x5c1]);
+            let mut free = 0.0;
+            for k in 0..rays as u32 {
+                let [u1, u2, u3, u4] =
+                    [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, seeds[d as usize])));
+                let at = sampler.sample(u1, u2);
+                let (normal, to) = (flip * at.normal, world_from_sky * direction([u3, u4]));
+                let weight = at.weight * normal.dot(to) * angle / (PI * rays as f64);
+                if weight > 0.0 {
+                    free += weight;
+                    let ray = Ray::new(surfaces.tracer.leaving(at.position, normal), to);
+                    paths.push(straight(surfaces.tracer, &ray, weight, k));
+                }
+            }
+            let mut straight_on = [0.0; 2];
+            let chances = hash(&[self.seed, side, key, 0xc4a]);
+            follow(
+                surfaces,
+                &mut paths,
+                &mut scratch,
+                chances,
+                |path, event| {
+                    if let Event::Escape = event {
+                        let direction = surfaces.tracer.world_ray(&path.ray).direction;
+                        let patch = division.patch(world_from_sky.conjugate() * direction);
+                        let weight = path.weight.mean();
+                        shares[patch].value += weight;
+                        if Some(patch) == toward {
+                            straight_on[0] += weight;
+                            straight_on[1] += weight * weight;
+                        } else {
+                            shares[patch].error += weight * weight;
+                        }
+                    }
+                },
+            );
+            // Independent rays would have this variance, and one more of them could always see or not.
+            if let Some(patch) = toward {
+                let [sum, square] = straight_on;
+                let count = rays as f64;
+                shares[patch].error +=
+                    (square - sum * sum / count).max(0.0) + (free / count).powi(2);
+            }
+        };
+        let of_patch = (LEAST_RAYS / division.count()).max(LEAST_OF_PATCH);
+        for patch in 1..division.count() {
+            let within = |u: [f64; 2]| division.direction_in(patch, u);
+            trace(Some(patch), of_patch, &within, division.solid_angle(patch));
+        }
+        if surfaces.scene.materials.iter().any(Material::is_specular) {
+            let below = |u: [f64; 2]| division.direction_in(0, u);
+            trace(None, LEAST_RAYS, &below, division.solid_angle(0));
+        }
+        shares
+            .iter_mut()
+            .for_each(|share| share.error = share.error.sqrt());
+        shares
     }
 }
 
-/// Scales the shares of a row, whose normal is in the frame of the sky, to what is known of sky and ground. What no ray
-/// found is spread as an unobstructed row sees it.
-fn scale(
-    division: SkyDivision,
-    normal: DVec3,
-    rest: &RowRemainder,
-    shares: &mut [f64],
-    errors: &mut [f64],
-) {
-    shares[0] = rest.ground;
-    errors[0] = rest.ground_error;
-    let found: f64 = shares[1..].iter().sum();
-    if found > 0.0 {
-        let scale = rest.sky / found;
-        let sky = shares[1..].iter_mut().chain(&mut errors[1..]);
-        sky.for_each(|share| *share *= scale);
-    } else if rest.sky > 0.0 {
-        let cosine =
-            |k: usize| division.direction(k).dot(normal).max(0.0) * division.solid_angle(k);
-        let free: f64 = (1..shares.len()).map(cosine).sum();
-        for k in 1..shares.len() {
-            shares[k] = rest.sky * cosine(k) / free.max(f64::MIN_POSITIVE);
-            errors[k] = shares[k];
-        }
+/// A share of light, and its standard error, or the square of that while it is summed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    value: f64,
+    error: f64,
+}
+
+/// Scales shares to what is known of sky and ground. A share of the sky that no ray found may be that of any patch.
+fn scale(rest: &RowRemainder, shares: &mut [Share]) {
+    let found: f64 = shares[1..].iter().map(|share| share.value).sum();
+    shares[0] = Share {
+        value: rest.ground,
+        error: rest.ground_error,
+    };
+    let even = rest.sky / (shares.len() - 1) as f64;
+    for share in &mut shares[1..] {
+        *share = if found > 0.0 {
+            Share {
+                value: share.value * (rest.sky / found),
+                error: share.error * (rest.sky / found),
+            }
+        } else {
+            Share {
+                value: even,
+                error: rest.sky,
+            }
+        };
     }
 }
 
@@ -283,12 +312,14 @@ mod tests {
         let row = (0..factors.len())
             .find(|&i| factors.faces[i].object == 1)
             .unwrap();
-        let toward = |azimuth: f64| sky.row(row)[sky.division.patch(direction_from(azimuth, 0.5))];
+        let patch = |azimuth: f64| sky.division.patch(direction_from(azimuth, 0.5));
+        let toward = |azimuth: f64| sky.row(row)[patch(azimuth)];
         // Straight from the east, and again by way of the mirror; nothing from behind it.
         let (east, west) = (toward(0.25 * TAU), toward(0.75 * TAU));
-        let free = sky.division.solid_angle(40) * 0.5_f64.sin() / PI;
+        let seen = patch(0.25 * TAU);
+        let free = sky.division.solid_angle(seen) * sky.division.direction(seen).z / PI;
         assert!(
-            (f64::from(east) / free - 2.0).abs() < 0.5 && west == 0.0,
+            (f64::from(east) / free - 2.0).abs() < 0.1 && west == 0.0,
             "{east}, {west}, {free}"
         );
     }

@@ -71,6 +71,24 @@ impl SkyDivision {
         }
     }
 
+    /// A unit direction within a patch, evenly by solid angle for two numbers in 0..1.
+    ///
+    /// # Panics
+    /// If there is no such patch.
+    pub fn direction_in(self, patch: usize, [u, v]: [f64; 2]) -> DVec3 {
+        let (low, high, from, width) = match self.place(patch) {
+            None if patch == 0 => (-FRAC_PI_2, 0.0, 0.0, TAU),
+            None => (self.bands() as f64 * self.height(), FRAC_PI_2, 0.0, TAU),
+            Some((band, place)) => {
+                let width = TAU / self.in_band(band) as f64;
+                let [low, high] = [band, band + 1].map(|k| k as f64 * self.height());
+                (low, high, (place as f64 - 0.5) * width, width)
+            }
+        };
+        let sine = low.sin() + v * (high.sin() - low.sin());
+        direction_from(from + u * width, sine.clamp(-1.0, 1.0).asin())
+    }
+
     /// The solid angle of a patch, sr.
     ///
     /// # Panics
@@ -158,6 +176,10 @@ mod tests {
             let patches = 0..division.count();
             for patch in patches.clone() {
                 assert_eq!(division.patch(division.direction(patch)), patch);
+                for u in [0.01, 0.5, 0.99] {
+                    let within = division.direction_in(patch, [u, 1.0 - u]);
+                    assert_eq!(division.patch(within), patch);
+                }
             }
             let all: f64 = patches.map(|patch| division.solid_angle(patch)).sum();
             assert!((all - 2.0 * TAU).abs() < 1e-12, "{all}");
