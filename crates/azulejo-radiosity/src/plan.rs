@@ -21,6 +21,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const PILOT_POINTS: usize = 128;
 const PILOT_PATHS: u32 = 64;
 
+/// Points of a first look at how long paths are, paths from each, and bounces after which they end.
+const LENGTH_POINTS: usize = 16;
+const LENGTH_PATHS: u32 = 4;
+const LENGTH_BOUNCES: u32 = 512;
+
+/// Bounces of an average path from which paths are out of the question: that of walls that reflect 0.996.
+const LONG: f64 = 256.0;
+
 /// Points for each at which indirect light is gathered, where there are enough to interpolate it.
 const POINTS_PER_RECORD: usize = 4;
 
@@ -78,14 +86,26 @@ pub(crate) struct Pilot {
 }
 
 impl Pilot {
-    /// From the points, which count by their areas; `light` is that at the ends of paths.
+    /// From the points, which count by their areas; `light` is that at the ends of paths. `None` where paths hardly ever
+    /// end.
     pub fn new(
         gatherer: &Gatherer,
         light: &PatchLight,
         targets: GatherTargets,
         seed: u32,
-    ) -> Pilot {
+    ) -> Option<Pilot> {
         let points = targets.points;
+        let options = GatherOptions {
+            rays: LENGTH_PATHS,
+            spent: 0,
+            seed: hash(&[seed, 0x1e2]),
+            termination: Termination::Bounces(LENGTH_BOUNCES),
+        };
+        let few = evenly(&vec![1.0; points.len()], LENGTH_POINTS.min(points.len()));
+        let few: Vec<GatherPoint> = few.into_iter().map(|i| points[i]).collect();
+        if traced(gatherer, light, &few, &options).1 > LONG {
+            return None;
+        }
         let strata = Strata::new(points.len(), targets.areas);
         let roots: Vec<f64> = (0..points.len()).map(|i| strata.weight(i).sqrt()).collect();
         let options = GatherOptions {
@@ -96,19 +116,9 @@ impl Pilot {
         };
         let chosen: Vec<usize> = evenly(&roots, PILOT_POINTS.min(points.len()));
         let sampled: Vec<GatherPoint> = chosen.iter().map(|&i| points[i]).collect();
-        let directions = DirectionTables::new(&options);
-        let counted = CountedHits {
-            light,
-            hits: AtomicU64::new(0),
-        };
-        let gathered: Vec<SplitIrradiance> = sampled
-            .par_chunks(CHUNK)
-            .flat_map_iter(|points| gatherer.gather_with(points, &options, &directions, &counted))
-            .collect();
-        let paths = (sampled.len() * PILOT_PATHS as usize).max(1);
-        let hits = counted.hits.into_inner() as f64 / paths as f64;
+        let (gathered, hits) = traced(gatherer, light, &sampled, &options);
         let direct = direct_rays(gatherer);
-        Pilot {
+        Some(Pilot {
             count: points.len(),
             mean_root: roots.iter().sum::<f64>() / points.len() as f64,
             gathered: gathered
@@ -117,7 +127,7 @@ impl Pilot {
                 .map(|(split, &i)| (roots[i], split.whole()))
                 .collect(),
             rays_per_path: 1.0 + direct + hits * (2.0 + direct),
-        }
+        })
     }
 
     /// What all points would cost to reach `goal`, by paths and by rows of `patches` with this many rays each; `None`
@@ -173,6 +183,27 @@ impl Pilot {
         let paths = (deviation / (goal.error * mean)).powf(exponent);
         (mean > 0.0).then(|| f64::from(PILOT_PATHS) * paths)
     }
+}
+
+/// What paths from points find, and from how many hits an average one goes on.
+fn traced(
+    gatherer: &Gatherer,
+    light: &PatchLight,
+    points: &[GatherPoint],
+    options: &GatherOptions,
+) -> (Vec<SplitIrradiance>, f64) {
+    let directions = DirectionTables::new(options);
+    let counted = CountedHits {
+        light,
+        hits: AtomicU64::new(0),
+    };
+    let gathered = points
+        .par_chunks(CHUNK)
+        .flat_map_iter(|points| gatherer.gather_with(points, options, &directions, &counted))
+        .collect();
+    let paths = points.len() * options.rays as usize;
+    let hits = counted.hits.into_inner() as f64 / paths.max(1) as f64;
+    (gathered, hits)
 }
 
 /// Rays that cost as much as the direct light of a path's vertex.

@@ -1,7 +1,10 @@
 //! Odd and impossible scenes: no panic, no hang, no NaN.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
+
+use azulejo_radiosity::{
+    FirstPass, LightSolution, PatchSize, PointNormal, SolveError, probe, solve,
+};
 use azulejo_scene::brdf::Description;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{
@@ -316,6 +319,32 @@ fn rooms_that_absorb_nothing() {
         let report = run(&scene, &limited).unwrap().report;
         assert!(report.residual > 1e-5, "{report:?}");
     }
+}
+
+/// Paths of points in such a room would never end: none is traced to find out what they cost.
+#[test]
+fn points_in_rooms_that_absorb_nothing() {
+    let scene = cube(std::array::from_fn(|k| {
+        surface(1.0, 0.0, f64::from(k == 0))
+    }));
+    let pass = FirstPass {
+        size: PatchSize::Count(200),
+        error: Some(0.05),
+        ..FirstPass::default()
+    };
+    let middle = scene.bounds().centre();
+    let points = [DVec3::Y, DVec3::X].map(|normal| PointNormal {
+        position: middle,
+        normal,
+    });
+    let found = probe(
+        &scene,
+        &Tracer::new(&scene),
+        &points,
+        &pass,
+        &Progress::new(),
+    );
+    assert!(matches!(found, Err(SolveError::Endless(1..))), "{found:?}");
 }
 
 /// A cavity that absorbs nothing does not darken the rest of a scene, if little light gets into it:
