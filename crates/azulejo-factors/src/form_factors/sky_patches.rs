@@ -130,8 +130,7 @@ impl PreparedPlan<'_> {
             let seeds = seeds(&[self.seed, side, key, 0x5c1]);
             let mut free = 0.0;
             for k in 0..rays as u32 {
-                let [u1, u2, u3, u4] =
-                    [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, seeds[d as usize])));
+                let [u1, u2, u3, u4] = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, seeds[d])));
                 let at = sampler.sample(u1, u2);
                 let (normal, to) = (flip * at.normal, world_from_sky * direction([u3, u4]));
                 let weight = at.weight * normal.dot(to) * angle / (PI * rays as f64);
