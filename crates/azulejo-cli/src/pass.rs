@@ -257,6 +257,13 @@ pub fn describe(
 /// Refuses a result from which so much of the emitted power is missing that it cannot be trusted, unless `args` allow it.
 pub fn refuse_imbalance(balance: &EnergyBalance, args: &FirstPassArgs) -> Result<(), Failure> {
     if balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
+        if balance.missing() < 0.0 {
+            return Err(Failure::failed(format_args!(
+                "{} more power is absorbed than is emitted, so nothing was written: faces that coincide, as those of a \
+                 mesh that is there twice, count several times; remove duplicates, or accept it with --allow-imbalance",
+                percent(balance.error())
+            )));
+        }
         return Err(Failure::failed(format_args!(
             "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
              error, more rays or more time, or accept it with --allow-imbalance",
@@ -355,13 +362,12 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
 /// Where bounces are limited, what is missing was reflected by the last of them.
 fn energy(balance: &EnergyBalance, is_limited: bool, scene: &Scene, report: &mut Report) {
     let emitted = balance.emitted.mean();
-    let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
-    report.line(
-        "energy",
+    let share = |power: Rgb| percent(power.mean() / emitted);
+    let unit = power_unit(scene.units);
+    let words = if emitted > 0.0 {
         format!(
-            "{} {} emitted, {} absorbed, {} escaped, {} {}",
+            "{} {unit} emitted, {} absorbed, {} escaped, {} {}",
             triple(balance.emitted.to_array()),
-            power_unit(scene.units),
             share(balance.absorbed),
             share(balance.escaped),
             percent(balance.error()),
@@ -370,8 +376,13 @@ fn energy(balance: &EnergyBalance, is_limited: bool, scene: &Scene, report: &mut
             } else {
                 "unaccounted for"
             }
-        ),
-    );
+        )
+    } else {
+        // What lights without area send was not counted, only where it ended.
+        let [absorbed, escaped] = [balance.absorbed, balance.escaped].map(|p| triple(p.to_array()));
+        format!("{absorbed} {unit} absorbed, {escaped} {unit} escaped")
+    };
+    report.line("energy", words);
     if let Some(words) = caution(balance, scene).filter(|_| !is_limited) {
         report.line("caution", words);
     }
@@ -392,7 +403,9 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
     }
     let accounted =
         (balance.absorbed + balance.escaped + balance.cut).mean() / balance.emitted.mean();
-    let reflects_all = |m: &Material| (m.diffuse + m.mirror).max_channel() > NEARLY_ALL;
+    // Glass sends on all that it does not absorb, and light leaves it.
+    let reflects_all =
+        |m: &Material| m.dielectric.is_none() && (m.diffuse + m.mirror).max_channel() > NEARLY_ALL;
     let is_used = |id: usize| {
         scene
             .objects
@@ -407,9 +420,8 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
              limit: lower the reflectances of 1, or open the scene"
         }
         share if share > 1.0 => {
-            "more light is absorbed than emitted: faces that coincide, as in a box without \
-             thickness, count several times; otherwise request a smaller error, more rays or more \
-             time"
+            "more light is absorbed than emitted: request a smaller error, more rays or more time, \
+             unless faces coincide, as in a box without thickness, and count several times"
         }
         _ => "the energy balance is off: request a smaller error, more rays or more time",
     })
@@ -457,5 +469,26 @@ mod tests {
         check(0.9, 0.0, 0.0, Some("smaller error"));
         check(0.9, 8.0, 1.0, Some("smaller error"));
         check(1.0, 290.0, 0.0, Some("coincide"));
+    }
+
+    /// Glass has a mirror reflectance of 1, which its interfaces have a part of.
+    #[test]
+    fn glass_is_not_blamed_for_endless_light() {
+        let mut scene = Scene::default();
+        let glass = scene.add_material(Material::dielectric("glass", 1.5));
+        let ball = Primitive::sphere(DVec3::ZERO, 1.0, glass);
+        scene
+            .objects
+            .push(Object::new("ball", Shape::Primitive(ball)));
+        let balance = EnergyBalance {
+            emitted: Rgb::grey(10.0),
+            absorbed: Rgb::grey(8.0),
+            ..EnergyBalance::default()
+        };
+        let warning = caution(&balance, &scene);
+        assert!(
+            warning.is_some_and(|f| f.contains("smaller error")),
+            "{warning:?}"
+        );
     }
 }

@@ -137,7 +137,8 @@ pub fn triple(xs: [f64; 3]) -> String {
 
 /// A share in per cent: `1.25%`.
 pub fn percent(share: f64) -> String {
-    format!("{}%", short(100.0 * share))
+    // A negative zero would show its sign.
+    format!("{}%", short(100.0 * share + 0.0))
 }
 
 /// Seconds: `0.153 s`, `2 min 5 s`.

@@ -362,11 +362,16 @@ const TOO_LITTLE_TIME: &str =
 
 /// Why there is none without.
 fn paths_are_cheaper(forecast: &GatherForecast) -> String {
+    let times = forecast.by_patches / forecast.by_paths;
+    let cost = if times.is_finite() {
+        format!("{times:.1} times as much")
+    } else {
+        "more".to_owned()
+    };
     format!(
         "paths are traced from the points, about {:.0} from each: rows of patches, and what is gathered with them, \
-         would cost {:.1} times as much",
+         would cost {cost}",
         forecast.paths_per_point,
-        forecast.by_patches / forecast.by_paths
     )
 }
 

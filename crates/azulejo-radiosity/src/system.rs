@@ -713,7 +713,7 @@ impl EnergyBalance {
     }
 
     /// The same with its sign: positive if emitted power is missing, negative if there is too much.
-    pub(crate) fn missing(&self) -> f64 {
+    pub fn missing(&self) -> f64 {
         let rest = (self.emitted - self.absorbed - self.escaped - self.cut).mean();
         let emitted = self.emitted.mean();
         if emitted > 0.0 { rest / emitted } else { 0.0 }

@@ -117,7 +117,12 @@ fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report
     );
     // State apart what interpolation between texels misses: more texels reduce that part, more rays do not.
     if is_light {
-        let between = baked.between_texels / mean.mean();
+        let whole = mean.mean();
+        let between = if whole > 0.0 {
+            baked.between_texels / whole
+        } else {
+            0.0
+        };
         report.fact(
             "between_texels",
             number(between),

@@ -47,8 +47,23 @@ const AIM: f64 = 0.85;
 /// What of a requested error is aimed at: estimated errors have errors.
 const MARGIN: f64 = 0.95;
 
-/// Nodes that get more rays between two looks at a clock that matters.
+/// Most nodes that get more rays between two looks at a clock that matters, and the share of the time until a deadline
+/// that these may take.
 const BETWEEN_LOOKS: usize = 2048;
+const BETWEEN_SHARE: f64 = 0.05;
+
+/// Nodes with the fewest rays that tell, before a deadline, what a path takes: in white rooms paths are long.
+const SAMPLED: usize = 64;
+const SAMPLE_RAYS: PairRays = PairRays {
+    read: 4 * REPLICATES as u32,
+    traced: REPLICATES as u32,
+};
+
+/// Share of the time until a deadline that the first gather at all nodes may take.
+const FIRST_SHARE: f64 = 0.25;
+
+/// Rays that read light in the time of a path.
+const READ_PER_PATH: u32 = 8;
 
 /// Share of the time until a deadline that new nodes may take. Those of a first look get light again in every gather
 /// after it, from more rays.
@@ -241,6 +256,8 @@ struct PairedNodes<'a, C> {
     pairs: Vec<PathPair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
+    /// What a path takes, s; measured where there is a deadline.
+    path_seconds: f64,
     run: Run<'a>,
 }
 
@@ -254,6 +271,7 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
             nodes: Nodes::new(direct, cells),
             pairs: Vec::new(),
             rays: Vec::new(),
+            path_seconds: 0.0,
         }
     }
 
@@ -267,6 +285,7 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
             let rays = first_rays(self.nodes.cells().cell_count(), self.run.progress);
+            let rays = self.affordable((&points, &areas), rays, gather)?;
             self.rays.resize(self.rays.len() + points.len(), rays);
             let request = PairTargets {
                 points: &points,
@@ -279,6 +298,49 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         }
         self.update()?;
         Ok(())
+    }
+
+    /// So many rays, or as many as there is time for before a deadline, by a few paths from some of the points.
+    fn affordable<E: From<Cancelled>>(
+        &mut self,
+        (points, areas): (&[GatherPoint], &[f64]),
+        mut rays: PairRays,
+        gather: &mut PairGather<E>,
+    ) -> Result<PairRays, E> {
+        let Some(left) = self.run.progress.time_left() else {
+            return Ok(rays);
+        };
+        let step = points.len().div_ceil(SAMPLED);
+        let sampled: Vec<GatherPoint> = points.iter().step_by(step).copied().collect();
+        let of_sampled: Vec<f64> = areas.iter().step_by(step).copied().collect();
+        let started = Instant::now();
+        gather(&[PairTargets {
+            points: &sampled,
+            areas: &of_sampled,
+            read: 0..SAMPLE_RAYS.read,
+            traced: 0..SAMPLE_RAYS.traced,
+        }])?;
+        let paths = f64::from(SAMPLE_RAYS.traced) * sampled.len() as f64;
+        self.path_seconds = started.elapsed().as_secs_f64() / paths;
+        let seconds =
+            |rays: PairRays| self.path_seconds * f64::from(rays.traced) * points.len() as f64;
+        let most = FIRST_SHARE * left.as_secs_f64();
+        while rays.traced > SAMPLE_RAYS.traced && seconds(rays) > most {
+            rays.read /= 2;
+            rays.traced /= 2;
+        }
+        Ok(rays)
+    }
+
+    /// Nodes that get so many more rays together, until there is another look at a clock that matters.
+    fn together(&self, [read, to_read, traced, to_traced]: [u32; 4]) -> usize {
+        let Some(left) = self.run.progress.time_left() else {
+            return usize::MAX;
+        };
+        let paths =
+            f64::from(to_traced - traced) + f64::from(to_read - read) / f64::from(READ_PER_PATH);
+        let nodes = BETWEEN_SHARE * left.as_secs_f64() / (self.path_seconds * paths);
+        (nodes as usize).clamp(1, BETWEEN_LOOKS)
     }
 
     fn update(&mut self) -> Result<(), Cancelled> {
@@ -311,13 +373,13 @@ impl<'a, C: SiteCells> PairedNodes<'a, C> {
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
         // All at once, so that processes that share the work meet once; before a deadline one part after the other.
-        let (together, at_once) = if self.run.progress.has_deadline() {
-            (BETWEEN_LOOKS, 1)
+        let at_once = if self.run.progress.has_deadline() {
+            1
         } else {
-            (usize::MAX, alike.len().max(1))
+            alike.len().max(1)
         };
         let parts = alike.iter().flat_map(|(range, members)| {
-            let parts = members.chunks(together.min(members.len()));
+            let parts = members.chunks(self.together(*range).min(members.len()));
             parts.map(move |members| (*range, members))
         });
         let parts: Vec<([u32; 4], &[usize])> = parts.collect();
