@@ -18,6 +18,9 @@ use std::f64::consts::PI;
 const LEAST_RAYS: usize = 8192;
 const LEAST_OF_PATCH: usize = 16;
 
+/// Memory of a share with its error, while those of all rows are put together.
+const BYTES: usize = 2 * 2 * size_of::<f32>();
+
 /// The share of each row's light that leaves toward each patch of the sky, with its standard error.
 ///
 /// The irradiance of a row is π times the sum of its shares times the radiances of the patches.
@@ -86,7 +89,7 @@ impl PreparedPlan<'_> {
     /// ground. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`FactorsError::Cancelled`].
+    /// [`FactorsError::TooLarge`] if they need more than the memory of the plan, and [`FactorsError::Cancelled`].
     pub fn sky_factors(
         &self,
         division: SkyDivision,
@@ -94,23 +97,33 @@ impl PreparedPlan<'_> {
         factors: &FormFactors,
         progress: &Progress,
     ) -> Result<SkyFactors, FactorsError> {
-        progress.begin("patches of the sky", factors.len() as u64);
+        let (rows, memory) = (factors.len(), self.plan.options.memory);
+        let bytes = (rows * division.count() * BYTES) as u64;
+        if bytes > memory {
+            return Err(FactorsError::TooLarge {
+                rows,
+                bytes,
+                memory,
+            });
+        }
+        progress.begin("patches of the sky", rows as u64);
         let world_from_sky = upright(self.gatherer.surfaces().scene.units.up, north);
-        let rows: Vec<Vec<Share>> = (0..factors.len())
+        let rows: Vec<Vec<[f32; 2]>> = (0..rows)
             .into_par_iter()
             .map(|row| {
                 progress.advance(1)?;
                 let mut shares = self.sky_of(row, division, world_from_sky);
                 scale(&factors.rest[row], &mut shares);
-                Ok(shares)
+                let single = |share: &Share| [share.value as f32, share.error as f32];
+                Ok(shares.iter().map(single).collect())
             })
             .collect::<Result<_, FactorsError>>()?;
         let all = || rows.iter().flatten();
         Ok(SkyFactors {
             division,
             north,
-            shares: all().map(|share| share.value as f32).collect(),
-            errors: all().map(|share| share.error as f32).collect(),
+            shares: all().map(|share| share[0]).collect(),
+            errors: all().map(|share| share[1]).collect(),
         })
     }
 
@@ -321,6 +334,25 @@ mod tests {
             (f64::from(east) / free - 2.0).abs() < 0.1 && west == 0.0,
             "{east}, {west}, {free}"
         );
+    }
+
+    #[test]
+    fn patches_that_memory_does_not_hold_are_refused() {
+        let ground = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let scene = scene(&[ground], Material::diffuse("ground", Rgb::grey(0.2)));
+        let (tracer, progress) = (Tracer::new(&scene), Progress::new());
+        let options = FormFactorOptions {
+            memory: 1 << 15,
+            ..FormFactorOptions::default()
+        };
+        let plan = Plan::new(&scene, &tracer, &options).unwrap();
+        let prepared = plan.prepare();
+        let factors = FormFactors {
+            areas: vec![1.0; prepared.rows()],
+            ..FormFactors::default()
+        };
+        let refused = prepared.sky_factors(SkyDivision::TREGENZA, 0.0, &factors, &progress);
+        assert!(matches!(refused, Err(FactorsError::TooLarge { .. })));
     }
 
     #[test]
