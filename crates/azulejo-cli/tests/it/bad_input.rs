@@ -207,7 +207,7 @@ fn coincident_rooms_are_named_as_what_they_are() {
     folder.fails(
         "solve rooms.obj --patches 500 -o out.grf",
         1,
-        "not accounted for",
+        "faces that coincide",
     );
     assert!(!folder.names().contains(&"out.grf".to_owned()));
 }

@@ -340,17 +340,15 @@ mod tests {
     fn patches_that_memory_does_not_hold_are_refused() {
         let ground = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let scene = scene(&[ground], Material::diffuse("ground", Rgb::grey(0.2)));
+        let (_, factors) = sky_of(&scene, SkyDivision::TREGENZA);
         let (tracer, progress) = (Tracer::new(&scene), Progress::new());
         let options = FormFactorOptions {
-            memory: 1 << 15,
+            size: PatchSize::Edge(0.0),
+            memory: 1024,
             ..FormFactorOptions::default()
         };
         let plan = Plan::new(&scene, &tracer, &options).unwrap();
         let prepared = plan.prepare();
-        let factors = FormFactors {
-            areas: vec![1.0; prepared.rows()],
-            ..FormFactors::default()
-        };
         let refused = prepared.sky_factors(SkyDivision::TREGENZA, 0.0, &factors, &progress);
         assert!(matches!(refused, Err(FactorsError::TooLarge { .. })));
     }
