@@ -86,15 +86,16 @@ pub(crate) struct Pilot {
 }
 
 impl Pilot {
-    /// From the points, which count by their areas; `light` is that at the ends of paths. `None` where paths hardly ever
-    /// end.
+    /// From the points, which count by their areas; `light` is that at the ends of paths. Where paths hardly ever end, their
+    /// light is not found, so that there is no forecast.
     pub fn new(
         gatherer: &Gatherer,
         light: &PatchLight,
         targets: GatherTargets,
         seed: u32,
-    ) -> Option<Pilot> {
-        let points = targets.points;
+    ) -> Pilot {
+        let (points, direct) = (targets.points, direct_rays(gatherer));
+        let rays_per_path = |hits: f64| 1.0 + direct + hits * (2.0 + direct);
         let options = GatherOptions {
             rays: LENGTH_PATHS,
             spent: 0,
@@ -103,8 +104,14 @@ impl Pilot {
         };
         let few = evenly(&vec![1.0; points.len()], LENGTH_POINTS.min(points.len()));
         let few: Vec<GatherPoint> = few.into_iter().map(|i| points[i]).collect();
-        if traced(gatherer, light, &few, &options).1 > LONG {
-            return None;
+        let (_, hits) = traced(gatherer, light, &few, &options);
+        if hits > LONG {
+            return Pilot {
+                count: points.len(),
+                mean_root: 0.0,
+                gathered: Vec::new(),
+                rays_per_path: rays_per_path(hits),
+            };
         }
         let strata = Strata::new(points.len(), targets.areas);
         let roots: Vec<f64> = (0..points.len()).map(|i| strata.weight(i).sqrt()).collect();
@@ -117,8 +124,7 @@ impl Pilot {
         let chosen: Vec<usize> = evenly(&roots, PILOT_POINTS.min(points.len()));
         let sampled: Vec<GatherPoint> = chosen.iter().map(|&i| points[i]).collect();
         let (gathered, hits) = traced(gatherer, light, &sampled, &options);
-        let direct = direct_rays(gatherer);
-        Some(Pilot {
+        Pilot {
             count: points.len(),
             mean_root: roots.iter().sum::<f64>() / points.len() as f64,
             gathered: gathered
@@ -126,8 +132,8 @@ impl Pilot {
                 .zip(&chosen)
                 .map(|(split, &i)| (roots[i], split.whole()))
                 .collect(),
-            rays_per_path: 1.0 + direct + hits * (2.0 + direct),
-        })
+            rays_per_path: rays_per_path(hits),
+        }
     }
 
     /// What all points would cost to reach `goal`, by paths and by rows of `patches` with this many rays each; `None`

@@ -253,9 +253,7 @@ impl<'a> SolvedPatches<'a> {
         let Some(budget) = budget.filter(|_| self.method == Method::Paths) else {
             return effort;
         };
-        let Some(pilot) = Pilot::new(&self.gatherer, light, targets, seed) else {
-            return effort;
-        };
+        let pilot = Pilot::new(&self.gatherer, light, targets, seed);
         GatherEffort {
             rays: pilot.affordable_paths(budget, effort.rays),
             ..effort
@@ -405,10 +403,7 @@ fn pilot(
     // Where each point is to reach an error, all count alike.
     let areas = if pass.error_each { &[] } else { areas };
     let targets = GatherTargets { points, areas };
-    if points.is_empty() {
-        return None;
-    }
-    Pilot::new(gatherer, light, targets, seed)
+    (!points.is_empty()).then(|| Pilot::new(gatherer, light, targets, seed))
 }
 
 /// The vertices of patches as points, to know what light at them costs.

@@ -389,6 +389,11 @@ mod tests {
         let minutes = |left: Option<Duration>| left.map(|l| (l.as_secs_f64() / 60.0).round());
         assert_eq!(minutes(progress.phase_left()), Some(30.0));
         assert_eq!(minutes(progress.time_left()), Some(60.0));
+        // Time for what comes after is not there before, and no more than there is can be kept.
+        progress.reserve(Duration::from_secs(1800));
+        assert_eq!(minutes(progress.time_left()), Some(30.0));
+        progress.reserve(Duration::from_secs(1 << 40));
+        assert!(progress.out_of_time());
         progress.set_deadline(Instant::now());
         assert_eq!(progress.time_left(), Some(Duration::ZERO));
         assert!(progress.phase_is_over() && progress.out_of_time() && !progress.is_overdue());

@@ -68,7 +68,7 @@ impl AskedSky {
     }
 }
 
-/// Adds the mean over all rows to the report.
+/// Adds the division of the sky and the mean irradiance of all rows to the report.
 pub fn describe(enclosure: &Enclosure, report: &mut Report) {
     if let Some(sky) = &enclosure.sky {
         let (division, count) = (sky.division.to_string(), sky.division.count() - 1);

@@ -185,9 +185,9 @@ impl Smoothed {
                 light.bias = variation.max(0.0).sqrt();
             }
         }
-        let of_cell =
-            |cell: usize| -> f64 { cells.sites(cell).iter().map(|&site| cells.area(site)).sum() };
-        let areas: Vec<f64> = (0..cells.cell_count()).map(of_cell).collect();
+        let areas: Vec<f64> = (0..cells.cell_count())
+            .map(|cell| cells.cell_area(cell))
+            .collect();
         self.restore(cells, &areas);
         let (mut squares, mut area) = (0.0, 0.0);
         for (cell, &of_cell) in areas.iter().enumerate() {

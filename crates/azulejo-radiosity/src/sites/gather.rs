@@ -153,8 +153,8 @@ pub fn look_again<C: SiteCells, E: From<Cancelled>>(
 
 /// Light of all sites: `direct`, and indirect light that `gather` finds at the nodes of cells, such as those of a first
 /// look, and more, with as many rays as bring its error to `goal`. `is_final` says that `gather` has brought its light to
-/// that error itself. No nodes or rays are added for which there is
-/// no time before a deadline: the errors of the light say what that leaves.
+/// that error itself. No nodes or rays are added for which there is no time before a deadline: the errors of the light
+/// say what that leaves.
 ///
 /// # Errors
 /// Those of `gather`.

@@ -1,7 +1,6 @@
 //! Odd and impossible scenes: no panic, no hang, no NaN.
 
 use crate::rooms::*;
-
 use azulejo_radiosity::{
     FirstPass, LightSolution, PatchSize, PointNormal, SolveError, probe, solve,
 };

@@ -9,7 +9,7 @@ use std::str::FromStr;
 /// Patches of each band of Tregenza's division, from the horizon to the zenith, without that of the zenith.
 const BANDS: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
 
-/// Divisions that have names: Radiance's for every subdivision are possible, but matrices have one column a patch.
+/// Most subdivisions, which make 9,217 patches: a matrix has a column for each.
 const FINEST: usize = 8;
 
 /// The sky in patches of about equal solid angle, after Tregenza (*Subdivision of the sky hemisphere for luminance
