@@ -125,7 +125,7 @@ pub fn power_beside_patches(
 /// Of this many samples one is compared with patches.
 const EVERY: usize = 8;
 
-/// Of each chart whether its back gets more light.
+/// Of each chart whether its back gets more light. Lamps keep their fronts, from which they shine.
 ///
 /// # Errors
 /// The caller cancelled.
@@ -138,10 +138,15 @@ pub fn turned(
     let mut excess = vec![0.0; atlas.layout.charts as usize];
     let (mut unseen, mut of_charts) = (Vec::new(), Vec::new());
     for (r, receiver) in atlas.receivers.iter().enumerate() {
+        let mesh = scene.objects[objects[r] as usize].shape.mesh();
+        let shines = |face: u32| {
+            let material = mesh.map(|mesh| mesh.face_materials[face as usize]);
+            material.is_some_and(|m| scene.materials[m as usize].is_emitter())
+        };
         let faces = face_triangles(scene, objects[r]);
         for (t, [face, triangle]) in faces.into_iter().enumerate() {
             let chart = atlas.layout.receivers[r].charts[t];
-            if chart == NO_CHART {
+            if chart == NO_CHART || shines(face) {
                 continue;
             }
             let [front, back] = solved.sides_at([objects[r], face, triangle], [1.0 / 3.0; 2]);

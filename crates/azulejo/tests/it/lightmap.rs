@@ -458,9 +458,9 @@ fn sheets() -> Scene {
     scene
 }
 
-/// What a written file says of the sheets: for each triangle of its objects, up or down, and its irradiance.
-fn written_sheets(sides: BakedSides) -> Vec<(String, f64, f64)> {
-    let mut source = BakeSource::written(&sheets(), true).unwrap();
+/// What a written file says of sheets: for each triangle of its objects, up or down, and its irradiance.
+fn written_sheets(sheets: &Scene, sides: BakedSides) -> Vec<(String, f64, f64)> {
+    let mut source = BakeSource::written(sheets, true).unwrap();
     let options = BakeOptions {
         sides,
         ..options(64, 0.05)
@@ -498,7 +498,7 @@ fn written_sheets(sides: BakedSides) -> Vec<(String, f64, f64)> {
 /// Fronts have the light in files that are written, whichever side of a face it came from.
 #[test]
 fn faces_are_turned_to_their_light() {
-    let found = written_sheets(BakedSides::Brighter);
+    let found = written_sheets(&sheets(), BakedSides::Brighter);
     let sheets = found.iter().filter(|(name, ..)| name != "room");
     for (name, up, light) in sheets {
         assert!(
@@ -516,10 +516,24 @@ fn faces_are_turned_to_their_light() {
     );
 }
 
+/// A lamp sends its light from its front, and would be dark if it were turned.
+#[test]
+fn lamps_keep_their_fronts() {
+    let mut scene = sheets();
+    scene.materials[0].emission = Rgb::grey(0.01);
+    let found = written_sheets(&scene, BakedSides::Brighter);
+    let sheets = || found.iter().filter(|(name, ..)| name != "room");
+    assert_eq!(sheets().count(), 4);
+    assert!(
+        sheets().all(|(_, up, light)| *up > 0.9 && (light - 1.0).abs() < 0.1),
+        "{found:?}"
+    );
+}
+
 /// Each side of a sheet has its own light, and a solid has no inner side.
 #[test]
 fn both_sides_are_baked() {
-    let found = written_sheets(BakedSides::Both);
+    let found = written_sheets(&sheets(), BakedSides::Both);
     for (name, up, light) in &found {
         let expected = match *up {
             up if up > 0.9 => 1.0,
