@@ -397,14 +397,11 @@ impl<'a> HemicubeEstimator<'a> {
         let is_first_leg = pixel.order == 0;
         let origin = if is_first_leg { start } else { pixel.origin };
         let tracer = self.gatherer.surfaces().tracer;
+        let ray = tracer.kernel_ray(&Ray::new(origin, pixel.direction));
         Path {
-            ray: tracer.kernel_ray(&Ray::new(origin, pixel.direction)),
-            id: 0,
-            weight: pixel.weight / unit,
             via: self.via(pixel.order),
             depth: u16::from(pixel.order),
-            density: 0.0,
-            passed_pane: false,
+            ..Path::new(ray, 0, pixel.weight / unit)
         }
     }
 

@@ -11,7 +11,7 @@ use crate::row::{Columns, Row, RowAccumulator, Side, order, side};
 use crate::samples::{SampleCounts, steps_of_part};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
 use azulejo_trace::{
     Cancelled, Gatherer, KernelHit, NextEvent, Progress, REPLICATES, Surfaces, Tracer,
@@ -89,15 +89,7 @@ impl<'a> RowSampler<'a> {
 
 /// A path that begins with a ray and this weight.
 pub(crate) fn straight(tracer: &Tracer, ray: &Ray, weight: f64, id: u32) -> Path {
-    Path {
-        ray: tracer.kernel_ray(ray),
-        id,
-        weight: Rgb::grey(weight),
-        via: Via::Direct,
-        depth: 0,
-        density: 0.0,
-        passed_pane: false,
-    }
+    Path::new(tracer.kernel_ray(ray), id, Rgb::grey(weight))
 }
 
 /// Finds the patch of a hit, immediately where the whole item is one patch.
@@ -322,7 +314,7 @@ impl<'a> RayEstimator<'a> {
             match event {
                 Event::Escape => {
                     // Tell sky from ground by the direction in which the path leaves.
-                    let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
+                    let is_up = surfaces.tracer.world_ray(&path.leg.ray).direction.dot(up) >= 0.0;
                     row.escaped[replicate][usize::from(!is_up)] += weight;
                     let light = weight * self.gatherer.escaped_exitance(path);
                     row.stray[replicate] += light;

@@ -423,15 +423,7 @@ impl ParticleTracing<'_> {
             }
         };
         let tracer = self.gatherer.surfaces().tracer;
-        Path {
-            ray: tracer.kernel_ray(&Ray::new(origin, direction)),
-            id: 0,
-            weight,
-            via: Via::Direct,
-            depth: 0,
-            density: 0.0,
-            passed_pane: false,
-        }
+        Path::new(tracer.kernel_ray(&Ray::new(origin, direction)), 0, weight)
     }
 
     /// Follows particles to the surfaces that they reach; returns those that are reflected
@@ -492,20 +484,16 @@ impl ParticleTracing<'_> {
             // By chance: nothing on average.
             balance.absorbed += reflected - carried;
             if survives {
-                let at = SurfaceInteraction::new(surfaces.tracer, &path.ray, &hit);
+                let at = SurfaceInteraction::new(surfaces.tracer, &path.leg.ray, &hit);
                 let u = [1, 2].map(|d| f64::from(uniform(&[key, d])));
                 let direction = cosine_about(&Frame::from_normal(at.facing), u[0], u[1]);
-                next.push(Path {
-                    ray: surfaces
+                next.push(Path::new(
+                    surfaces
                         .tracer
                         .kernel_ray(&Ray::new(at.origin(surfaces.tracer), direction)),
-                    id: 0,
-                    weight: carried,
-                    via: Via::Direct,
-                    depth: 0,
-                    density: 0.0,
-                    passed_pane: false,
-                });
+                    0,
+                    carried,
+                ));
             }
         });
         next

@@ -10,7 +10,7 @@ use azulejo_factors::Patches;
 use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
 use azulejo_trace::{
     Cancelled, DirectLight, EmitterForm, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES,
@@ -286,15 +286,7 @@ impl Shooter<'_> {
         let normal = facing(s) * at.normal;
         let direction = cosine_about(&Frame::from_normal(normal), u3, u4);
         let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(at.position, normal), direction));
-        Path {
-            ray,
-            id,
-            weight: weight * at.weight,
-            via: Via::Direct,
-            depth: 0,
-            density: 0.0,
-            passed_pane: false,
-        }
+        Path::new(ray, id, weight * at.weight)
     }
 
     /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side,

@@ -12,6 +12,7 @@ use azulejo_scene::{Camera, Material, Rgb, Scene};
 use azulejo_trace::interaction::{
     Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction,
 };
+use azulejo_trace::medium::Leg;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     DiffuseHit, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, OutgoingRadiosity,
@@ -50,7 +51,7 @@ pub(crate) struct Integrator<'a> {
 /// A segment of a camera path, still to be traced.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
-    ray: KernelRay,
+    leg: Leg,
     /// Share of the radiance found that reaches the camera.
     weight: Rgb,
     /// Interfaces passed so far.
@@ -284,12 +285,12 @@ impl<'a> CameraPath<'_, 'a> {
         self.found.direct += fog;
         self.shade(&first, hit);
         while let Some(segment) = self.scratch.pending.pop() {
-            let ray = std::slice::from_ref(&segment.ray);
+            let ray = std::slice::from_ref(&segment.leg.ray);
             self.scratch.traced += 1;
             self.integrator
                 .tracer()
                 .closest(ray, &mut self.scratch.next);
-            let hit = self.scratch.next[0];
+            let hit = segment.leg.hit(&self.scratch.next[0]);
             self.shade(&segment, &hit);
         }
         RayRadiance {
@@ -310,7 +311,7 @@ impl<'a> CameraPath<'_, 'a> {
     /// The first segment with the share of its light that the fog lets through, and the radiance
     /// that the fog adds.
     fn through_fog(&self, first: Segment, hit: &KernelHit) -> (Segment, Rgb) {
-        let Some((clear, added)) = self.integrator.scene.fog(&first.ray, hit) else {
+        let Some((clear, added)) = self.integrator.scene.fog(&first.leg.ray, hit) else {
             return (first, Rgb::BLACK);
         };
         let weight = first.weight * clear;
@@ -321,24 +322,28 @@ impl<'a> CameraPath<'_, 'a> {
     fn shade(&mut self, segment: &Segment, hit: &KernelHit) {
         let scene = &self.integrator.scene;
         if !hit.is_hit() {
-            let beyond = scene.beyond(&segment.ray, segment.is_sharp(), segment.density);
+            let beyond = scene.beyond(&segment.leg.ray, segment.is_sharp(), segment.density);
             self.count(segment.scattered, segment.weight * beyond);
             return;
         }
         let surfaces = scene.surfaces();
+        if let Some((film, glass)) = segment.leg.air_film(surfaces, hit) {
+            self.pass(segment, &film, glass);
+            return;
+        }
         let material = surfaces.material(hit.item);
-        let emitted = scene.emitted(&segment.ray, hit, segment.density);
+        let emitted = scene.emitted(&segment.leg.ray, hit, segment.density);
         self.count(segment.scattered, segment.weight * emitted);
         // The irradiance of a tilted normal is not known: lamps and directions are sampled, as for matt
         // lobes.
         let is_tilted =
             segment.is_sharp() && material.dielectric.is_none() && scene.has_relief(hit);
         let is_glossy = material.is_specular() || material.brdf.is_some();
-        let at = (is_glossy || is_tilted).then(|| scene.interaction(&segment.ray, hit));
+        let at = (is_glossy || is_tilted).then(|| scene.interaction(&segment.leg.ray, hit));
         let mut is_lit = false;
         if !material.diffuse.is_black() && !is_tilted {
-            let front = surfaces.is_front(&segment.ray, hit);
-            let (ray, hit) = (segment.ray, *hit);
+            let front = surfaces.is_front(&segment.leg.ray, hit);
+            let (ray, hit) = (segment.leg.ray, *hit);
             let reflectance = self.read_reflectance(segment, &hit, at.as_ref(), material);
             is_lit = self.reflect_irradiance(segment, &DiffuseHit { ray, hit, front }, reflectance);
         }
@@ -410,7 +415,7 @@ impl<'a> CameraPath<'_, 'a> {
     /// The point of a hit, for work that is put off.
     fn deferred(&self, segment: &Segment, at: &DiffuseHit, weight: Rgb) -> DeferredGather {
         let tracer = self.integrator.tracer();
-        let point = tracer.resolve(&tracer.world_ray(&segment.ray), &at.hit);
+        let point = tracer.resolve(&tracer.world_ray(&segment.leg.ray), &at.hit);
         let serial = self.scratch.deferred.len() as u32;
         DeferredGather {
             ray: self.number,
@@ -438,11 +443,18 @@ impl<'a> CameraPath<'_, 'a> {
         material: &'a Material,
         is_lit: bool,
     ) {
-        let Some(glass) = material.dielectric else {
+        if material.dielectric.is_some() {
+            self.pass(segment, at, material);
+        } else {
             self.reflect(segment, hit, at, material, is_lit);
+        }
+    }
+
+    /// Continues the path in the mirrored and the refracted direction.
+    fn pass(&mut self, segment: &Segment, at: &SurfaceInteraction, glass: &Material) {
+        let Some(interface) = at.interface(glass) else {
             return;
         };
-        let interface = at.dielectric(&glass, material.mirror);
         let next = interface.continuations(segment.depth, SPLIT_DEPTH, || self.chance());
         for next in next.into_iter().flatten() {
             self.send(segment, at, next);
@@ -530,7 +542,7 @@ impl<'a> CameraPath<'_, 'a> {
         let survival = ROULETTE.survival(carried, || self.chance());
         let Some(survival) = survival else { return };
         self.scratch.pending.push(Segment {
-            ray: at.spawn_ray(self.integrator.tracer(), &next),
+            leg: at.leg(self.integrator.scene.surfaces(), &next, segment.leg.medium),
             weight: weight / survival,
             depth: segment.depth + 1,
             scattered: segment.scattered + u32::from(next.density != 0.0),
@@ -595,7 +607,7 @@ impl Segment {
 
     fn first(ray: KernelRay) -> Segment {
         Segment {
-            ray,
+            leg: Leg::from(ray),
             weight: Rgb::WHITE,
             depth: 0,
             scattered: 0,

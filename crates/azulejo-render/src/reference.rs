@@ -13,6 +13,7 @@ use crate::shading::{Parts, mirrored};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Rgb, Scene};
 use azulejo_trace::interaction::{Branching, Continuation, Roulette, SurfaceInteraction};
+use azulejo_trace::medium::Leg;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
 use rayon::prelude::*;
@@ -147,7 +148,7 @@ struct Scratch {
 
 /// A path while it is traced.
 struct PathState {
-    ray: KernelRay,
+    leg: Leg,
     weight: Rgb,
     /// What was found so far.
     found: RayRadiance,
@@ -212,27 +213,35 @@ impl<'a> PathTracer<'a> {
         scratch: &mut Scratch,
     ) -> RayRadiance {
         let mut path = PathState {
-            ray,
+            leg: Leg::from(ray),
             weight: Rgb::WHITE,
             found: RayRadiance::default(),
             scattered: 0,
             density: 0.0,
         };
         for depth in 0..self.max_depth {
-            let ray = std::slice::from_ref(&path.ray);
+            let ray = std::slice::from_ref(&path.leg.ray);
             self.scene.tracer().closest(ray, &mut scratch.hits);
-            let hit = scratch.hits[0];
+            let hit = path.leg.hit(&scratch.hits[0]);
             if depth == 0 {
                 self.through_fog(&mut path, &hit);
             }
             if !hit.is_hit() {
                 let is_sharp = path.scattered == 0;
-                path.count(0, self.scene.beyond(&path.ray, is_sharp, path.density));
+                path.count(0, self.scene.beyond(&path.leg.ray, is_sharp, path.density));
                 break;
             }
-            path.count(0, self.scene.emitted(&path.ray, &hit, path.density));
-            let at = self.scene.interaction(&path.ray, &hit);
-            let next = self.scatter(&mut path, &hit, &at, &mut sampler, scratch);
+            let (at, next) =
+                if let Some((film, glass)) = path.leg.air_film(self.scene.surfaces(), &hit) {
+                    let interface = film.interface(glass);
+                    let next = interface.map(|glass| glass.chosen(sampler.next(self.seed)));
+                    (film, next)
+                } else {
+                    path.count(0, self.scene.emitted(&path.leg.ray, &hit, path.density));
+                    let at = self.scene.interaction(&path.leg.ray, &hit);
+                    let next = self.scatter(&mut path, &hit, &at, &mut sampler, scratch);
+                    (at, next)
+                };
             let Some(next) = next.and_then(|n| self.roulette(n, depth, &path, &mut sampler)) else {
                 break;
             };
@@ -245,7 +254,7 @@ impl<'a> PathTracer<'a> {
     }
 
     fn through_fog(&self, path: &mut PathState, hit: &KernelHit) {
-        if let Some((clear, added)) = self.scene.fog(&path.ray, hit) {
+        if let Some((clear, added)) = self.scene.fog(&path.leg.ray, hit) {
             path.found.direct += added;
             path.weight *= clear;
         }
@@ -261,8 +270,7 @@ impl<'a> PathTracer<'a> {
         scratch: &mut Scratch,
     ) -> Option<Continuation> {
         let material = self.scene.surfaces().material(hit.item);
-        if let Some(glass) = &material.dielectric {
-            let interface = at.dielectric(glass, material.mirror);
+        if let Some(interface) = at.interface(material) {
             return Some(interface.chosen(sampler.next(self.seed)));
         }
         let shading = self.scene.shading(hit, at, material, Parts::All);
@@ -306,7 +314,7 @@ impl<'a> PathTracer<'a> {
 
     /// The path leaves the surface in that direction.
     fn turn(&self, path: &mut PathState, at: &SurfaceInteraction, next: &Continuation) {
-        path.ray = at.spawn_ray(self.scene.tracer(), next);
+        path.leg = at.leg(self.scene.surfaces(), next, path.leg.medium);
         path.weight *= next.weight;
         path.scattered += u32::from(next.density != 0.0);
         path.density = next.density_after(path.density);

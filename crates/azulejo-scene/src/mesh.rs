@@ -275,13 +275,21 @@ impl Mesh {
     /// Whether every edge, by the positions of its ends, has an even number of faces. Which way
     /// they are oriented does not matter: a ray that enters leaves again.
     pub fn is_closed(&self) -> bool {
+        self.is_closed_by(|_| true)
+    }
+
+    /// The same of the faces alone whose material `counts`.
+    pub fn is_closed_by(&self, counts: impl Fn(MaterialId) -> bool) -> bool {
         let key = |v: u32| {
             self.positions[v as usize]
                 .to_array()
                 .map(|x| (x + 0.0).to_bits())
         };
         let mut uses: HashMap<_, usize> = HashMap::new();
-        for corners in self.faces.iter() {
+        for (corners, &material) in self.faces.iter().zip(&self.face_materials) {
+            if !counts(material) {
+                continue;
+            }
             let next = corners.iter().cycle().skip(1);
             for (&a, &b) in corners.iter().zip(next) {
                 let (a, b) = (key(a), key(b));

@@ -1,19 +1,22 @@
 //! Follows paths through mirrors and glass, and by chance from glossy surfaces, to every surface
 //! that they reach.
 
-use crate::interaction::{Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction};
+use crate::interaction::{
+    Branching, Continuation, DielectricInterface, Roulette, SPLIT_DEPTH, SurfaceInteraction,
+};
+use crate::medium::Leg;
 use crate::sampling::{hash, uniform};
-use crate::{KernelHit, KernelRay, Surfaces, Tracer};
+use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
-use azulejo_scene::{Dielectric, Material, Rgb};
+use azulejo_scene::{Material, Rgb};
 use glam::DVec3;
 
 /// A ray of a path, and what the path carries.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
     /// The next ray.
-    pub ray: KernelRay,
+    pub leg: Leg,
     /// Chosen by the caller and handed back with every event.
     pub id: u32,
     /// Share of the light that this path carries, per channel.
@@ -28,6 +31,21 @@ pub struct Path {
     /// Whether it passed a thin pane, straight on. Such panes do not count for `via` and `density`,
     /// as shadow rays pass them too.
     pub passed_pane: bool,
+}
+
+impl Path {
+    /// One that sets out.
+    pub fn new(ray: KernelRay, id: u32, weight: Rgb) -> Path {
+        Path {
+            leg: Leg::from(ray),
+            id,
+            weight,
+            via: Via::Direct,
+            depth: 0,
+            density: 0.0,
+            passed_pane: false,
+        }
+    }
 }
 
 /// What lies between the start of a path and its current ray, beside thin panes that it passed.
@@ -113,21 +131,29 @@ pub fn follow(
     let mut wave = 0;
     while !paths.is_empty() {
         scratch.rays.clear();
-        scratch.rays.extend(paths.iter().map(|p| p.ray));
+        scratch.rays.extend(paths.iter().map(|p| p.leg.ray));
         surfaces.tracer.closest(&scratch.rays, &mut scratch.hits);
         for (index, (path, hit)) in paths.iter().zip(&scratch.hits).enumerate() {
+            let hit = path.leg.hit(hit);
             if hit.item == KernelHit::MISS {
                 on_event(path, Event::Escape);
                 continue;
             }
-            let (hit, front) = surfaces.facing(&path.ray, hit);
-            on_event(path, Event::Surface { hit, front });
-            if surfaces.is_specular(hit.item) {
+            let (hit, front) = surfaces.facing(&path.leg.ray, &hit);
+            let film = path.leg.air_film(surfaces, &hit);
+            if film.is_none() {
+                on_event(path, Event::Surface { hit, front });
+            }
+            if film.is_some() || surfaces.is_specular(hit.item) {
+                let (at, material) = film.unwrap_or_else(|| {
+                    let at = SurfaceInteraction::new(surfaces.tracer, &path.leg.ray, &hit);
+                    (at, surfaces.material(hit.item))
+                });
                 let specular = SpecularHit {
                     path,
                     item: hit.item,
-                    material: surfaces.material(hit.item),
-                    at: SurfaceInteraction::new(surfaces.tracer, &path.ray, &hit),
+                    material,
+                    at,
                     key: hash(&[seed, wave, index as u32]),
                     heaviest,
                 };
@@ -170,10 +196,10 @@ impl SpecularHit<'_> {
     /// Divides the path into the parts that continue, are cut and are absorbed.
     fn scatter(&self, surfaces: &Surfaces, mut push: impl FnMut(Outcome)) {
         let material = self.material;
-        let send = |next: Continuation| push(self.next(surfaces.tracer, next));
-        match material.dielectric {
-            Some(glass) => {
-                let absorbed = self.at_glass(&glass, send);
+        let send = |next: Continuation| push(self.next(surfaces, next));
+        match self.at.interface(material) {
+            Some(interface) => {
+                let absorbed = self.at_glass(&interface, send);
                 if absorbed.max_channel() > f64::EPSILON {
                     push(Outcome::Absorbed(self.absorbed(absorbed)));
                 }
@@ -188,8 +214,7 @@ impl SpecularHit<'_> {
     }
 
     /// Sends what glass mirrors and passes; returns the share that it absorbs.
-    fn at_glass(&self, glass: &Dielectric, send: impl FnMut(Continuation)) -> Rgb {
-        let interface = self.at.dielectric(glass, self.material.mirror);
+    fn at_glass(&self, interface: &DielectricInterface, send: impl FnMut(Continuation)) -> Rgb {
         let depth = self.path.depth.into();
         let next = interface.continuations(depth, SPLIT_DEPTH, || self.chance(0));
         next.into_iter().flatten().for_each(send);
@@ -229,10 +254,10 @@ impl SpecularHit<'_> {
     }
 
     /// The part that continues in that direction.
-    fn next(&self, tracer: &Tracer, next: Continuation) -> Outcome {
+    fn next(&self, surfaces: &Surfaces, next: Continuation) -> Outcome {
         let weight = self.path.weight * next.weight;
         let next = Path {
-            ray: self.at.spawn_ray(tracer, &next),
+            leg: self.at.leg(surfaces, &next, self.path.leg.medium),
             id: self.path.id,
             weight,
             via: self.via(&next),
@@ -298,8 +323,9 @@ impl SpecularHit<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Tracer;
     use azulejo_scene::math::Ray;
-    use azulejo_scene::{Object, Primitive, Scene, Shape};
+    use azulejo_scene::{Dielectric, Object, Primitive, Scene, Shape};
 
     /// Weights of one path straight through two sheets of a material: escaped, absorbed, cut.
     fn fates(material: Material) -> [f64; 3] {
@@ -319,15 +345,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let surfaces = Surfaces::new(&scene, &tracer);
         let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.0, 0.0, 2.0), -DVec3::Z));
-        let start = Path {
-            ray,
-            id: 0,
-            weight,
-            via: Via::Direct,
-            depth: 0,
-            density: 0.0,
-            passed_pane: false,
-        };
+        let start = Path::new(ray, 0, weight);
         let mut fates = [0.0; 3];
         follow(
             &surfaces,

@@ -4,9 +4,10 @@
 //! They differ only in where their random numbers come from, in how often they split a path, and
 //! in what they do with a path that carries little.
 
+use crate::medium::AirFilm;
 use crate::{Hit, KernelHit, KernelRay, Surfaces, Tracer};
 use azulejo_scene::math::{Frame, Ray, reflect};
-use azulejo_scene::{Dielectric, Rgb, fresnel};
+use azulejo_scene::{Material, Rgb, fresnel};
 use glam::DVec3;
 
 /// Dielectrics split a path in two at its first interfaces, where that removes most of the noise;
@@ -39,6 +40,8 @@ pub struct SurfaceInteraction {
     pub shading_normal: DVec3,
     /// The same ray from behind the surface on.
     pub straight_on: KernelRay,
+    /// The film of air that it is, if it is one.
+    pub film: Option<AirFilm>,
 }
 
 impl SurfaceInteraction {
@@ -58,6 +61,7 @@ impl SurfaceInteraction {
             facing,
             shading_normal: facing,
             straight_on,
+            film: None,
         }
     }
 
@@ -71,25 +75,14 @@ impl SurfaceInteraction {
         tracer.leaving(self.hit.position, self.facing)
     }
 
-    /// The ray with which a path continues, to either side. One that passes straight keeps its origin:
-    /// lights behind are sampled from there.
-    pub fn spawn_ray(&self, tracer: &Tracer, next: &Continuation) -> KernelRay {
-        if next.is_straight {
-            return self.straight_on;
-        }
-        let direction = next.direction;
-        let side = self.facing * 1f64.copysign(direction.dot(self.facing));
-        let origin = tracer.leaving(self.hit.position, side);
-        tracer.kernel_ray(&Ray::new(origin, direction))
-    }
-
     /// The exact mirror reflection, for a surface that mirrors `share`.
     pub fn mirrored(&self, share: Rgb) -> Continuation {
         Continuation::specular(reflect(self.direction, self.shading_normal), share)
     }
 
-    /// What a dielectric does with the ray; `mirror` scales what it reflects.
-    pub fn dielectric(&self, glass: &Dielectric, mirror: Rgb) -> DielectricInterface {
+    /// What the surface does with the ray if its material is a dielectric, or that of the film.
+    pub fn interface(&self, material: &Material) -> Option<DielectricInterface> {
+        let glass = material.dielectric.as_ref()?;
         let eta = if self.hit.entering || glass.thin {
             glass.ior
         } else {
@@ -101,15 +94,20 @@ impl SurfaceInteraction {
         } else {
             (fresnel::split(direction, normal, eta), eta * eta)
         };
-        DielectricInterface {
+        Some(DielectricInterface {
             reflectance: split.reflectance,
             reflected: split.reflected,
             refracted: split.refracted,
-            mirror,
+            mirror: material.mirror,
             transmittance: glass.transmittance,
             compression,
+            power: if self.hit.entering {
+                1.0
+            } else {
+                1.0 / compression
+            },
             is_straight: glass.is_straight(),
-        }
+        })
     }
 }
 
@@ -174,6 +172,8 @@ pub struct DielectricInterface {
     /// The square of the ratio of indices: refraction conserves L/n², so radiance that arrives
     /// from the far side is divided by it. 1 for a pane, which has the same medium on both sides.
     compression: f64,
+    /// Power per weight on the side that the ray comes from: weights are of radiance, and paths set out in air.
+    power: f64,
     is_straight: bool,
 }
 
@@ -216,10 +216,11 @@ impl DielectricInterface {
         }
     }
 
-    /// The share that the interface neither mirrors nor passes.
+    /// The power that the interface neither mirrors nor passes, by the weight of the path: more than 1 inside glass,
+    /// where less radiance is as much power.
     pub fn absorbed(&self) -> Rgb {
         let passed = self.transmittance * (1.0 - self.reflectance);
-        Rgb::WHITE - self.reflected().weight - passed
+        (Rgb::WHITE - self.reflected().weight - passed) * self.power
     }
 }
 

@@ -35,6 +35,7 @@ pub mod item_buffer;
 mod kernel;
 pub mod lambert;
 pub mod lights;
+pub mod medium;
 mod progress;
 pub mod run;
 pub mod sampling;

@@ -33,6 +33,8 @@ pub struct Surfaces<'a> {
     triangles: Vec<Option<Arc<MeshTriangles>>>,
     /// Mean radiance of the front of each material.
     emissions: Vec<Rgb>,
+    /// Per prototype, whether it bounds a body of glass; empty if nothing does.
+    bodies: Vec<bool>,
 }
 
 /// The triangles of all faces of a mesh, so that no face is triangulated twice.
@@ -131,6 +133,7 @@ impl<'a> Surfaces<'a> {
                 *triangles = None;
             }
         }
+        let bodies = bodies(scene, &names, &items);
         Surfaces {
             scene,
             tracer,
@@ -138,7 +141,19 @@ impl<'a> Surfaces<'a> {
             names,
             triangles,
             emissions,
+            bodies,
         }
+    }
+
+    /// Whether the scene has closed bodies of glass.
+    pub(crate) fn has_bodies(&self) -> bool {
+        !self.bodies.is_empty()
+    }
+
+    /// Whether an item bounds a closed body of glass. Panes do not, nor a sheet whose far side is all glass.
+    pub(crate) fn is_body(&self, item: u32) -> bool {
+        let prototype = self.tracer.prototype(item) as usize;
+        self.bodies.get(prototype).is_some_and(|is_body| *is_body)
     }
 
     /// What an item is.
@@ -348,6 +363,39 @@ impl<'a> Surfaces<'a> {
             next = next.behind(&hits[0]);
         }
         (*hit, false)
+    }
+}
+
+/// Which of the items are surfaces of closed bodies of glass; empty if none is. Those of an object follow one another.
+fn bodies(scene: &Scene, names: &[Item], items: &[ItemSurface]) -> Vec<bool> {
+    let is_glass = |material: MaterialId| {
+        let glass = scene.materials[material as usize].dielectric;
+        glass.is_some_and(|glass| !glass.thin)
+    };
+    if !items.iter().any(|item| is_glass(item.material)) {
+        return Vec::new();
+    }
+    let is_closed = |object: u32| match &scene.objects[object as usize].shape {
+        Shape::Mesh(mesh) => mesh.is_closed_by(is_glass),
+        Shape::Instance(instance) => instance.mesh.is_closed_by(is_glass),
+        Shape::Primitive(p) => {
+            !matches!(p.kind, PrimitiveKind::Square | PrimitiveKind::Tube { .. })
+        }
+        Shape::Exact(exact) => exact.solids.iter().all(|s| s.open_part().is_none()),
+    };
+    let mut last = None;
+    let mut is_closed_again = |object: u32| match last {
+        Some((known, is_closed)) if known == object => is_closed,
+        _ => last.insert((object, is_closed(object))).1,
+    };
+    let all = names.iter().zip(items);
+    let bodies: Vec<bool> = all
+        .map(|(name, item)| is_glass(item.material) && is_closed_again(name.object))
+        .collect();
+    if bodies.contains(&true) {
+        bodies
+    } else {
+        Vec::new()
     }
 }
 

@@ -116,7 +116,7 @@ impl RowCheck<'_> {
             let (side, stretch) = (self.sides.side(row), 0..rays / REPLICATES);
             sampler.fill(side, replicate, stretch, 1.0, &mut paths);
         }
-        let rays: Vec<KernelRay> = paths.iter().map(|path| path.ray).collect();
+        let rays: Vec<KernelRay> = paths.iter().map(|path| path.leg.ray).collect();
         surfaces.tracer.closest(&rays, &mut hits);
         let hit = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
         hit.filter_map(|(ray, hit)| {

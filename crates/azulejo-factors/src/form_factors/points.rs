@@ -9,7 +9,7 @@ use crate::rays::{BATCH, HitPatches, Visits};
 use crate::row::order;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
 use azulejo_trace::{Cancelled, Progress, REPLICATES};
 use glam::DVec3;
@@ -184,15 +184,11 @@ impl PointSampling<'_> {
                 Some(frame) => cosine_about(frame, u, v),
                 None => on_sphere(u, v),
             };
-            Path {
-                ray: tracer.kernel_ray(&Ray::new(point.position, direction)),
+            Path::new(
+                tracer.kernel_ray(&Ray::new(point.position, direction)),
                 id,
-                weight: Rgb::grey(share),
-                via: Via::Direct,
-                depth: 0,
-                density: 0.0,
-                passed_pane: false,
-            }
+                Rgb::grey(share),
+            )
         }));
     }
 
@@ -210,7 +206,7 @@ impl PointSampling<'_> {
             let weight = path.weight.mean();
             match event {
                 Event::Escape => {
-                    let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
+                    let is_up = surfaces.tracer.world_ray(&path.leg.ray).direction.dot(up) >= 0.0;
                     sums.escaped[replicate][usize::from(!is_up)] += weight;
                 }
                 Event::Cut => sums.cut += weight * share,

@@ -162,7 +162,7 @@ impl PreparedPlan<'_> {
                 chances,
                 |path, event| {
                     if let Event::Escape = event {
-                        let direction = surfaces.tracer.world_ray(&path.ray).direction;
+                        let direction = surfaces.tracer.world_ray(&path.leg.ray).direction;
                         let patch = division.patch(world_from_sky.conjugate() * direction);
                         let weight = path.weight.mean();
                         shares[patch].value += weight;

@@ -320,7 +320,7 @@ impl SffResolver<'_, '_> {
             self.warn(node.place, message);
         }
         let is_csg = matches!(self.tree.nodes[around.node].kind, SffNodeKind::Csg(..));
-        if is_csg && !solids.iter().all(is_closed) {
+        if is_csg && !solids.iter().all(|solid| solid.open_part().is_none()) {
             let found = "an open shape in a set operation, which has no interior";
             let expected = "closed shapes, or a list (67) of pieces that close it together";
             return Err(self.sources.error(node.place, found, expected));
@@ -334,7 +334,7 @@ impl SffResolver<'_, '_> {
         let node = &self.tree.nodes[frame.node];
         let [left, right] = frame.sides;
         let SffNodeKind::Csg(operation, _) = node.kind else {
-            let is_one = left.len() == 1 && is_closed(&left[0]);
+            let is_one = left.len() == 1 && left[0].open_part().is_none();
             return Ok(if left.is_empty() || is_one {
                 left
             } else {
@@ -722,16 +722,6 @@ fn some_faces(mesh: azulejo_scene::Mesh) -> Vec<Solid> {
 }
 
 /// Whether a solid has an interior.
-fn is_closed(solid: &Solid) -> bool {
-    match solid {
-        Solid::Primitive(p) => {
-            !matches!(p.kind, PrimitiveKind::Tube { .. } | PrimitiveKind::Square)
-        }
-        Solid::Patch(_) => false,
-        Solid::Mesh(mesh) => mesh.is_closed(),
-        Solid::Prism(_) | Solid::Shell(_) | Solid::Csg(_) => true,
-    }
-}
 
 /// The type in an object's name.
 fn kind_name(node: &SffNode, solids: &[Solid]) -> &'static str {

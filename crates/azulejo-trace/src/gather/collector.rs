@@ -6,7 +6,7 @@ use super::{
     DiffuseHit, DiffuseLight, DirectLight, GatherPoint, Gatherer, LIGHT_WEIGHT, MOST_SURVIVAL,
     OutgoingRadiosity, REPLICATES, SURVIVAL, Termination, UNKNOWN_SHARE, UNKNOWN_SURVIVAL,
 };
-use crate::follow::{Event, Path, Scratch, Via, follow};
+use crate::follow::{Event, Path, Scratch, follow};
 use crate::sampling::{cosine_hemisphere, hash, uniform};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
@@ -101,7 +101,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                 Event::Surface { hit, front } => {
                     // Glossy surfaces sample the lights; what their paths meet of these is weighted against that.
                     next_event.add(gatherer, path, &hit, path.id, seed);
-                    let ray = path.ray;
+                    let ray = path.leg.ray;
                     let at = DiffuseHit { ray, hit, front };
                     let stray = gatherer.stray_exitance(path, &hit, front);
                     let outgoing = if is_unknown {
@@ -183,15 +183,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             let direction =
                 Frame::from_normal(normal).to_world(cosine_hemisphere(random(0), random(1)));
             let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(position, normal), direction));
-            paths.push(Path {
-                ray,
-                id,
-                weight: weight * (direct_odds / odds),
-                via: Via::Direct,
-                depth: 0,
-                density: 0.0,
-                passed_pane: false,
-            });
+            paths.push(Path::new(ray, id, weight * (direct_odds / odds)));
         }
         let at: Vec<GatherPoint> = points.iter().map(|p| p.0).collect();
         let direct = self.direct.single_sample(&at, seed ^ 0x51);

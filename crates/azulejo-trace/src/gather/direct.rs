@@ -77,16 +77,22 @@ impl<'a> Direct<'a> {
         let rays = shadow_rays.of_point();
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
-        let flat = self.sources.flat(self.lights);
+        let groups = self.sources.groups_alone(self.lights);
         // Collect the sources that may light each point; of very many, all but suns are sampled by importance.
         for (index, point) in points.iter().enumerate() {
             let start = terms.len();
-            self.terms_of(index as u32, point, flat, &mut terms);
+            let count = rays.end - rays.start;
+            let seed = hash(&[seed, point.key, rays.start]);
+            self.terms_of(index as u32, point, groups, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let many: Vec<Term> = terms.drain(start..).collect();
-                let seed = hash(&[seed, point.key, rays.start]);
-                let count = rays.end - rays.start;
                 sums[index].lamps.replicates = self.sample_terms(point, &many, count, seed);
+            }
+            if let Some(groups) = groups {
+                let sampled = self.sample_groups(point, groups, count, seed);
+                for (sum, sampled) in sums[index].lamps.replicates.iter_mut().zip(sampled) {
+                    *sum += sampled;
+                }
             }
             self.sun_terms_of(index as u32, point, &mut terms);
         }
@@ -130,7 +136,6 @@ impl<'a> Direct<'a> {
         let mut terms = Vec::new();
         let clusters = self.sources.clusters.as_ref();
         let flat = self.sources.flat(self.lights);
-        let one_by_one = if clusters.is_some() { &[] } else { flat };
         let lone_lamp = self.sources.is_lone_lamp(self.lights);
         self.tests.clear();
         for (index, point) in points.iter().enumerate() {
@@ -142,7 +147,7 @@ impl<'a> Direct<'a> {
                 continue;
             }
             terms.clear();
-            self.terms_of(index as u32, point, one_by_one, &mut terms);
+            self.terms_of(index as u32, point, clusters, &mut terms);
             self.sun_terms_of(index as u32, point, &mut terms);
             let chance = |d: u32| f64::from(uniform(&[seed, point.key, d]));
             if let ([term], None) = (&terms[..], clusters) {
@@ -158,13 +163,13 @@ impl<'a> Direct<'a> {
             let share = clusters_sum / (clusters_sum + terms_sum).max(f64::MIN_POSITIVE);
             let u = (chance(1), chance(2));
             if let Some(clusters) = clusters.filter(|_| chance(0) < share) {
-                let u_of_lamp = [chance(0) / share, chance(3)];
-                if let Some((lamp, probability)) =
-                    clusters.lamp(&of_clusters, flat, point, u_of_lamp)
-                    && let Some(weight) = self.plan(point, index as u32, 0, &Target::Flat(lamp), u)
+                let u_of_light = [chance(0) / share, chance(3)];
+                let among = (self.lights, self.surfaces);
+                if let Some((term, probability)) =
+                    clusters.choose(&of_clusters, among, point, u_of_light)
+                    && let Some(weight) = self.plan(point, index as u32, 0, &term.target, u)
                 {
-                    let radiance = flat[lamp as usize].emission.radiance;
-                    values[index] = radiance * (weight / (probability * share));
+                    values[index] = term.unbiased(weight) / (probability * share);
                 }
                 continue;
             }

@@ -9,10 +9,12 @@
 //! of the few points.
 
 use super::direct::{Direct, MOST_TERMS};
+use super::light_clusters::LightClusters;
 use super::terms::{FlatSource, Term, ratio_of_others};
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::sampling::{cumulative_sums, hash, sample_discrete, seeds, sobol};
 use azulejo_scene::Rgb;
+use std::borrow::Borrow;
 use std::f64::consts::PI;
 
 /// Points on a surface: as many for each replicate, one replicate after the other.
@@ -35,25 +37,55 @@ impl Direct<'_> {
         rays: u32,
         seed: u32,
     ) -> [Rgb; REPLICATES] {
+        let cumulative = cumulative(terms);
+        let known: Rgb = terms.iter().filter(|t| !t.is_rough()).map(|t| t.full).sum();
+        self.sample_chosen(point, known, rays, seed, |[c, _]| {
+            choose(terms, &cumulative, c)
+        })
+    }
+
+    /// The same of the lights in groups.
+    pub(super) fn sample_groups(
+        &mut self,
+        point: &GatherPoint,
+        groups: &LightClusters,
+        rays: u32,
+        seed: u32,
+    ) -> [Rgb; REPLICATES] {
+        let cumulative = groups.cumulative(point);
+        let among = (self.lights, self.surfaces);
+        self.sample_chosen(point, Rgb::BLACK, rays, hash(&[seed, 0x67]), |u| {
+            groups.choose(&cumulative, among, point, u)
+        })
+    }
+
+    /// Direct light of a point from the terms, each with its probability, that `choose` makes of two numbers in 0..1.
+    /// `known` is the sum of all those whose light formulas know.
+    fn sample_chosen<T: Borrow<Term>>(
+        &mut self,
+        point: &GatherPoint,
+        known: Rgb,
+        rays: u32,
+        seed: u32,
+        choose: impl Fn([f64; 2]) -> Option<(T, f64)>,
+    ) -> [Rgb; REPLICATES] {
         let count = (4 * rays).max(MOST_TERMS as u32 / 2);
         self.tests.clear();
-        let cumulative = cumulative(terms);
         let mut values = Vec::new();
         for r in 0..REPLICATES as u32 {
             let s = seeds(&[seed, r]);
             for k in 0..count {
-                let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
-                let Some((term, probability)) = choose(terms, &cumulative, c) else {
+                let [c, u1, u2, m] = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, s[d])));
+                let Some((term, probability)) = choose([c, m]) else {
                     continue;
                 };
-                let tag = values.len() as u32;
+                let (term, tag) = (term.borrow(), values.len() as u32);
                 if let Some(weight) = self.plan(point, tag, r, &term.target, (u1, u2)) {
                     let value = term.unbiased(weight) / (probability * f64::from(count));
                     values.push((value, term.is_rough()));
                 }
             }
         }
-        let known: Rgb = terms.iter().filter(|t| !t.is_rough()).map(|t| t.full).sum();
         self.visible_light(&values, [known; REPLICATES])
     }
 

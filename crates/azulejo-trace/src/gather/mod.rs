@@ -267,7 +267,7 @@ impl<'a> Gatherer<'a> {
         if path.density == 0.0 {
             return exitance;
         }
-        let sampled = self.lights.pdf(&self.surfaces, &path.ray, hit);
+        let sampled = self.lights.pdf(&self.surfaces, &path.leg.ray, hit);
         exitance * mis_weight(path.density.into(), sampled)
     }
 
@@ -450,15 +450,7 @@ impl<'a> Gatherer<'a> {
                     [0, 1, 2].map(|k| d[0] * x[k] + d[1] * y[k] + d[2] * z.direction[k]);
                 let id = (index * REPLICATES + k / directions.count) as u32;
                 let ray = KernelRay { direction, ..z };
-                paths.push(Path {
-                    ray,
-                    id,
-                    weight: Rgb::WHITE,
-                    via: Via::Direct,
-                    depth: 0,
-                    density: 0.0,
-                    passed_pane: false,
-                });
+                paths.push(Path::new(ray, id, Rgb::WHITE));
             }
         }
         paths

@@ -139,7 +139,7 @@ impl<'g, 'a> Gloss<'g, 'a> {
         if gatherer.lights.is_empty() {
             return None;
         }
-        let at = SurfaceInteraction::new(surfaces.tracer, &path.ray, hit);
+        let at = SurfaceInteraction::new(surfaces.tracer, &path.leg.ray, hit);
         let frame = at.frame(surfaces);
         let wo = frame.to_local(-at.direction);
         let material = surfaces.material(hit.item);

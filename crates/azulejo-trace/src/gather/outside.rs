@@ -149,7 +149,7 @@ impl Gatherer<'_> {
         if outside.is_empty() || path.via == Via::Direct {
             return ambient * PI;
         }
-        let ray = self.surfaces().tracer.world_ray(&path.ray);
+        let ray = self.surfaces().tracer.world_ray(&path.leg.ray);
         let direction = ray.direction.normalize_or_zero();
         let radiance = if path.density > 0.0 {
             let weight = mis_weight(path.density.into(), outside.pdf(direction));

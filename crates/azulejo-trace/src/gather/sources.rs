@@ -1,6 +1,5 @@
 //! Which lights, and which mirror images of them, the direct light is computed from.
 
-use super::direct::MOST_TERMS;
 use super::light_clusters::LightClusters;
 use crate::Surfaces;
 use crate::follow::Via;
@@ -51,7 +50,7 @@ pub struct DirectSources {
     /// Per item: whether it belongs to a window.
     is_window: Vec<bool>,
     count: usize,
-    /// The flat emitters in groups, if there are many.
+    /// The flat emitters in groups if they are many, and the lights without area if those are.
     pub(super) clusters: Option<LightClusters>,
 }
 
@@ -72,8 +71,7 @@ impl DirectSources {
         let points = lights.delta.len() + lights.outside.suns.len();
         let flat = if has_flat { sides } else { 0 } + points;
         sources.collect_windows(surfaces, lights, flat);
-        let lamps = sources.flat(lights);
-        sources.clusters = (lamps.len() > MOST_TERMS).then(|| LightClusters::new(lamps));
+        sources.clusters = LightClusters::new(sources.flat(lights), &lights.delta);
         let curved = sources.curved(lights).len();
         sources.count = flat * (1 + sources.windows.len()) + curved;
         sources
@@ -107,6 +105,12 @@ impl DirectSources {
             Via::Mirror(mirror) => is_flat && self.has_flat && self.is_window[mirror as usize],
             Via::Many => false,
         }
+    }
+
+    /// The groups of lights, if lights without area are so many that even to list them costs more than rays.
+    pub(super) fn groups_alone(&self, lights: &Lights) -> Option<&LightClusters> {
+        let clusters = self.clusters.as_ref();
+        clusters.filter(|_| lights.delta.len() > MOST_LAMPS)
     }
 
     /// Number of lamps, lights, and images of both.

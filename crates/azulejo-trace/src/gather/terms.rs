@@ -2,10 +2,11 @@
 //! between.
 
 use super::direct::Direct;
+use super::light_clusters::LightClusters;
 use super::polygon::{is_hidden, is_through};
 use super::{GatherPoint, REPLICATES};
 use crate::lambert::{ArrayPolygon, clip, clip_to_window, point_to_polygon};
-use crate::lights::{FlatEmitter, SunDisc, side_toward, unoccluded, unoccluded_image};
+use crate::lights::{SunDisc, side_toward, unoccluded, unoccluded_image};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::reflect;
 use glam::DVec3;
@@ -72,7 +73,15 @@ impl Term {
         }
     }
 
-    /// Whether `full` is an estimate.
+    /// A term chosen of so many that the sum of all is not known.
+    pub fn of_many(full: Rgb, radiance: Rgb, target: Target) -> Term {
+        Term {
+            is_rough: true,
+            ..Term::new(0, full, radiance, target)
+        }
+    }
+
+    /// Whether `full` is an estimate, or one of a sum that is not known.
     pub fn is_rough(&self) -> bool {
         self.is_rough
     }
@@ -159,15 +168,19 @@ fn sun_term(
 }
 
 impl Direct<'_> {
-    /// Appends the terms of all sources that could light `point`; of flat emitters those of `flat`, which are all or
-    /// none.
+    /// Appends the terms of all sources that could light `point`, but for those in `groups`.
     pub(super) fn terms_of(
         &self,
         index: u32,
         point: &GatherPoint,
-        flat: &[FlatEmitter],
+        groups: Option<&LightClusters>,
         terms: &mut Vec<Term>,
     ) {
+        let flat = if groups.is_some_and(LightClusters::has_flat) {
+            &[]
+        } else {
+            self.sources.flat(self.lights)
+        };
         let mut push = |full: Rgb, radiance: Rgb, target: Target| {
             if full.max_channel() > 0.0 {
                 terms.push(Term::new(index, full, radiance, target));
@@ -190,6 +203,9 @@ impl Direct<'_> {
             }
         }
         for light in &self.lights.delta {
+            if groups.is_some_and(|groups| groups.has(light)) {
+                continue;
+            }
             if let Some((target, full)) = unoccluded(light, p, n, self.surfaces) {
                 push(full, Rgb::BLACK, Target::Delta(target));
             }

@@ -92,6 +92,11 @@ impl KernelHit {
         }
     }
 
+    /// The same place, at another parameter: that of another ray.
+    pub(crate) fn at(self, t: f32) -> KernelHit {
+        KernelHit { t, ..self }
+    }
+
     /// Whether something was hit.
     pub fn is_hit(&self) -> bool {
         self.item != KernelHit::MISS

@@ -183,7 +183,7 @@ fn a_point_light_in_a_glossy_floor() {
 #[test]
 fn shares_at_a_glossy_surface_add_up() {
     use azulejo_scene::math::Ray;
-    use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+    use azulejo_trace::follow::{Event, Path, Scratch, follow};
     let mut scene = Scene::default();
     let floor = scene.add_material(Material::with_brdf("floor", brdf()));
     scene.objects = vec![sheet(FLOOR, floor)];
@@ -193,15 +193,7 @@ fn shares_at_a_glossy_surface_add_up() {
         DVec3::new(0.1, 0.2, 1.0),
         DVec3::new(0.3, 0.1, -1.0),
     ));
-    let path = |id| Path {
-        ray,
-        id,
-        weight: Rgb::WHITE,
-        via: Via::Direct,
-        depth: 0,
-        density: 0.0,
-        passed_pane: false,
-    };
+    let path = |id| Path::new(ray, id, Rgb::WHITE);
     let count = 4096;
     let (mut escaped, mut absorbed) = (0.0, 0.0);
     let mut paths: Vec<Path> = (0..count).map(path).collect();

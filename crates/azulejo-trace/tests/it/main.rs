@@ -1,5 +1,6 @@
 //! What the tracer promises, seen from outside.
 
+mod air_films;
 mod csg;
 mod glossy;
 mod indirect;
