@@ -290,8 +290,8 @@ impl<'a> CameraPath<'_, 'a> {
             self.integrator
                 .tracer()
                 .closest(ray, &mut self.scratch.next);
-            let hit = segment.leg.hit(&self.scratch.next[0]);
-            self.shade(&segment, &hit);
+            let found = self.scratch.next[0];
+            self.shade(&segment, &found);
         }
         RayRadiance {
             is_random: self.sampler.is_used(),
@@ -319,8 +319,10 @@ impl<'a> CameraPath<'_, 'a> {
     }
 
     /// Adds what a segment contributes; its continuations become pending.
-    fn shade(&mut self, segment: &Segment, hit: &KernelHit) {
+    fn shade(&mut self, segment: &Segment, found: &KernelHit) {
         let scene = &self.integrator.scene;
+        let (hit, front) = segment.leg.hit(scene.surfaces(), found);
+        let hit = &hit;
         if !hit.is_hit() {
             let beyond = scene.beyond(&segment.leg.ray, segment.is_sharp(), segment.density);
             self.count(segment.scattered, segment.weight * beyond);
@@ -342,7 +344,6 @@ impl<'a> CameraPath<'_, 'a> {
         let at = (is_glossy || is_tilted).then(|| scene.interaction(&segment.leg.ray, hit));
         let mut is_lit = false;
         if !material.diffuse.is_black() && !is_tilted {
-            let front = surfaces.is_front(&segment.leg.ray, hit);
             let (ray, hit) = (segment.leg.ray, *hit);
             let reflectance = self.read_reflectance(segment, &hit, at.as_ref(), material);
             is_lit = self.reflect_irradiance(segment, &DiffuseHit { ray, hit, front }, reflectance);

@@ -3,6 +3,7 @@
 use crate::film::{Film, Lens, Tile};
 use crate::render_scene::RenderScene;
 use azulejo_scene::{Camera, Image, Rgb, Scene, Shape};
+use azulejo_trace::medium::Leg;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
 use glam::DVec3;
@@ -135,6 +136,9 @@ impl LayerFinder<'_> {
         let all = (0..self.samples).map(|sample| ray(pixel.position(sample)));
         let rays: Vec<KernelRay> = all.chain([middle]).collect();
         tracer.closest(&rays, hits);
+        for (ray, hit) in rays.iter().zip(hits.iter_mut()) {
+            *hit = Leg::from(*ray).hit(self.scene.surfaces(), hit).0;
+        }
         let (mut albedo, mut normal) = (LayerSpread::default(), LayerSpread::default());
         for (ray, hit) in rays.iter().zip(hits.iter()).take(self.samples as usize) {
             let [reflectance, direction] = self.surface(ray, hit);

@@ -222,7 +222,7 @@ impl<'a> PathTracer<'a> {
         for depth in 0..self.max_depth {
             let ray = std::slice::from_ref(&path.leg.ray);
             self.scene.tracer().closest(ray, &mut scratch.hits);
-            let hit = path.leg.hit(&scratch.hits[0]);
+            let (hit, _) = path.leg.hit(self.scene.surfaces(), &scratch.hits[0]);
             if depth == 0 {
                 self.through_fog(&mut path, &hit);
             }

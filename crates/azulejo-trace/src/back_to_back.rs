@@ -1,6 +1,7 @@
-//! Which triangles may have another one back to back with them: those that stand alone need no second look.
+//! Which triangles have another one back to back with them, of which a ray hits one by chance.
 
-use crate::Tracer;
+use crate::exact::point_on_triangle;
+use crate::{KernelHit, KernelRay, Tracer};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,16 +22,61 @@ const MOST_CELLS: usize = 64;
 /// Radians by which rounding may turn a triangle that is not a sliver.
 const MOST_TURN: f64 = 0.1;
 
-/// If a cell has more pairs than this, all in it count as back to back.
-const MOST_PAIRS: usize = 1 << 12;
+/// If a cell needs more tests of two boxes than this, all in it are unknown.
+const MOST_TESTS: usize = 1 << 24;
 
-/// Which triangles of a tracer may be back to back with another: in one plane but for rounding, with the opposite side
-/// in front, and with boxes that overlap. Some are named that are not; none is left out, but those beside slivers.
+/// Triangles that may be back to back with others.
+#[derive(Default)]
+pub(crate) struct BackToBack {
+    /// A triangle, and one behind it, in order.
+    pairs: Vec<[u32; 2]>,
+    /// Triangles that may have others behind them that are in no pair.
+    unknown: Vec<bool>,
+    /// Distance within which planes are the same.
+    rounding: f64,
+}
+
+impl BackToBack {
+    /// Whether a triangle may have others behind it that are in no pair.
+    pub fn is_unknown(&self, item: u32) -> bool {
+        self.unknown
+            .get(item as usize)
+            .is_none_or(|unknown| *unknown)
+    }
+
+    /// The hits of a ray on the triangles that are back to back with the one that it hits. Which of them the tracer
+    /// reports is rounding, and at the same `t` it is the first.
+    pub fn hits<'b>(
+        &'b self,
+        tracer: &'b Tracer,
+        ray: &KernelRay,
+        hit: &'b KernelHit,
+    ) -> impl Iterator<Item = KernelHit> + 'b {
+        let first = self.pairs.partition_point(|pair| pair[0] < hit.item);
+        let pairs = self.pairs[first..].iter();
+        let pairs = pairs.take_while(|pair| pair[0] == hit.item);
+        let ray = tracer.world_ray(ray);
+        let near = 4.0 * self.rounding;
+        pairs.filter_map(move |&[_, other]| {
+            let at = |item| {
+                let corners = tracer.triangle_corners(item);
+                point_on_triangle(corners, &ray, hit.t.into())
+            };
+            let (here, there) = (at(hit.item), at(other));
+            let uv = [there.u as f32, there.v as f32];
+            (here.position.distance(there.position) <= near)
+                .then(|| KernelHit::on_surface(hit.t, other, uv))
+        })
+    }
+}
+
+/// The triangles of a tracer that may be back to back: in one plane but for rounding, with opposite sides in front, and
+/// with boxes that overlap. Some are named that are not; none is left out, but those beside slivers.
 ///
-/// `None` if the scene has other shapes, instances or copies, which are not examined.
-pub(crate) fn back_to_back(tracer: &Tracer) -> Option<Vec<bool>> {
+/// In a scene that has other shapes, instances or copies none is examined, and all are unknown.
+pub(crate) fn back_to_back(tracer: &Tracer) -> BackToBack {
     if !tracer.has_triangles_alone() {
-        return None;
+        return BackToBack::default();
     }
     let planes = Planes::new(tracer);
     let items = 0..tracer.triangles.len() as u32;
@@ -38,14 +84,20 @@ pub(crate) fn back_to_back(tracer: &Tracer) -> Option<Vec<bool>> {
         .flat_map_iter(|item| planes.entries(item))
         .collect();
     entries.par_sort_unstable_by_key(|e| (e.cell, e.item));
-    let mut backs = vec![false; items.len()];
+    let mut backs = BackToBack {
+        pairs: Vec::new(),
+        unknown: vec![false; items.len()],
+        rounding: planes.rounding,
+    };
     for entry in entries.iter().filter(|e| e.cell == SLIVER) {
-        backs[entry.item as usize] = true;
+        backs.unknown[entry.item as usize] = true;
     }
     for cell in entries.chunk_by(|a, b| a.cell == b.cell) {
         planes.compare(cell, &mut backs);
     }
-    Some(backs)
+    backs.pairs.sort_unstable();
+    backs.pairs.dedup();
+    backs
 }
 
 /// Steepest axis, slopes along the other two, and offset along the axis.
@@ -139,24 +191,40 @@ impl<'t> Planes<'t> {
         entries
     }
 
-    /// Marks the triangles of a cell that another one opposes.
-    fn compare(&self, cell: &[PlaneEntry], backs: &mut [bool]) {
-        let (along, against): (Vec<&PlaneEntry>, Vec<&PlaneEntry>) =
-            cell.iter().partition(|entry| entry.is_along);
-        if along.len() * against.len() > MOST_PAIRS {
-            cell.iter()
-                .for_each(|entry| backs[entry.item as usize] = true);
+    /// Finds the triangles of a cell that another one opposes: those whose boxes overlap, in a sweep along the longest
+    /// side of the box around all.
+    fn compare(&self, cell: &[PlaneEntry], backs: &mut BackToBack) {
+        if cell.iter().all(|entry| entry.is_along == cell[0].is_along) {
             return;
         }
-        let bounds = |item: u32| Aabb::around(self.tracer.triangle_corners(item));
-        for a in &along {
-            for b in &against {
-                let (first, second) = (bounds(a.item), bounds(b.item));
-                let gap = (first.min - second.max).max(second.min - first.max);
-                if gap.max_element() <= 4.0 * self.rounding {
-                    backs[a.item as usize] = true;
-                    backs[b.item as usize] = true;
+        let bounds = |entry: &PlaneEntry| {
+            let corners = self.tracer.triangle_corners(entry.item);
+            (Aabb::around(corners), entry.item, entry.is_along)
+        };
+        let mut boxes: Vec<(Aabb, u32, bool)> = cell.iter().map(bounds).collect();
+        let all = boxes
+            .iter()
+            .fold(Aabb::EMPTY, |all, (own, ..)| all.union(*own));
+        let axis = (all.max - all.min).max_position();
+        boxes.sort_by(|(a, ..), (b, ..)| a.min[axis].total_cmp(&b.min[axis]));
+        let (near, mut tests) = (4.0 * self.rounding, 0);
+        for (k, (a, first, is_along)) in boxes.iter().enumerate() {
+            let later = boxes[k + 1..].iter();
+            for (b, second, _) in later
+                .take_while(|(b, ..)| b.min[axis] <= a.max[axis] + near)
+                .inspect(|_| tests += 1)
+                .filter(|(_, _, other)| other != is_along)
+            {
+                let gap = (a.min - b.max).max(b.min - a.max);
+                if gap.max_element() <= near {
+                    backs.pairs.extend([[*first, *second], [*second, *first]]);
                 }
+            }
+            if tests > MOST_TESTS {
+                for entry in cell {
+                    backs.unknown[entry.item as usize] = true;
+                }
+                return;
             }
         }
     }
@@ -165,8 +233,11 @@ impl<'t> Planes<'t> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Surfaces;
+    use azulejo_scene::math::Ray;
     use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
     use glam::DQuat;
+    use std::f64::consts::FRAC_PI_2;
 
     /// Triangles of a scene, and which of them are found.
     fn found(triangles: &[[DVec3; 3]]) -> Vec<bool> {
@@ -179,7 +250,9 @@ mod tests {
         let mut scene = Scene::default();
         scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
         scene.objects.push(Object::new("all", Shape::Mesh(mesh)));
-        back_to_back(&Tracer::new(&scene)).unwrap()
+        let backs = back_to_back(&Tracer::new(&scene));
+        let is_found = |item| backs.is_unknown(item) || backs.pairs.iter().any(|p| p[0] == item);
+        (0..triangles.len() as u32).map(is_found).collect()
     }
 
     #[test]
@@ -202,6 +275,50 @@ mod tests {
             let posed = triangles.map(|t| t.map(|p| (turn * p + far).as_vec3().as_dvec3()));
             let expected = [true, true, false, true, false, false];
             assert_eq!(found(&posed), expected, "pose {k}");
+        }
+    }
+
+    #[test]
+    fn rays_meet_the_face_that_shows_its_front() {
+        let [o, x, y] = [DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::Y];
+        for back in [vec![[o, y, x]], vec![[o, y, 0.5 * x], [0.5 * x, y, x]]] {
+            for k in 0..20 {
+                // In planes along the axes both are hit at the same distance.
+                let turn = if k < 3 {
+                    DQuat::from_axis_angle(DVec3::AXES[k as usize], FRAC_PI_2)
+                } else {
+                    DQuat::from_scaled_axis(0.3 * f64::from(k) * DVec3::new(1.0, 2.0, -0.5))
+                };
+                let far = f64::from(k) * DVec3::new(30.0, -20.0, 7.0);
+                let pose = |p: DVec3| (turn * p + far).as_vec3().as_dvec3();
+                let mut scene = Scene::default();
+                for (name, triangles) in [("front", vec![[o, x, y]]), ("back", back.clone())] {
+                    let mut mesh = Mesh::default();
+                    for corners in &triangles {
+                        let first = mesh.positions.len() as u32;
+                        mesh.positions.extend(corners.map(pose));
+                        mesh.push_face(&[first, first + 1, first + 2], 0);
+                    }
+                    scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
+                }
+                scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+                let tracer = Tracer::new(&scene);
+                let surfaces = Surfaces::new(&scene, &tracer);
+                for (object, side) in [(0, 1.0), (1, -1.0)] {
+                    for at in [0.2 * x + 0.3 * y, 0.7 * x + 0.1 * y] {
+                        let from = pose(at + DVec3::new(0.3, -0.1, side));
+                        let ray = tracer.kernel_ray(&Ray::between(from, pose(at)));
+                        let ray = KernelRay { t_max: 2.0, ..ray };
+                        let mut hits = Vec::new();
+                        tracer.closest(&[ray], &mut hits);
+                        let (hit, is_front) = surfaces.facing(&ray, &hits[0]);
+                        assert!(is_front, "{k}");
+                        assert_eq!(tracer.item(hit.item).object, object, "{k}");
+                        let (position, _) = tracer.surface_point(&ray, &hit);
+                        assert!(position.distance(pose(at)) < 1e-3, "{k}: {position}");
+                    }
+                }
+            }
         }
     }
 

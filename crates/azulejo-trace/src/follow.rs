@@ -134,12 +134,11 @@ pub fn follow(
         scratch.rays.extend(paths.iter().map(|p| p.leg.ray));
         surfaces.tracer.closest(&scratch.rays, &mut scratch.hits);
         for (index, (path, hit)) in paths.iter().zip(&scratch.hits).enumerate() {
-            let hit = path.leg.hit(hit);
+            let (hit, front) = path.leg.hit(surfaces, hit);
             if hit.item == KernelHit::MISS {
                 on_event(path, Event::Escape);
                 continue;
             }
-            let (hit, front) = surfaces.facing(&path.leg.ray, &hit);
             let film = path.leg.air_film(surfaces, &hit);
             if film.is_none() {
                 on_event(path, Event::Surface { hit, front });

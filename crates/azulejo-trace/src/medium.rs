@@ -65,9 +65,13 @@ impl Leg {
         }
     }
 
-    /// What it hits, if `found` is what the ray does.
-    pub fn hit(&self, found: &KernelHit) -> KernelHit {
-        self.known.unwrap_or(*found)
+    /// What it hits, if `found` is what the ray does, and whether at the front ([`Surfaces::facing`]).
+    pub fn hit(&self, surfaces: &Surfaces, found: &KernelHit) -> (KernelHit, bool) {
+        let hit = self.known.unwrap_or(*found);
+        if !hit.is_hit() {
+            return (hit, false);
+        }
+        surfaces.facing(&self.ray, &hit)
     }
 
     /// The film that the path meets before what it hits, and its glass.

@@ -1,6 +1,6 @@
 //! Surface properties that light transport needs at every hit, kept per traced item.
 
-use crate::back_to_back::{BACK_TO_BACK, back_to_back};
+use crate::back_to_back::{BACK_TO_BACK, BackToBack, back_to_back};
 use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
@@ -35,6 +35,7 @@ pub struct Surfaces<'a> {
     emissions: Vec<Rgb>,
     /// Per prototype, whether it bounds a body of glass; empty if nothing does.
     bodies: Vec<bool>,
+    back_to_back: BackToBack,
 }
 
 /// The triangles of all faces of a mesh, so that no face is triangulated twice.
@@ -100,8 +101,6 @@ struct ItemSurface {
     material: MaterialId,
     is_specular: bool,
     is_emitter: bool,
-    /// Whether a front may lie in the same place as its back.
-    is_sheet: bool,
 }
 
 impl<'a> Surfaces<'a> {
@@ -121,13 +120,7 @@ impl<'a> Surfaces<'a> {
             let triangles = triangles[object].as_deref();
             ItemSurface::new(scene, &leaves[object], triangles, &emissions, item)
         };
-        let mut items: Vec<ItemSurface> = names.iter().map(surface).collect();
-        // Where they are not examined, all are looked at again.
-        if let Some(sheets) = back_to_back(tracer) {
-            for (item, is_sheet) in items.iter_mut().zip(sheets) {
-                item.is_sheet = is_sheet;
-            }
-        }
+        let items: Vec<ItemSurface> = names.iter().map(surface).collect();
         for (object, triangles) in scene.objects.iter().zip(&mut triangles) {
             if object.shape.mesh().is_none_or(|mesh| mesh.uvs.is_none()) {
                 *triangles = None;
@@ -142,6 +135,7 @@ impl<'a> Surfaces<'a> {
             triangles,
             emissions,
             bodies,
+            back_to_back: back_to_back(tracer),
         }
     }
 
@@ -340,10 +334,17 @@ impl<'a> Surfaces<'a> {
         if self.is_front(ray, hit) {
             return (*hit, true);
         }
-        let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
-        if !self.surface(hit.item).is_sheet || self.material(hit.item).dielectric.is_some() {
+        if self.material(hit.item).dielectric.is_some() {
             return (*hit, false);
         }
+        let mut others = self.back_to_back.hits(self.tracer, ray, hit);
+        if let Some(front) = others.find(|other| self.is_front(ray, other)) {
+            return (front, true);
+        }
+        if !self.back_to_back.is_unknown(hit.item) {
+            return (*hit, false);
+        }
+        let length = |v: [f32; 3]| v.iter().map(|x| x * x).sum::<f32>().sqrt();
         let far = length(ray.origin) + hit.t * length(ray.direction) + 1.0;
         let beside = BACK_TO_BACK * f32::EPSILON * far / length(ray.direction);
         let mut next = KernelRay {
@@ -431,7 +432,6 @@ impl ItemSurface {
             material,
             is_specular: surface.is_specular(),
             is_emitter: !emissions[material as usize].is_black(),
-            is_sheet: true,
         }
     }
 }
