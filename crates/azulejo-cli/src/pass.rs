@@ -193,7 +193,7 @@ pub fn describe(
     report: &mut Report,
 ) -> Result<(), Failure> {
     // A result that cannot be trusted is refused before anything of it is reported.
-    refuse_imbalance(&pass.balance, args)?;
+    refuse_imbalance(pass, args)?;
     prepared.describe(&pass.engine_used, report);
     // State the method, and the patches and memory that it takes.
     let method = match pass.method {
@@ -255,8 +255,12 @@ pub fn describe(
 }
 
 /// Refuses a result from which so much of the emitted power is missing that it cannot be trusted, unless `args` allow it.
-pub fn refuse_imbalance(balance: &EnergyBalance, args: &FirstPassArgs) -> Result<(), Failure> {
-    if balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
+pub fn refuse_imbalance(
+    pass: &azulejo_radiosity::Report,
+    args: &FirstPassArgs,
+) -> Result<(), Failure> {
+    let balance = &pass.balance;
+    if balance.is_broken(pass.balance_error) && !args.allow_imbalance && args.bounces.is_none() {
         if balance.missing() < 0.0 {
             return Err(Failure::failed(format_args!(
                 "{} more power is absorbed than is emitted, so nothing was written: faces that coincide, as those of a \

@@ -47,6 +47,34 @@ fn named<T>(path: &Path, result: Result<T, String>) -> Result<T, Failure> {
     result.map_err(|e| Failure::Failed(format!("{}: {e}", path.display())))
 }
 
+/// Reads points with or without normals, all alike: text, or `.npy` n×3 or n×6. Normals are normalized.
+pub fn read_places(path: &Path) -> Result<Vec<(DVec3, Option<DVec3>)>, Failure> {
+    named(path, parse_places(&models::read_bytes(path)?))
+}
+
+fn parse_places(bytes: &[u8]) -> Result<Vec<(DVec3, Option<DVec3>)>, String> {
+    let bare = match table(bytes, 3) {
+        Ok(rows) => rows,
+        // The message is of what has normals, unless nothing has.
+        Err(bare) => match parse_points(bytes) {
+            Ok(points) => {
+                let with_normal = points.into_iter().map(|p| (p.position, Some(p.normal)));
+                return Ok(with_normal.collect());
+            }
+            Err(_) if table(bytes, 6).is_err() => {
+                return Err(format!("{bare} (or 6, with a normal)"));
+            }
+            Err(message) => return Err(message),
+        },
+    };
+    let position = |(i, row): (usize, &[f64])| {
+        let position = DVec3::from_slice(row);
+        let is_finite = position.is_finite().then_some((position, None));
+        is_finite.ok_or_else(|| format!("point {i}: the position is not finite"))
+    };
+    bare.chunks_exact(3).enumerate().map(position).collect()
+}
+
 /// Points and normals side by side.
 fn paired(points: Vec<f64>, normals: Vec<f64>, path: &Path) -> Result<Vec<f64>, Failure> {
     if points.len() != normals.len() {

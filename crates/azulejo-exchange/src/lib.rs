@@ -8,11 +8,13 @@
 //! | [`enclosure`] | form factors with a description of their rows, grouped by face, object, material or place |
 //! | [`archive`] | the same as an `.npz` |
 //! | [`files`] | files of other programs |
+//! | [`points`] | what points see |
 //! | [`thermal`] | networks, temperatures and fluxes, which nothing above needs |
 
 pub mod archive;
 pub mod enclosure;
 pub mod files;
+pub mod points;
 pub mod thermal;
 
 pub use enclosure::{

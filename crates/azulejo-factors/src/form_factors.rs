@@ -344,6 +344,11 @@ impl<'a> PreparedPlan<'a> {
         self.plan.options.engine != Engine::Auto
     }
 
+    /// The plan.
+    pub fn plan(&self) -> &'a Plan<'a> {
+        self.plan
+    }
+
     /// Number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.sides.len()

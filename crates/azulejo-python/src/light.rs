@@ -65,7 +65,10 @@ impl LightArgs {
 
     /// Refuses light of which so much is missing that it cannot be trusted.
     fn check(&self, report: &Report) -> PyResult<()> {
-        if !report.balance.is_broken() || self.allow_imbalance || self.bounces.is_some() {
+        if !report.balance.is_broken(report.balance_error)
+            || self.allow_imbalance
+            || self.bounces.is_some()
+        {
             return Ok(());
         }
         Err(refused(format_args!(

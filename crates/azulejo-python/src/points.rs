@@ -6,9 +6,10 @@ use crate::error::{cancelled, factors_error};
 use crate::form_factors::OptionArgs;
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
-use azulejo_exchange::{Enclosure, GroupBy, Groups};
-use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors, PreparedPlan, RowRemainder};
-use azulejo_factors::{FormFactorOptions, FormFactors};
+use azulejo_exchange::GroupBy;
+use azulejo_exchange::points::{SeenFromPoints, numbered};
+use azulejo_factors::FormFactorOptions;
+use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors, RowRemainder};
 use azulejo_radiosity::PointNormal;
 use azulejo_scene::Scene;
 use azulejo_trace::{Progress, Tracer};
@@ -52,10 +53,11 @@ pub fn compute_point_factors<'py>(
     let (periods, options) = (options.periods()?, options.options()?);
     let points = factor_points(&points, normals.as_ref())?;
     let shared = scene.shared();
-    let (factors, groups) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let seen = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
-        from_points(&shared.scene, &tracer, by, &options, &points, p)
+        from_points(&shared.scene, &tracer, by, &options, points, p)
     })?;
+    let (factors, groups) = (seen.seen, seen.groups);
     let count = groups.names.len();
     let names = by.is_some().then_some(groups.names);
     Ok((rows(py, &factors), names, count, rests(py, &factors)))
@@ -85,43 +87,12 @@ fn from_points(
     tracer: &Tracer,
     by: Option<GroupBy>,
     options: &FormFactorOptions,
-    points: &[FactorPoint],
+    points: Vec<FactorPoint>,
     progress: &Progress,
-) -> PyResult<(Vec<PointFactors>, Groups)> {
+) -> PyResult<SeenFromPoints> {
     let plan = Plan::new(scene, tracer, options).map_err(factors_error)?;
-    let prepared = plan.prepare();
-    let groups = groups(&plan, &prepared, scene, by, options.two_sided);
-    let columns = (&groups.of_rows[..], groups.names.len());
-    let factors = prepared.factors_from_points(points, columns, progress);
-    Ok((factors.map_err(cancelled)?, groups))
-}
-
-/// The groups of the columns, as those of the matrix of the same options.
-fn groups(
-    plan: &Plan,
-    prepared: &PreparedPlan,
-    scene: &Scene,
-    by: Option<GroupBy>,
-    two_sided: bool,
-) -> Groups {
-    let rows = prepared.rows();
-    let patch = |row: usize| if two_sided { row / 2 } else { row };
-    let patches = plan.patches();
-    let factors = FormFactors {
-        areas: vec![0.0; rows],
-        faces: (0..rows).map(|row| patches.face(patch(row))).collect(),
-        materials: (0..rows).map(|row| patches.material(patch(row))).collect(),
-        is_back: (0..rows).map(|row| two_sided && row % 2 == 1).collect(),
-        ..FormFactors::default()
-    };
-    let enclosure = Enclosure::new(prepared, scene, factors);
-    match by {
-        Some(by) => enclosure.groups(by),
-        None => Groups {
-            of_rows: (0..rows as u32).map(Some).collect(),
-            names: enclosure.rows.names,
-        },
-    }
+    let seen = SeenFromPoints::compute(&plan.prepare(), (scene, by), numbered(points), progress);
+    seen.map_err(cancelled)
 }
 
 fn rows<'py>(py: Python<'py>, points: &[PointFactors]) -> PointRows<'py> {

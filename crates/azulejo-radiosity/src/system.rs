@@ -701,9 +701,10 @@ impl EnergyBalance {
         self.error() > OFF
     }
 
-    /// Whether so much is missing that the solution cannot be trusted.
-    pub fn is_broken(&self) -> bool {
-        self.error() > BROKEN
+    /// Whether so much is missing, beyond what two of its standard errors explain, that the solution cannot be trusted.
+    /// What these explain is in the error of the light, too.
+    pub fn is_broken(&self, standard_error: f64) -> bool {
+        self.error() - 2.0 * standard_error > BROKEN
     }
 
     /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the dark.
@@ -747,5 +748,7 @@ mod tests {
         assert!((balance(5.0).lost(0.02) - 0.08).abs() < 1e-12);
         assert!(balance(5.9).lost(0.02) == 0.0);
         assert!(balance(8.0).lost(0.02) == 0.0);
+        assert!(balance(4.5).is_broken(0.02) && !balance(4.5).is_broken(0.03));
+        assert!(balance(7.5).is_broken(0.02) && !balance(5.1).is_broken(0.0));
     }
 }

@@ -28,7 +28,7 @@ pub fn describe(
     report: &mut Report,
 ) -> Result<(), Failure> {
     if let Some(pass) = &baked.report {
-        pass::refuse_imbalance(&pass.balance, args)?;
+        pass::refuse_imbalance(pass, args)?;
     }
     pages(baked, scene, report);
     light(baked, args, scene, report);

@@ -44,6 +44,8 @@ pub struct FormFactorArgs {
     #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]
+    pub from: FromArgs,
+    #[command(flatten)]
     pub programs: ProgramArgs,
     #[command(flatten)]
     pub clock: ClockArgs,
@@ -191,6 +193,26 @@ pub struct MatrixArgs {
     pub sky_patches: Option<SkyDivision>,
 }
 
+/// What points see, instead of the matrix.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "From points")]
+pub struct FromArgs {
+    /// Write what points see of objects (or of the groups of --by), sky and ground instead of the matrix, as .csv or
+    /// .npz: text (x y z of a small globe, or x y z nx ny nz of an element, per line), or .npy
+    ///
+    /// A globe weighs all directions alike, an element by the cosine to its normal. By --rays rays from each.
+    #[arg(long, value_name = "POINTS", value_hint = ValueHint::FilePath, conflicts_with_all =
+          ["cluster", "truncate", "compress", "separate", "sky_patches", "closure", "part"])]
+    pub from: Option<PathBuf>,
+    /// Replace each globe by the six faces of a small cube, along the axes: plane radiant temperatures
+    #[arg(long, requires = "from")]
+    pub six_directions: bool,
+    /// Also write the radiant temperature of each point, from a table of those of surfaces: name, T (K) or T_C (°C), also
+    /// for sky, ground, or space for both
+    #[arg(long, value_name = "TABLE", requires = "from", value_hint = ValueHint::FilePath)]
+    pub temperatures: Option<PathBuf>,
+}
+
 /// Groups of patches that become one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GroupBy {
@@ -318,6 +340,7 @@ Examples:
   azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
   azulejo form-factors city.obj -o part-3 --shard 3/64
   azulejo form-factors city.obj -o f.npz --patches 100000 --rays 1024 --compress 1e-3
+  azulejo form-factors room.obj -o seen.csv --from desk.txt
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
 The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at

@@ -6,6 +6,7 @@ mod destination;
 mod facing;
 mod grouping;
 mod outside;
+mod points;
 pub mod stored;
 pub mod summary;
 mod view3d;
@@ -39,6 +40,14 @@ pub fn run(
     runner: Runner,
     session: &mut Session,
 ) -> Result<Report, Failure> {
+    if let Some(from) = &args.from.from {
+        if let Some(by) = runner.shared_by() {
+            return Err(Failure::misuse(format_args!(
+                "{by} and --from: points take little time; divide their file, if they are very many"
+            )));
+        }
+        return points::run(args, from, session);
+    }
     // Compression is the work of one process, since its blocks depend on all rows.
     if let Some(tolerance) = args.matrix.compress {
         let merge = runner.is_merged().then_some("merge");

@@ -308,6 +308,7 @@ fn provide(folder: &Folder, word: &str) {
         "anybodys.glb" => drop(fs::copy(folder.path("baked.glb"), path)),
         "Serif.ttf" | "Serif.otf" => folder.write(word, tiny_font::bytes()),
         "logo.svg" => folder.write(word, LOGO),
+        "desk.txt" => folder.write(word, "0.5 0.5 0.5\n"),
         "optics.csv" => folder.write(word, "name,eps\nlamp,0.05\n*,0.8\n"),
         "temperatures.csv" => folder.write(word, "name,T,q\nlamp,320,\n*,,0\n"),
         "studio.toml" => folder.write(word, "[[material]]\nname = \"white\"\ndiffuse = 0.5\n"),

@@ -1,10 +1,13 @@
 //! `form-factors`: groups, sums, what is refused, and work that goes on after it was killed.
 
 use crate::support::Folder;
+use azulejo_formats::numpy::npz::NpzReader;
+use azulejo_testing::closed_forms::element_parallel;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::json;
 use std::collections::HashMap;
+use std::io::Cursor;
 use std::path::Path;
 use std::process::Stdio;
 use std::thread::sleep;
@@ -434,4 +437,91 @@ fn clusters_for_openfoam_are_of_whole_faces() {
     folder.ok("form-factors fine.npz -o cut.npz --cluster 30");
     let line = "form-factors cut.npz -o case --format openfoam --openfoam v1912";
     folder.fails(line, 1, "found several rows of face");
+}
+
+/// A cube whose floor is warm: what globes, elements and the faces of a small cube see of it, and how warm it seems.
+#[test]
+fn points_see_groups_and_feel_their_temperatures() {
+    let folder = Folder::new();
+    let mut cube = String::new();
+    for k in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|axis| k >> axis & 1);
+        cube += &format!("v {x} {z} {y}\n");
+    }
+    cube += "o floor\nf 1 3 4 2\no lid\nf 5 6 8 7\no walls\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("cube.obj", cube.replace("o lid\nf 5 6 8 7\n", ""));
+    folder.write("points.txt", "0.5 0.5 0.5\n");
+    folder.write("table.csv", "name,T\nfloor,320\nwalls,300\n");
+    let from = "form-factors cube.obj --from points.txt --rays 65536";
+    let open = format!("{from} -o a.csv --temperatures table.csv");
+    folder.fails(&open, 1, "points see the sky, and it has no temperature");
+    folder.write("cube.obj", cube);
+    folder.write("table.csv", "name,T\nfloor,320\nlid,300\nwalls,300\n");
+    // Rows by their names: factor and standard error.
+    let table = |name: &str| -> HashMap<String, [f64; 2]> {
+        let text = String::from_utf8(folder.read(name)).unwrap();
+        let lines = text.lines().skip(1).map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let numbers = [2, 3].map(|k| cells[k].parse().unwrap());
+            (format!("{} {}", cells[0], cells[1]), numbers)
+        });
+        lines.collect()
+    };
+    let check = |table: &HashMap<String, [f64; 2]>, row: &str, expected: f64| {
+        let [value, error] = table[row];
+        let off = (value - expected).abs();
+        assert!(
+            off <= 3.0 * error + 1e-9,
+            "{row}: {value} ± {error}, not {expected}"
+        );
+        assert!(error < 0.01 * expected, "{row}: {value} ± {error}");
+    };
+    let said = folder.ok(&open).err;
+    let globe = table("a.csv");
+    check(&globe, "0 floor", 1.0 / 6.0);
+    check(&globe, "0 lid", 1.0 / 6.0);
+    let warm = |share: f64| (share * 320f64.powi(4) + (1.0 - share) * 300f64.powi(4)).powf(0.25);
+    check(&globe, "0 radiant_temperature", warm(1.0 / 6.0));
+    assert!(said.contains("point 0 "), "{said}");
+    // A face of a small cube, and an element: B-3, four times a quarter.
+    let opposite = |distance: f64| 4.0 * element_parallel(0.5, 0.5, distance);
+    folder.ok(&format!("{open} --six-directions"));
+    let faces = table("a.csv");
+    check(&faces, "0:-y floor", opposite(0.5));
+    check(&faces, "0:-y radiant_temperature", warm(opposite(0.5)));
+    check(
+        &faces,
+        "0:+x radiant_temperature",
+        warm((1.0 - opposite(0.5)) / 4.0),
+    );
+    assert!(!faces.contains_key("0:+y floor"));
+    folder.write("points.txt", "0.5 0 0.5 0 3 0\n");
+    folder.ok(&format!("{from} -o a.csv --by face"));
+    check(&table("a.csv"), "0 lid/0", opposite(1.0));
+    // As an archive.
+    folder.ok(&format!("{from} -o a.npz --temperatures table.csv"));
+    let mut archive = NpzReader::new(Cursor::new(folder.read("a.npz")), 1 << 20).unwrap();
+    let temperature = archive.array("radiant_temperature").unwrap().unwrap();
+    assert!((temperature.number(0) - 300.0).abs() < 1.0);
+    // What does not go together.
+    folder.fails(
+        &format!("{from} -o a.csv --six-directions"),
+        2,
+        "have normals",
+    );
+    folder.fails(&format!("{from} -o a.vtu"), 2, "written as .csv or .npz");
+    folder.fails(
+        &format!("{from} -o a.csv --cluster 2"),
+        2,
+        "cannot be used with",
+    );
+    folder.write("points.txt", "0.5 0\n");
+    folder.fails(
+        &format!("{from} -o a.csv"),
+        1,
+        "line 1: found 2 numbers, expected 3",
+    );
+    folder.write("table.csv", "name,T,q\nfloor,,5\nlid,300,\nwalls,300,\n");
+    folder.write("points.txt", "0.5 0.5 0.5\n");
+    folder.fails(&open, 1, "\"floor\" has a flux");
 }

@@ -12,7 +12,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("bake", 69),
     ("render", 72),
     ("probe", 46),
-    ("form-factors", 55),
+    ("form-factors", 58),
     ("merge", 4),
     ("exchange", 47),
     ("experiment", 4),

@@ -36,7 +36,7 @@ mod blocks;
 mod read;
 #[cfg(test)]
 mod tests;
-mod write;
+pub(crate) mod write;
 
 pub use blocks::{BlockArchive, StoredFactors, open, write_blocks};
 pub use read::{ArchiveError, ReadEnclosure, read, reciprocal};

@@ -255,7 +255,10 @@ fn write_whole(enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()>
 }
 
 /// An array of three numbers for each row.
-fn triples(rows: impl ExactSizeIterator<Item = [f64; 3]>, out: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn triples(
+    rows: impl ExactSizeIterator<Item = [f64; 3]>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     npy::write_header(f64::DESCR, &[rows.len(), 3], out)?;
     rows.flatten().try_for_each(|x| x.write(out))
 }
@@ -320,7 +323,7 @@ impl MatrixRows<'_> {
 }
 
 /// Writes a one-dimensional array, converting entry by entry to avoid a copy.
-pub(super) fn list<T, E: Element>(
+pub(crate) fn list<T, E: Element>(
     values: &[T],
     convert: impl Fn(&T) -> E,
     out: &mut dyn Write,

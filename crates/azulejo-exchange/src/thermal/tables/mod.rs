@@ -25,7 +25,7 @@ use std::fmt;
 pub struct TableError(String);
 
 impl TableError {
-    fn new(words: impl fmt::Display) -> TableError {
+    pub(crate) fn new(words: impl fmt::Display) -> TableError {
         TableError(words.to_string())
     }
 
