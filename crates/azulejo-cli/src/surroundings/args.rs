@@ -25,6 +25,12 @@ pub struct SurroundingsArgs {
     /// cie:TYPE,E also gives its horizontal irradiance.
     #[arg(long, value_name = "SKY", value_parser = sky, allow_hyphen_values = true)]
     pub sky: Option<SkyArg>,
+    /// The sun and the sky (perez) of the instant of --time in a weather file of EnergyPlus (.epw), at its place unless
+    /// --place gives another
+    ///
+    /// Records are means over an hour, which the sun of the instant is taken to give; years do not matter.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "sky")]
+    pub weather: Option<PathBuf>,
     /// Reflectance of the ground below the horizon, or none [default with --sky: 0.2]
     #[arg(long, value_name = "SHARE|none", value_parser = ground)]
     pub ground: Option<GroundArg>,
@@ -68,7 +74,7 @@ pub struct SurroundingsArgs {
 impl SurroundingsArgs {
     /// Whether anything of the sky or the sun is asked for.
     pub fn has_sky(&self) -> bool {
-        self.sky.is_some() || self.sun.is_some()
+        self.sky.is_some() || self.sun.is_some() || self.weather.is_some()
     }
 }
 
@@ -131,6 +137,14 @@ pub struct Site {
 }
 
 impl Site {
+    /// By degrees north and east.
+    pub fn new(latitude: f64, longitude: f64) -> Site {
+        Site {
+            latitude,
+            longitude,
+        }
+    }
+
     /// Where the sun stands at an instant.
     pub fn sun(self, instant: Timestamp) -> Result<SunPosition, String> {
         let seconds = instant.as_millisecond() as f64 / 1000.0;
@@ -144,10 +158,7 @@ pub fn site(text: &str) -> Option<Result<Site, String>> {
     let (latitude, longitude) = (number(latitude).ok()?, number(longitude).ok()?);
     let is_there = latitude.abs() <= 90.0 && longitude.abs() <= 180.0;
     Some(if is_there {
-        Ok(Site {
-            latitude,
-            longitude,
-        })
+        Ok(Site::new(latitude, longitude))
     } else {
         Err(format!(
             "{latitude},{longitude} is not a place on Earth: expected a latitude from -90 to 90 and a \

@@ -5,8 +5,9 @@ pub mod args;
 use crate::failure::Failure;
 use crate::session::Session;
 use args::{GroundArg, Site, SkyArg, SunArg, SurroundingsArgs};
+use azulejo::models;
 use azulejo::surroundings::{
-    DaylightError, DaylightUnits, GROUND_REFLECTANCE, SurroundingPicture, extract_sun,
+    DaylightError, DaylightUnits, GROUND_REFLECTANCE, SurroundingPicture, WeatherFile, extract_sun,
     is_studio_part, modelled_ground, studio, sun_light,
 };
 use azulejo_scene::environment::upright;
@@ -19,7 +20,8 @@ use azulejo_scene::{
 use azulejo_trace::Tracer;
 use glam::DVec3;
 use jiff::Timestamp;
-use jiff::tz::TimeZone;
+use jiff::tz::{Offset, TimeZone};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Adds the light from outside that the options give. `instant` is that of `--time`.
@@ -30,6 +32,13 @@ pub fn add(
     instant: Option<Timestamp>,
     session: &mut Session,
 ) -> Result<(), Failure> {
+    let (mut args, mut site) = (Cow::Borrowed(args), site);
+    if let Some(path) = &args.weather {
+        let weather = weather(path, instant, session)?;
+        site = site.or(Some(weather.site));
+        args.to_mut().sky = Some(weather.sky);
+    }
+    let args = &*args;
     let has_clock = site.is_some() && instant.is_some();
     if args.has_sky() || has_clock {
         Daylight::new(scene, args, site, instant)?.add(scene, session)?;
@@ -65,6 +74,59 @@ pub fn add(
         add_studio(scene, session)?;
     }
     Ok(())
+}
+
+/// The place of a weather file, and its sky at an instant.
+struct WeatherAt {
+    site: Site,
+    sky: SkyArg,
+}
+
+/// Finds the weather of an instant.
+fn weather(
+    path: &Path,
+    instant: Option<Timestamp>,
+    session: &mut Session,
+) -> Result<WeatherAt, Failure> {
+    let Some(instant) = instant else {
+        return Err(Failure::misuse(
+            "--weather: the weather is that of an instant: give --time, as in 2025-06-21T14:00+02:00",
+        ));
+    };
+    let failed = |words: String| Failure::failed(format_args!("{}: {words}", path.display()));
+    let bytes = models::read_bytes(path)?;
+    let file = WeatherFile::read(&String::from_utf8_lossy(&bytes));
+    let file = file.map_err(|e| failed(e.to_string()))?;
+    // Files count hours of local standard time.
+    let ahead = (file.time_zone * 3600.0).round() as i32;
+    let offset = Offset::from_seconds(ahead).map_err(|e| failed(e.to_string()))?;
+    let local = offset.to_datetime(instant);
+    let hour = f64::from(local.hour()) + f64::from(local.minute()) / 60.0;
+    let record = file.record(local.month() as u8, local.day() as u8, hour);
+    let when = local.strftime("%-d %B, %H:%M");
+    let record = record.ok_or_else(|| {
+        let hours = file.records().len();
+        failed(format!(
+            "it has no record of {when} (UTC{offset}), and {hours} of other hours"
+        ))
+    })?;
+    let (Some(dni), Some(dhi)) = (record.direct_normal, record.diffuse_horizontal) else {
+        return Err(failed(format!(
+            "the irradiance by sun and sky is missing on {when} (UTC{offset})"
+        )));
+    };
+    session.tell(&format!(
+        "weather of {} on {when} (UTC{offset}): {dni} W/m² direct normal, {dhi} W/m² diffuse horizontal",
+        file.city
+    ));
+    Ok(WeatherAt {
+        site: Site::new(file.latitude, file.longitude),
+        sky: SkyArg::Perez {
+            dni,
+            dhi,
+            dew_point: record.dew_point,
+        },
+    })
 }
 
 /// Puts the scene into a studio; its camera is for scenes that have none.

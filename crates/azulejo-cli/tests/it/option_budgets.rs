@@ -6,15 +6,15 @@ use clap::{Arg, Command};
 
 /// Each command with its most options, without those of every command.
 const BUDGETS: [(&str, usize); 25] = [
-    ("info", 25),
-    ("convert", 27),
-    ("solve", 45),
-    ("bake", 69),
-    ("render", 72),
-    ("probe", 46),
-    ("form-factors", 58),
+    ("info", 26),
+    ("convert", 28),
+    ("solve", 46),
+    ("bake", 70),
+    ("render", 73),
+    ("probe", 47),
+    ("form-factors", 59),
     ("merge", 4),
-    ("exchange", 47),
+    ("exchange", 48),
     ("experiment", 4),
     ("validate", 5),
     ("text", 18),

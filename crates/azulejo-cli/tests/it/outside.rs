@@ -404,3 +404,59 @@ fn shares_of_the_sky_by_patches_add_up() {
     let again = "form-factors f.npz -o g.npz --sky-patches tregenza";
     folder.fails(again, 2, "are computed");
 }
+
+/// The weather of an instant is the sky of Perez by the record of its hour, at the place of the file.
+#[test]
+fn weather_files_give_sun_and_sky() {
+    let folder = Folder::with_room();
+    folder.write("points.txt", "1 1 1 0 1 0\n");
+    let head = "LOCATION,Somewhere,-,DEU,IWEC,108660,48.14,11.58,1.0,529.0\nDATA PERIODS,1,1,Data,Sunday,1/1,12/31\n";
+    let row = |day: u32, hour: u32, light: &str| {
+        format!("1996,{day},{hour},60,?9,12.0,7.5,60,95600,0,1300,300,400,{light},0,0\n")
+            .replacen("1996,", "1996,6,", 1)
+    };
+    let rows = [
+        row(21, 13, "9999,9999"),
+        row(21, 14, "600,150"),
+        row(21, 15, "100,50"),
+    ]
+    .concat();
+    folder.write("year.epw", format!("{head}{rows}"));
+    let probe = "probe room.obj --points points.txt -o - --rays 64 --solar --seed 3";
+    // 14:00 of summer time is 13:00 of the file: the hour that ends at 14.
+    let instant = "--time 2025-06-21T14:00+02:00";
+    let by_file = folder.ok(&format!("{probe} --weather year.epw {instant}"));
+    let by_hand = folder.ok(&format!(
+        "{probe} --sky perez:600,150,7.5 --place 48.14,11.58 {instant}"
+    ));
+    assert_eq!(by_file.out, by_hand.out);
+    let words = "weather of Somewhere on 21 June, 13:00 (UTC+01): 600 W/m² direct normal";
+    assert!(by_file.err.contains(words), "{}", by_file.err);
+    // Another place, with the weather of the file.
+    let elsewhere = format!("--place 48.14,2.0 {instant}");
+    let by_file = folder.ok(&format!("{probe} --weather year.epw {elsewhere}"));
+    let by_hand = folder.ok(&format!("{probe} --sky perez:600,150,7.5 {elsewhere}"));
+    assert_eq!(by_file.out, by_hand.out);
+    for (more, code, words) in [
+        ("", 2, "give --time"),
+        (
+            "--time 2025-06-21T13:30+02:00",
+            1,
+            "is missing on 21 June, 12:30 (UTC+01)",
+        ),
+        (
+            "--time 2024-02-29T14:00Z",
+            1,
+            "it has no record of 29 February, 15:00",
+        ),
+        (
+            "--time 2025-06-21T14:00+02:00 --sky cie:1",
+            2,
+            "cannot be used with",
+        ),
+    ] {
+        folder.fails(&format!("{probe} --weather year.epw {more}"), code, words);
+    }
+    let model = format!("{probe} --weather room.obj {instant}");
+    folder.fails(&model, 1, "room.obj: line 1: found ");
+}

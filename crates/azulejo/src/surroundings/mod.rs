@@ -2,7 +2,7 @@
 //! of the surroundings, and a studio for a model in which nothing shines.
 //!
 //! [`DaylightUnits`] measures suns and skies in the scene's unit of light; [`sun_light`] and
-//! [`Environment::sky`](crate::scene::Environment::sky) make lights of them. [`SurroundingPicture`]
+//! [`Environment::sky`](crate::scene::Environment::sky) make lights of them. [`WeatherFile`] has what weather gives. [`SurroundingPicture`]
 //! is read from a file, and [`extract_sun`] takes a sun out of one. [`studio()`] is a scene to merge
 //! with the model's; where that is a [`Room`], the lamp hangs in it.
 //!
@@ -25,6 +25,7 @@ mod ground;
 mod picture;
 mod room;
 mod studio;
+mod weather;
 
 pub use daylight::{DaylightError, DaylightUnits, GROUND_REFLECTANCE, sun_light};
 pub use extracted_sun::{ExtractedSun, extract_sun};
@@ -32,3 +33,4 @@ pub use ground::modelled_ground;
 pub use picture::{PictureFailure, SurroundingPicture};
 pub use room::Room;
 pub use studio::{STUDIO_FLOOR, is_studio_part, studio};
+pub use weather::{WeatherError, WeatherFile, WeatherRecord};
