@@ -227,19 +227,17 @@ impl SeenFromPoints {
         archive.add("indices", |w| list(&entries, |(k, _)| i64::from(*k), w))?;
         archive.add("data", |w| list(&entries, |(_, f)| f.value, w))?;
         archive.add("std_error", |w| list(&entries, |(_, f)| f.error, w))?;
-        let shares: [(&str, fn(&RowRemainder) -> f64); 8] = [
-            ("sky", |r| r.sky),
-            ("sky_error", |r| r.sky_error),
-            ("ground", |r| r.ground),
-            ("ground_error", |r| r.ground_error),
-            ("hidden", |r| r.hidden),
-            ("hidden_error", |r| r.hidden_error),
-            ("cut", |r| r.cut),
-            ("lost", |r| r.lost),
-        ];
-        for (name, share) in shares {
-            archive.add(name, |w| list(&self.seen, |p| share(&p.rest), w))?;
-        }
+        let mut add = |name, share: fn(&RowRemainder) -> f64| {
+            archive.add(name, |w| list(&self.seen, |p| share(&p.rest), w))
+        };
+        add("sky", |r| r.sky)?;
+        add("sky_error", |r| r.sky_error)?;
+        add("ground", |r| r.ground)?;
+        add("ground_error", |r| r.ground_error)?;
+        add("hidden", |r| r.hidden)?;
+        add("hidden_error", |r| r.hidden_error)?;
+        add("cut", |r| r.cut)?;
+        add("lost", |r| r.lost)?;
         archive.add("names", |w| npy::write_texts(&self.groups.names, w))?;
         archive.add("point_names", |w| npy::write_texts(&self.names, w))?;
         let points = || self.points.iter();

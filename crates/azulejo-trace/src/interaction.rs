@@ -4,10 +4,9 @@
 //! They differ only in where their random numbers come from, in how often they split a path, and
 //! in what they do with a path that carries little.
 
-use crate::medium::AirFilm;
 use crate::{Hit, KernelHit, KernelRay, Surfaces, Tracer};
 use azulejo_scene::math::{Frame, Ray, reflect};
-use azulejo_scene::{Material, Rgb, fresnel};
+use azulejo_scene::{Material, MaterialId, Rgb, fresnel};
 use glam::DVec3;
 
 /// Dielectrics split a path in two at its first interfaces, where that removes most of the noise;
@@ -42,6 +41,14 @@ pub struct SurfaceInteraction {
     pub straight_on: KernelRay,
     /// The film of air that it is, if it is one.
     pub film: Option<AirFilm>,
+}
+
+/// A film of air between glass and another surface, as one ray hits it.
+#[derive(Clone, Copy, Debug)]
+pub struct AirFilm {
+    pub(crate) glass: MaterialId,
+    /// The surface behind it.
+    pub(crate) behind: KernelHit,
 }
 
 impl SurfaceInteraction {

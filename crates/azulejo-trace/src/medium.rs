@@ -8,7 +8,7 @@
 //! it does not between surfaces in different media. This holds for closed bodies; what lies behind a single sheet of
 //! refracting glass lies in glass.
 
-use crate::interaction::{Continuation, SurfaceInteraction};
+use crate::interaction::{AirFilm, Continuation, SurfaceInteraction};
 use crate::{KernelHit, KernelRay, Surfaces, Tracer};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Material, MaterialId};
@@ -45,14 +45,6 @@ pub struct Leg {
     pub medium: Medium,
     /// What the ray hits, where that is known: the surface behind a film.
     pub known: Option<KernelHit>,
-}
-
-/// A film, as one ray hits it.
-#[derive(Clone, Copy, Debug)]
-pub struct AirFilm {
-    glass: MaterialId,
-    /// The surface behind it.
-    behind: KernelHit,
 }
 
 impl Leg {

@@ -721,8 +721,6 @@ fn some_faces(mesh: azulejo_scene::Mesh) -> Vec<Solid> {
     }
 }
 
-/// Whether a solid has an interior.
-
 /// The type in an object's name.
 fn kind_name(node: &SffNode, solids: &[Solid]) -> &'static str {
     match &node.kind {

@@ -7,10 +7,10 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 4450),
+    ("azulejo", 4600),
     ("azulejo-bake", 5250),
-    ("azulejo-cli", 22_880),
-    ("azulejo-exchange", 7800),
+    ("azulejo-cli", 23_080),
+    ("azulejo-exchange", 8000),
     ("azulejo-factors", 18_000),
     ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
@@ -19,7 +19,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-render", 5200),
     ("azulejo-scene", 14_800),
     ("azulejo-testing", 540),
-    ("azulejo-trace", 12_600),
+    ("azulejo-trace", 13_000),
     ("azulejo-workbench", 27_400),
 ];
 

@@ -119,17 +119,17 @@ impl FlatEmitter {
     /// the middle of a triangle, which is exact to the first.
     pub fn form_factor(&self, p: DVec3, n: DVec3) -> f64 {
         let way = self.centre - p;
-        let facing = self.facing(way);
-        if facing <= 0.0 {
+        let (facing, height) = (self.facing(way), way.dot(n));
+        // Turned away, or below the horizon.
+        if facing <= 0.0 || height <= -self.radius {
             return 0.0;
         }
         let is_far = way.length_squared() > (FAR * self.radius).powi(2);
-        let is_high = way.dot(n) > HIGH * self.radius;
+        let is_high = height > HIGH * self.radius;
         if !(is_far && is_high) || self.polygon.len() > 4 {
             return point_to_polygon(p, n, &self.toward(p));
         }
         let is_triangle = self.polygon.len() == 3;
-        let height = way.dot(n);
         if is_triangle && height > VERY_FAR * self.radius {
             let square = way.length_squared();
             return facing * self.area * height / (PI * square * square);
@@ -155,6 +155,7 @@ impl FlatEmitter {
     }
 
     /// How far a point is in front of a side that emits, if `way` leads from there to the middle.
+    #[inline]
     fn facing(&self, way: DVec3) -> f64 {
         let facing = -way.dot(self.normal);
         if self.emission.emits_back {
