@@ -1,14 +1,18 @@
 //! How time and memory grow with the number of faces: `azulejo info`, `solve` and `form-factors` as
-//! whole processes on furnished rooms of 10³ to 10⁶ triangles, and `render` on pages of letters.
+//! whole processes on furnished rooms of 10³ to 10⁶ triangles, `render` on pages of letters, and `probe` under
+//! point lights.
 //!
 //! `cargo bench -p azulejo-cli --bench growth -- [COMMAND...] [LARGEST]`, with commands of `info`,
-//! `solve`, `factors` and `letters`, by default all, and the largest number of triangles, by default
-//! 1,000,000; of letters it is a hundredth of that. The last column of each row is
+//! `solve`, `factors`, `letters` and `lights`, by default all, and the largest number of triangles, by default
+//! 1,000,000; of letters it is a hundredth of that, of lights a tenth. The last column of each row is
 //! the exponent since the row before: CPU seconds grow as the number of faces to its power.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo_formats::grf;
-use azulejo_scene::synthetic::furnished_room;
+use azulejo_scene::random::split_mix64;
+use azulejo_scene::synthetic::{cube_room, furnished_room};
+use azulejo_scene::{Light, LightKind, Rgb};
+use glam::DVec3;
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
@@ -24,6 +28,12 @@ const SMALLEST: usize = 1_000;
 
 /// Letters are a hundredth of the triangles: each has about thirty faces, of three objects or more.
 const LETTER_SHARE: usize = 100;
+
+/// The same of lights.
+const LIGHT_SHARE: usize = 10;
+
+/// Points at which lights are measured.
+const LIT_POINTS: usize = 300;
 
 /// Rays of each row of form factors.
 const FACTOR_RAYS: &str = "256";
@@ -84,7 +94,45 @@ fn main() {
             growth.measure(letters, &folder, "render", &files, &["-o", "out.png"]);
         }
     }
+    if is_chosen("lights") {
+        let mut growth = Growth::titled("probe", "lights");
+        let points = folder.join("points.txt");
+        fs::write(&points, floor_points()).expect("space for a file");
+        let points = points.to_str().expect("a path in Unicode").to_owned();
+        for lights in sizes(SMALLEST / LIGHT_SHARE, largest / LIGHT_SHARE) {
+            let room = lit_room(&folder, lights);
+            let arguments = ["--points", &points, "-o", "lit.npy", "--error", "5%"];
+            growth.measure(lights, &folder, "probe", &[room], &arguments);
+        }
+    }
     let _ = fs::remove_dir_all(folder);
+}
+
+/// Points all over the floor of the unit cube.
+fn floor_points() -> String {
+    let point = |k: usize| {
+        let along = (k as f64 + 0.5) / LIT_POINTS as f64;
+        format!("{along} {} 0 0 0 1\n", (along * 97.0).fract())
+    };
+    (0..LIT_POINTS).map(point).collect()
+}
+
+/// The unit cube, from within, with point lights in it.
+fn lit_room(folder: &Path, lights: usize) -> PathBuf {
+    let (mut scene, mut state) = (cube_room(), 1);
+    scene.lights.extend((0..lights).map(|k| {
+        let at = [(); 3].map(|()| 0.05 + 0.9 * split_mix64(&mut state));
+        let kind = LightKind::Point {
+            position: DVec3::from(at),
+            intensity: Rgb::grey(1.0),
+        };
+        let name = k.to_string();
+        Light { name, kind }
+    }));
+    let path = folder.join(format!("lights-{lights}.grf"));
+    let mut file = fs::File::create(&path).expect("a file");
+    grf::write(&scene, &mut file).expect("space for a file");
+    path
 }
 
 /// Sizes in steps of ten, and the largest.

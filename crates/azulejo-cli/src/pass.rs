@@ -346,18 +346,31 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     }
     report.value("interpolated", number(pass.interpolated));
     report.value("rays_needed", number(pass.rays_needed));
-    // State what the requested error would take if it was not reached and more rays would help.
-    if let Some(requested) = args.requested_error()
-        && reached > requested
-        && pass.rays_needed > 1.0
-    {
-        let more = short(pass.rays_needed);
-        let words = format!(
-            "{} was not reached: it would take about {more} times the rays from points; allow more \
-             time or rays, or request a larger error",
-            percent(requested)
-        );
-        report.line("caution", words);
+    // State what the requested error would take if it was not reached and more rays would help, or what kept it.
+    let Some(requested) = args.requested_error().filter(|&most| reached > most) else {
+        return;
+    };
+    let why = if pass.rays_needed > 1.0 {
+        let more = times(pass.rays_needed);
+        format!(
+            "it would take {more} the rays from points; allow more time or rays, or request a larger error"
+        )
+    } else if !balance.is_empty() {
+        "so much of the energy is unaccounted for; more rays from patches (--rays) may find it"
+            .to_owned()
+    } else {
+        return;
+    };
+    let requested = percent(requested);
+    report.line("caution", format!("{requested} was not reached: {why}"));
+}
+
+/// How many times as much, where forecasts beyond a thousand mean little.
+pub fn times(factor: f64) -> String {
+    if factor > 1000.0 {
+        "more than a thousand times".to_owned()
+    } else {
+        format!("about {} times", short(factor))
     }
 }
 

@@ -1,15 +1,18 @@
 //! What points see of surfaces, or of groups of them: tables and archives, and radiant temperatures.
 
-use crate::archive::write::{list, triples};
+use crate::archive::write::{list, triples, write_sky};
 use crate::enclosure::{Enclosure, GroupBy, Groups};
 use crate::files::text::csv_field;
 use crate::thermal::RowCondition;
 use crate::thermal::tables::{BoundaryTable, TableError};
-use azulejo_factors::FormFactors;
-use azulejo_factors::form_factors::{FactorPoint, PointFactors, PreparedPlan, RowRemainder};
+use azulejo_factors::form_factors::{
+    FactorPoint, PointFactors, PreparedPlan, RowRemainder, SkyFactors,
+};
+use azulejo_factors::{FactorsError, FormFactors};
 use azulejo_formats::numpy::npy;
 use azulejo_formats::numpy::npz::NpzWriter;
 use azulejo_scene::Scene;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_trace::{Cancelled, Progress};
 use glam::DVec3;
 use std::io::{self, Write};
@@ -34,6 +37,8 @@ pub struct SeenFromPoints {
     pub seen: Vec<PointFactors>,
     /// The groups of the rows of the matrix.
     pub groups: Groups,
+    /// What each sees of patches of the sky, if that is known.
+    pub sky: Option<SkyFactors>,
     /// The radiant temperature of each point and its standard error, K, if temperatures are known.
     pub temperatures: Option<Vec<[f64; 2]>>,
     /// The rows that the matrix of the same options has, without factors.
@@ -83,9 +88,25 @@ impl SeenFromPoints {
             names,
             seen,
             groups,
+            sky: None,
             temperatures: None,
             rows,
         })
+    }
+
+    /// Computes [`sky`](SeenFromPoints::sky), for a north in radians.
+    ///
+    /// # Errors
+    /// As [`PreparedPlan::sky_from_points`].
+    pub fn add_sky(
+        &mut self,
+        prepared: &PreparedPlan,
+        sky: (SkyDivision, f64),
+        progress: &Progress,
+    ) -> Result<(), FactorsError> {
+        let found = prepared.sky_from_points(sky, &self.points, &self.seen, progress)?;
+        self.sky = Some(found);
+        Ok(())
     }
 
     /// Names of a table that no row has.
@@ -180,7 +201,8 @@ impl SeenFromPoints {
     }
 
     /// Writes one line for each point and what it sees: names, factor or share, standard error. Sky, ground and back
-    /// sides (`hidden`) have lines of their own, and so have radiant temperatures, in K.
+    /// sides (`hidden`) have lines of their own, and so have patches of the sky (`sky:1` and on) and radiant temperatures,
+    /// in K.
     ///
     /// # Errors
     /// Those of writing.
@@ -199,6 +221,12 @@ impl SeenFromPoints {
             ];
             for (to, share, error) in away.into_iter().filter(|(_, share, _)| *share > 0.0) {
                 writeln!(out, "{name},{to},{share},{}", error as f32)?;
+            }
+            if let Some(sky) = &self.sky {
+                let patches = sky.row(k).iter().zip(sky.row_errors(k)).enumerate();
+                for (k, (share, error)) in patches.skip(1).filter(|(_, (share, _))| **share > 0.0) {
+                    writeln!(out, "{name},sky:{k},{share},{error}")?;
+                }
             }
             if let Some(temperatures) = &self.temperatures {
                 let [t, error] = temperatures[k];
@@ -246,6 +274,9 @@ impl SeenFromPoints {
             triples(points().map(|p| p.position.to_array()), w)
         })?;
         archive.add("normals", |w| triples(points().map(normal), w))?;
+        if let Some(sky) = &self.sky {
+            write_sky(sky, self.rows.rows.up, &mut archive)?;
+        }
         if let Some(temperatures) = &self.temperatures {
             archive.add("radiant_temperature", |w| list(temperatures, |t| t[0], w))?;
             archive.add("radiant_temperature_error", |w| {

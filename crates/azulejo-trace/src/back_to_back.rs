@@ -22,8 +22,13 @@ const MOST_CELLS: usize = 64;
 /// Radians by which rounding may turn a triangle that is not a sliver.
 const MOST_TURN: f64 = 0.1;
 
-/// If a cell needs more tests of two boxes than this, all in it are unknown.
-const MOST_TESTS: usize = 1 << 24;
+/// If a cell needs more tests of two boxes than this for each of its triangles, all in it are unknown: a wall of 100,000
+/// on either side needs half as many.
+const MOST_TESTS: usize = 2048;
+
+/// If there are more pairs than this for each triangle, besides a few, all triangles are unknown.
+const MOST_PAIRS: usize = 32;
+const FEW_PAIRS: usize = 1 << 20;
 
 /// Triangles that may be back to back with others.
 #[derive(Default)]
@@ -94,6 +99,9 @@ pub(crate) fn back_to_back(tracer: &Tracer) -> BackToBack {
     }
     for cell in entries.chunk_by(|a, b| a.cell == b.cell) {
         planes.compare(cell, &mut backs);
+        if backs.pairs.len() > FEW_PAIRS + MOST_PAIRS * items.len() {
+            return BackToBack::default();
+        }
     }
     backs.pairs.sort_unstable();
     backs.pairs.dedup();
@@ -220,7 +228,7 @@ impl<'t> Planes<'t> {
                     backs.pairs.extend([[*first, *second], [*second, *first]]);
                 }
             }
-            if tests > MOST_TESTS {
+            if tests > MOST_TESTS * cell.len() {
                 for entry in cell {
                     backs.unknown[entry.item as usize] = true;
                 }

@@ -15,7 +15,7 @@ use glam::DVec3;
 /// A ray of a path, and what the path carries.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
-    /// The next ray.
+    /// Its next stretch.
     pub leg: Leg,
     /// Chosen by the caller and handed back with every event.
     pub id: u32,

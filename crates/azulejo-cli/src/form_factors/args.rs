@@ -184,7 +184,7 @@ pub struct MatrixArgs {
     /// or glass
     #[arg(long)]
     pub separate: bool,
-    /// Also write what each row sees of patches of the sky, in an .npz or a .csv: `tregenza` for 145 patches,
+    /// Also write what each row, or point, sees of patches of the sky, in an .npz or a .csv: `tregenza` for 145 patches,
     /// `reinhart:2` for 577, `reinhart:4` for 2,305
     ///
     /// Columns are in the order of Radiance's gendaymtx, the ground first; the others add up to what escapes to the
@@ -202,7 +202,7 @@ pub struct FromArgs {
     ///
     /// A globe weighs all directions alike, an element by the cosine to its normal. By --rays rays from each.
     #[arg(long, value_name = "POINTS", value_hint = ValueHint::FilePath, conflicts_with_all =
-          ["cluster", "truncate", "compress", "separate", "sky_patches", "closure", "part"])]
+          ["cluster", "truncate", "compress", "separate", "closure", "part"])]
     pub from: Option<PathBuf>,
     /// Replace each globe by the six faces of a small cube, along the axes: plane radiant temperatures
     #[arg(long, requires = "from")]

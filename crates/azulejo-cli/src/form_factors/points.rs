@@ -3,9 +3,9 @@
 use super::args::{FormFactorArgs, FromArgs};
 use super::{FactorRequest, FactorSetup, painted, read_models};
 use crate::failure::Failure;
-use crate::points;
 use crate::report::{Report, count, number, short, with_error};
 use crate::session::Session;
+use crate::{pass, points};
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo_exchange::GroupBy;
@@ -43,6 +43,11 @@ pub fn run(args: &FormFactorArgs, from: &Path, session: &mut Session) -> Result<
     let seen = session
         .with_progress(|p| SeenFromPoints::compute(&prepared, (&scene, Some(by)), points, p));
     let mut seen = seen.map_err(|_| Failure::Cancelled)?;
+    if let Some(division) = args.matrix.sky_patches {
+        let north = args.input.outside.north.to_radians();
+        let added = session.with_progress(|p| seen.add_sky(&prepared, (division, north), p));
+        added.map_err(pass::failure)?;
+    }
     if let (Some(table), Some(path)) = (&table, &args.from.temperatures) {
         let unused = seen.unused(table).join("\", \"");
         if !unused.is_empty() {

@@ -6,7 +6,8 @@ use super::args::ImageArgs;
 use super::layers;
 use crate::failure::Failure;
 use crate::first_pass::FirstPassArgs;
-use crate::report::{Report, percent, short};
+use crate::pass::times;
+use crate::report::{Report, percent};
 use crate::session::Session;
 use azulejo_radiosity::FirstPass;
 use azulejo_render::{
@@ -53,11 +54,11 @@ pub fn describe_first_pass(
         return;
     }
     let words = format!(
-        "the light has an error of {}: {} would take {} times the rays that a picture takes by default; \
+        "the light has an error of {}: {} would take {} the rays that a picture takes by default; \
          --error {} allows them",
         percent(found.error),
         percent(ERROR),
-        short(found.rays_needed),
+        times(found.rays_needed),
         percent(ERROR)
     );
     report.line("limit", words);

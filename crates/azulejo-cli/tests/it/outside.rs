@@ -1,8 +1,10 @@
 //! Light from outside, by the command.
 
 use crate::support::Folder;
+use azulejo_formats::numpy::npz::NpzReader;
 use serde_json::json;
 use std::f64::consts::PI;
+use std::io::Cursor;
 
 const PLANE: &str = "\
 v -5 0 -5
@@ -403,6 +405,26 @@ fn shares_of_the_sky_by_patches_add_up() {
     assert!(text("by.csv").contains("ground,sky:577,"));
     let again = "form-factors f.npz -o g.npz --sky-patches tregenza";
     folder.fails(again, 2, "are computed");
+    // Above the wall a globe sees each patch by its solid angle, and an element what its side of the sky has.
+    folder.write("points.txt", "0.5 3 0.5\n");
+    let from = "form-factors court.obj -o seen.npz --from points.txt --sky-patches tregenza";
+    folder.ok(from);
+    let mut archive = NpzReader::new(Cursor::new(folder.read("seen.npz")), 1 << 20).unwrap();
+    let mut array = |name: &str| archive.array(name).unwrap().unwrap();
+    let (shares, angles) = (array("sky_patches"), array("sky_solid_angles"));
+    assert_eq!(shares.shape(), [1, 146]);
+    let sum: f64 = (1..146).map(|k| shares.number(k)).sum();
+    assert!((sum - array("sky").number(0)).abs() < 1e-6 && (sum - 0.5).abs() < 0.01);
+    for k in 1..146 {
+        let expected = angles.number(k) / (4.0 * PI);
+        assert!((shares.number(k) - expected).abs() < 0.02 * expected, "{k}");
+    }
+    folder.write("points.txt", "0.5 3 0.5 0 1 0\n");
+    folder.ok(&from.replace("seen.npz", "seen.csv"));
+    let seen = text("seen.csv");
+    let lines = seen.lines().filter(|line| line.contains(",sky:"));
+    let shares = lines.map(|line| line.split(',').nth(2).unwrap().parse::<f64>().unwrap());
+    assert!((shares.sum::<f64>() - 1.0).abs() < 1e-6);
 }
 
 /// The weather of an instant is the sky of Perez by the record of its hour, at the place of the file.

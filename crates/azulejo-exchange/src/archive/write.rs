@@ -55,7 +55,7 @@ pub(super) fn write_around(enclosure: &Enclosure, archive: &mut NpzWriter) -> io
         })?;
     }
     if let Some(sky) = &enclosure.sky {
-        write_sky(sky, enclosure, archive)?;
+        write_sky(sky, enclosure.rows.up, archive)?;
     }
     write_rows(enclosure, archive)?;
     write_cells(&enclosure.rows.cells, enclosure.len(), archive)?;
@@ -135,8 +135,9 @@ fn write_shares(factors: &FormFactors, archive: &mut NpzWriter) -> io::Result<()
 }
 
 /// What rows see of the patches of the sky, and what these are.
-fn write_sky(sky: &SkyFactors, enclosure: &Enclosure, archive: &mut NpzWriter) -> io::Result<()> {
-    let (division, rows) = (sky.division, enclosure.len());
+pub(crate) fn write_sky(sky: &SkyFactors, up: Up, archive: &mut NpzWriter) -> io::Result<()> {
+    let division = sky.division;
+    let rows = sky.shares.len() / division.count();
     let patches = 0..division.count();
     for (name, numbers) in [
         ("sky_patches", &sky.shares),
@@ -144,7 +145,7 @@ fn write_sky(sky: &SkyFactors, enclosure: &Enclosure, archive: &mut NpzWriter) -
     ] {
         archive.add(name, |w| npy::write(&[rows, division.count()], numbers, w))?;
     }
-    let world = upright(enclosure.rows.up, sky.north);
+    let world = upright(up, sky.north);
     let directions = patches
         .clone()
         .map(|k| (world * division.direction(k)).to_array());

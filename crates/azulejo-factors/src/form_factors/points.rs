@@ -36,7 +36,7 @@ pub struct PointFactors {
 }
 
 /// Keys the random numbers of points.
-const POINTS: u32 = 3;
+pub(super) const POINTS: u32 = 3;
 
 impl PreparedPlan<'_> {
     /// The form factors from each point to groups of the columns of the matrix, of which there are
@@ -83,7 +83,7 @@ impl PreparedPlan<'_> {
     }
 
     /// Where rays start: in front of the polygons that stand for exact surfaces.
-    fn placed(&self, points: &[FactorPoint]) -> Vec<DVec3> {
+    pub(super) fn placed(&self, points: &[FactorPoint]) -> Vec<DVec3> {
         let facing = |p: &FactorPoint| PointNormal {
             position: p.position,
             normal: p.normal.unwrap_or(DVec3::ZERO),

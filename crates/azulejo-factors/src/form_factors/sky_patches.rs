@@ -1,6 +1,7 @@
 //! What rows see of the sky, by patches of it: directly, and by way of mirrors and glass.
 
-use super::{FormFactors, PreparedPlan, RowRemainder};
+use super::points::POINTS;
+use super::{FactorPoint, FormFactors, PointFactors, PreparedPlan, RowRemainder};
 use crate::error::FactorsError;
 use crate::rays::straight;
 use azulejo_scene::Material;
@@ -97,7 +98,57 @@ impl PreparedPlan<'_> {
         factors: &FormFactors,
         progress: &Progress,
     ) -> Result<SkyFactors, FactorsError> {
-        let (rows, memory) = (factors.len(), self.plan.options.memory);
+        self.sky_of_all(&factors.rest, (division, north), progress, |row, sky| {
+            let (side, flip) = (self.sides.side(row), self.sides.flip(row));
+            let sampler = self.plan.patches.sampler(self.sides.patch(row));
+            let start = |[u1, u2]: [f64; 2]| {
+                let at = sampler.sample(u1, u2);
+                RayStart {
+                    position: at.position,
+                    normal: Some(flip * at.normal),
+                    weight: at.weight,
+                }
+            };
+            sky.shares(self, side, &start)
+        })
+    }
+
+    /// The same of points: `seen` is what [`factors_from_points`](PreparedPlan::factors_from_points) found of them. Shares
+    /// are of the hemisphere weighted by cosine, or of the whole sphere.
+    ///
+    /// # Errors
+    /// As [`sky_factors`](PreparedPlan::sky_factors).
+    ///
+    /// # Panics
+    /// If there are fewer points than were seen from.
+    pub fn sky_from_points(
+        &self,
+        (division, north): (SkyDivision, f64),
+        points: &[FactorPoint],
+        seen: &[PointFactors],
+        progress: &Progress,
+    ) -> Result<SkyFactors, FactorsError> {
+        let placed = self.placed(points);
+        let rests: Vec<RowRemainder> = seen.iter().map(|point| point.rest).collect();
+        self.sky_of_all(&rests, (division, north), progress, |k, sky| {
+            let start = |_: [f64; 2]| RayStart {
+                position: placed[k],
+                normal: points[k].normal,
+                weight: 1.0,
+            };
+            sky.shares(self, hash(&[k as u32, POINTS]), &start)
+        })
+    }
+
+    /// The shares that `of` finds of each row, scaled to what is known of them.
+    fn sky_of_all(
+        &self,
+        rests: &[RowRemainder],
+        (division, north): (SkyDivision, f64),
+        progress: &Progress,
+        of: impl Fn(usize, &SkySampling) -> Vec<Share> + Sync,
+    ) -> Result<SkyFactors, FactorsError> {
+        let (rows, memory) = (rests.len(), self.plan.options.memory);
         let bytes = (rows * division.count() * BYTES) as u64;
         if bytes > memory {
             return Err(FactorsError::TooLarge {
@@ -107,13 +158,16 @@ impl PreparedPlan<'_> {
             });
         }
         progress.begin("patches of the sky", rows as u64);
-        let world_from_sky = upright(self.gatherer.surfaces().scene.units.up, north);
-        let rows: Vec<Vec<[f32; 2]>> = (0..rows)
-            .into_par_iter()
-            .map(|row| {
+        let up = self.gatherer.surfaces().scene.units.up;
+        let sky = SkySampling {
+            division,
+            world_from_sky: upright(up, north),
+        };
+        let rows: Vec<Vec<[f32; 2]>> = (rests.par_iter().enumerate())
+            .map(|(row, rest)| {
                 progress.advance(1)?;
-                let mut shares = self.sky_of(row, division, world_from_sky);
-                scale(&factors.rest[row], &mut shares);
+                let mut shares = of(row, &sky);
+                scale(rest, &mut shares);
                 let single = |share: &Share| [share.value as f32, share.error as f32];
                 Ok(shares.iter().map(single).collect())
             })
@@ -126,13 +180,37 @@ impl PreparedPlan<'_> {
             errors: all().map(|share| share[1]).collect(),
         })
     }
+}
 
-    /// The shares of a row, by rays toward all patches of the sky and, where there are mirrors, of the ground that these
-    /// may show: each ray counts for the patch toward which it leaves the scene.
-    fn sky_of(&self, row: usize, division: SkyDivision, world_from_sky: DQuat) -> Vec<Share> {
-        let surfaces = self.gatherer.surfaces();
-        let (side, flip) = (self.sides.side(row), self.sides.flip(row));
-        let sampler = self.plan.patches.sampler(self.sides.patch(row));
+/// Where a ray starts that is sent to the sky.
+struct RayStart {
+    position: DVec3,
+    /// Unit; `None` where all directions count alike.
+    normal: Option<DVec3>,
+    weight: f64,
+}
+
+/// How the sky is sampled.
+struct SkySampling {
+    division: SkyDivision,
+    world_from_sky: DQuat,
+}
+
+impl SkySampling {
+    /// The shares of what starts where `start` says, by two numbers in 0..1, by rays toward all patches of the sky and,
+    /// where there are mirrors, of the ground that these may show: each ray counts for the patch toward which it leaves
+    /// the scene. `name` keys the random numbers.
+    fn shares(
+        &self,
+        plan: &PreparedPlan,
+        name: u32,
+        start: &dyn Fn([f64; 2]) -> RayStart,
+    ) -> Vec<Share> {
+        let SkySampling {
+            division,
+            world_from_sky,
+        } = *self;
+        let surfaces = plan.gatherer.surfaces();
         let (mut paths, mut scratch) = (Vec::new(), Scratch::default());
         let mut shares = vec![Share::default(); division.count()];
         let mut trace = |toward: Option<usize>,
@@ -140,21 +218,24 @@ impl PreparedPlan<'_> {
                          direction: &dyn Fn([f64; 2]) -> DVec3,
                          angle: f64| {
             let key = toward.map_or(u32::MAX, |patch| patch as u32);
-            let seeds = seeds(&[self.seed, side, key, 0x5c1]);
+            let seeds = seeds(&[plan.seed, name, key, 0x5c1]);
             let mut free = 0.0;
             for k in 0..rays as u32 {
                 let [u1, u2, u3, u4] = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, seeds[d])));
-                let at = sampler.sample(u1, u2);
-                let (normal, to) = (flip * at.normal, world_from_sky * direction([u3, u4]));
-                let weight = at.weight * normal.dot(to) * angle / (PI * rays as f64);
+                let at = start([u1, u2]);
+                let to = world_from_sky * direction([u3, u4]);
+                // By the cosine over the hemisphere, or of the whole sphere.
+                let density = at.normal.map_or(0.25 / PI, |normal| normal.dot(to) / PI);
+                let weight = at.weight * density * angle / rays as f64;
                 if weight > 0.0 {
                     free += weight;
+                    let normal = at.normal.unwrap_or(DVec3::ZERO);
                     let ray = Ray::new(surfaces.tracer.leaving(at.position, normal), to);
                     paths.push(straight(surfaces.tracer, &ray, weight, k));
                 }
             }
             let mut straight_on = [0.0; 2];
-            let chances = hash(&[self.seed, side, key, 0xc4a]);
+            let chances = hash(&[plan.seed, name, key, 0xc4a]);
             follow(
                 surfaces,
                 &mut paths,
