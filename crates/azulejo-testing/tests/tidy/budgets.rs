@@ -9,9 +9,9 @@ use std::path::Path;
 const BUDGETS: [(&str, usize); 14] = [
     ("azulejo", 4600),
     ("azulejo-bake", 5250),
-    ("azulejo-cli", 23_080),
-    ("azulejo-exchange", 8000),
-    ("azulejo-factors", 18_000),
+    ("azulejo-cli", 23_100),
+    ("azulejo-exchange", 8020),
+    ("azulejo-factors", 18_010),
     ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 2900),
