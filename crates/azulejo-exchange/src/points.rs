@@ -39,7 +39,8 @@ pub struct SeenFromPoints {
     pub groups: Groups,
     /// What each sees of patches of the sky, if that is known.
     pub sky: Option<SkyFactors>,
-    /// The radiant temperature of each point and its standard error, K, if temperatures are known.
+    /// The radiant temperature of each point and its standard error, K, if temperatures are known; NaN where it sees
+    /// nothing that has one.
     pub temperatures: Option<Vec<[f64; 2]>>,
     /// The rows that the matrix of the same options has, without factors.
     rows: Enclosure,
@@ -156,7 +157,8 @@ impl SeenFromPoints {
                 .iter()
                 .map(|[_, error, power]| (error * (power - mean)).powi(2));
             let temperature = mean.powf(0.25);
-            let slope = 4.0 * temperature.powi(3);
+            // At 0 K nothing differs.
+            let slope = (4.0 * temperature.powi(3)).max(f64::MIN_POSITIVE);
             let error = squares.sum::<f64>().sqrt() / all / slope;
             Ok(if all > 0.0 {
                 [temperature, error]
@@ -228,8 +230,8 @@ impl SeenFromPoints {
                     writeln!(out, "{name},sky:{k},{share},{error}")?;
                 }
             }
-            if let Some(temperatures) = &self.temperatures {
-                let [t, error] = temperatures[k];
+            let temperature = self.temperatures.as_ref().map(|known| known[k]);
+            if let Some([t, error]) = temperature.filter(|[t, _]| t.is_finite()) {
                 writeln!(out, "{name},radiant_temperature,{t},{}", error as f32)?;
             }
         }
