@@ -19,6 +19,10 @@ use azulejo_trace::{KernelRay, Surfaces};
 /// which rays would need a few hundred times as long; among buildings twice, but exact for near pairs.
 const WORTH: f64 = 4.0;
 
+/// RMS error of the sums of rows where formulas of the usual accuracy take too long: most pairs with something between
+/// them then take shadow rays.
+const ROUGH: f64 = 3e-4;
+
 /// Seconds that formulas may always take.
 const SHORT: f64 = 1.0;
 
@@ -71,22 +75,57 @@ pub struct EngineChoice {
     pub met: f64,
     /// Close pairs, which rows by rays have formulas for.
     pub close_pairs: usize,
-    /// Seconds that formulas for all pairs take on one core, by counted work; infinite where they are not
-    /// considered.
-    pub seconds: f64,
-    /// Additional seconds for the view factors of the sky.
-    pub sky_seconds: f64,
-    /// Seconds of the pairs of the longest of a few rows.
-    pub row_seconds: f64,
+    /// What formulas for all pairs take at the requested accuracy, or the usual one.
+    pub formulas: FormulaTime,
+    /// The same at a lower accuracy, where that is allowed and was tried.
+    pub rough: FormulaTime,
     /// Bytes that may be used.
     pub memory: u64,
 }
 
+/// How long formulas take on one core, by counted work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FormulaTime {
+    /// Seconds for all pairs; infinite where they are not considered.
+    pub seconds: f64,
+    /// Seconds of the pairs of the longest of a few rows.
+    pub row_seconds: f64,
+}
+
+impl FormulaTime {
+    const NEVER: FormulaTime = FormulaTime {
+        seconds: f64::INFINITY,
+        row_seconds: f64::INFINITY,
+    };
+
+    /// Seconds of counted work after which a row is left to rays: five times what the longest of the forecast takes.
+    pub fn row_budget(&self) -> f64 {
+        OUTLASTED * self.row_seconds.max(LEAST_ROW)
+    }
+}
+
+/// An engine for form factors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FactorsChoice {
+    /// The engine.
+    pub engine: Engine,
+    /// RMS error of the sums of rows, if it is not what was requested or is usual.
+    pub accuracy: Option<f64>,
+    /// Seconds of counted work after which a row of formulas is left to rays.
+    pub row_budget: f64,
+    /// Seconds of CPU time.
+    pub seconds: f64,
+    /// Why this one.
+    pub why: String,
+}
+
 impl EngineChoice {
-    /// The properties of a scene as divided into `patches`; rows by rays have formulas for `close_pairs`.
+    /// The properties of a scene as divided into `patches`; rows by rays have formulas for `close_pairs`. Formulas with
+    /// an `accuracy` are considered for that.
     pub fn of(
         surfaces: &Surfaces,
         patches: &Patches,
+        accuracy: Option<f64>,
         memory: u64,
         close_pairs: usize,
     ) -> EngineChoice {
@@ -106,9 +145,8 @@ impl EngineChoice {
             visible: visible_shares(surfaces, patches),
             met: met_share(surfaces, patches),
             close_pairs,
-            seconds: f64::INFINITY,
-            sky_seconds: 0.0,
-            row_seconds: f64::INFINITY,
+            formulas: FormulaTime::NEVER,
+            rough: FormulaTime::NEVER,
             memory,
         };
         let tracer = surfaces.tracer;
@@ -117,35 +155,46 @@ impl EngineChoice {
         if is_for_rays || !is_for_formulas || choice.patches > MOST_PATCHES {
             return choice;
         }
-        choice.with_forecast(surfaces, patches)
+        EngineChoice {
+            formulas: choice.forecast(surfaces, patches, accuracy),
+            ..choice
+        }
     }
 
-    /// With the work of all pairs of fronts, and of what the horizon divides.
-    fn with_forecast(self, surfaces: &Surfaces, patches: &Patches) -> EngineChoice {
+    /// The same with formulas of a lower accuracy, where they were considered and take long.
+    pub fn or_rough(self, surfaces: &Surfaces, patches: &Patches) -> EngineChoice {
+        let seconds = self.formulas.seconds;
+        if seconds <= SHORT || seconds.is_infinite() {
+            return self;
+        }
+        EngineChoice {
+            rough: self.forecast(surfaces, patches, Some(ROUGH)),
+            ..self
+        }
+    }
+
+    /// The time of all pairs of fronts, and of what the horizon divides.
+    fn forecast(
+        &self,
+        surfaces: &Surfaces,
+        patches: &Patches,
+        accuracy: Option<f64>,
+    ) -> FormulaTime {
         let most = FORECAST.0 * self.matrix_seconds(ROW_RAYS) + FORECAST.1;
         let options = ExchangerOptions {
-            accuracy: None,
+            accuracy,
             is_per_channel: false,
             seed: 0,
             row_budget: most,
         };
-        let fronts = || (0..patches.len() as Side).map(|patch| 2 * patch);
-        let exchanger = Exchanger::new(patches, surfaces, fronts().collect(), options);
-        let work = exchanger.forecast(most);
-        let sky_seconds = if work.open.is_empty() {
-            0.0
-        } else {
-            // Light ends on backs, too, which are not rows.
-            let backs = exchanger.hidden_sides(|_, is_front| is_front);
-            let sides = fronts().chain(backs).collect();
-            let exchanger = Exchanger::new(patches, surfaces, sides, options);
-            exchanger.forecast_of_sky(&work, patches.len(), most)
-        };
-        EngineChoice {
+        let fronts = (0..patches.len() as Side).map(|patch| 2 * patch);
+        let exchanger = Exchanger::new(patches, surfaces, fronts.collect(), options);
+        let up = surfaces.scene.units.up.axis();
+        let is_open = self.met < 1.0 && !self.is_specular;
+        let work = exchanger.forecast(is_open.then_some(up), most);
+        FormulaTime {
             seconds: work.seconds,
-            sky_seconds,
             row_seconds: work.longest_row,
-            ..self
         }
     }
 
@@ -162,24 +211,6 @@ impl EngineChoice {
         self.ray_seconds(rays) + self.close_pairs as f64 * SECONDS_PER_PAIR
     }
 
-    /// Seconds of CPU time of an engine that was chosen for form factors.
-    pub fn seconds_of(&self, engine: &Engine, rays: f64) -> f64 {
-        match engine {
-            // Rays follow the light without formulas.
-            Engine::Analytic if self.is_specular || self.flat < 1.0 => {
-                self.seconds + self.sky_seconds + self.ray_seconds(rays)
-            }
-            Engine::Analytic => self.seconds + self.sky_seconds,
-            _ => self.matrix_seconds(rays),
-        }
-    }
-
-    /// Seconds of counted work after which a row of formulas is left to rays: five times what the longest of
-    /// the forecast takes.
-    pub fn row_budget(&self) -> f64 {
-        OUTLASTED * self.row_seconds.max(LEAST_ROW)
-    }
-
     /// All pairs, each counted once.
     fn pairs(&self) -> f64 {
         0.5 * (self.patches as f64).powi(2)
@@ -194,37 +225,63 @@ impl EngineChoice {
         self.pair_bytes() <= self.memory as f64
     }
 
-    /// The engine for a matrix of form factors, where a row takes `rays`, and the reason.
-    pub fn for_factors(&self, rays: f64) -> (Engine, String) {
+    /// The engine for a matrix of form factors, where a row takes `rays`.
+    pub fn for_factors(&self, rays: f64) -> FactorsChoice {
         let n = self.patches;
         let seen = 100.0 * self.visible.iter().sum::<f64>();
         let by_rays = self.matrix_seconds(rays);
-        let by_formulas = self.seconds + self.sky_seconds;
+        let rays_alone = |why: String| FactorsChoice {
+            engine: Engine::Rays,
+            accuracy: None,
+            row_budget: f64::INFINITY,
+            seconds: by_rays,
+            why: format!("rays, because {why}"),
+        };
         if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);
-            let why = format!(
-                "rays, because the {seen:.1}% of the pairs of {n} patches that see each other may \
-                 take {gibibytes:.1} GiB"
-            );
-            return (Engine::Rays, why);
+            return rays_alone(format!(
+                "the {seen:.1}% of the pairs of {n} patches that see each other may take {gibibytes:.1} GiB"
+            ));
         }
         if self.flat < MOSTLY_FLAT {
             let curved = 100.0 * (1.0 - self.flat);
-            let why = format!("rays, because {curved:.0}% of the area is curved");
-            return (Engine::Rays, why);
+            return rays_alone(format!("{curved:.0}% of the area is curved"));
         }
-        if by_formulas > f64::max(WORTH * by_rays, SHORT) {
-            let why = format!(
-                "rays, because they take about {by_rays:.2} s of CPU time, and formulas for {n} patches, of \
-                 whose pairs {seen:.1}% see each other, {by_formulas:.0} s or more"
-            );
-            return (Engine::Rays, why);
+        let most = f64::max(WORTH * by_rays, SHORT);
+        let (time, accuracy) = if self.formulas.seconds <= most {
+            (self.formulas, None)
+        } else {
+            (self.rough, Some(ROUGH))
+        };
+        let by_formulas = time.seconds;
+        if by_formulas > most {
+            let least = by_formulas.min(self.formulas.seconds);
+            return rays_alone(format!(
+                "they take about {by_rays:.2} s of CPU time, and formulas for {n} patches, of whose pairs {seen:.1}% \
+                 see each other, {least:.0} s or more"
+            ));
         }
-        let why = format!(
-            "analytic, because formulas for {n} flat patches, of whose pairs {seen:.1}% see each other, \
-             take about {by_formulas:.2} s of CPU time"
-        );
-        (Engine::Analytic, why)
+        // Rays follow the light without formulas.
+        let rest = if self.is_specular || self.flat < 1.0 {
+            self.ray_seconds(rays)
+        } else {
+            0.0
+        };
+        let with = if accuracy.is_some() {
+            " and shadow rays"
+        } else {
+            ""
+        };
+        FactorsChoice {
+            engine: Engine::Analytic,
+            accuracy,
+            row_budget: time.row_budget(),
+            seconds: by_formulas + rest,
+            why: format!(
+                "analytic, because formulas{with} for {n} flat patches, of whose pairs {seen:.1}% see each other, take \
+                 about {by_formulas:.2} s of CPU time"
+            ),
+        }
     }
 
     /// The engine for solving light to a relative `error`, and the reason. Formulas pay where
@@ -234,7 +291,7 @@ impl EngineChoice {
         let rays = (0.5 / error).powf(1.0 / 0.63).max(f64::from(least));
         let by_rays = self.ray_seconds(rays);
         // Solvers request whole rows, which compute each pair twice.
-        let by_formulas = 2.0 * self.seconds;
+        let by_formulas = 2.0 * self.formulas.seconds;
         let is_possible = self.flat >= MOSTLY_FLAT && !self.is_specular;
         if is_possible && self.fits() && by_formulas < by_rays {
             let why = format!(
@@ -291,7 +348,7 @@ fn visible_shares(surfaces: &Surfaces, patches: &Patches) -> [f64; 2] {
 }
 
 /// Share of the light of all fronts, each with as much as any other, that meets a patch.
-fn met_share(surfaces: &Surfaces, patches: &Patches) -> f64 {
+pub(crate) fn met_share(surfaces: &Surfaces, patches: &Patches) -> f64 {
     if patches.is_empty() {
         return 0.0;
     }
@@ -336,9 +393,11 @@ mod tests {
         visible: [0.5, 0.1],
         met: 1.0,
         close_pairs: 80_000,
-        seconds: 30.0,
-        sky_seconds: 0.0,
-        row_seconds: 0.01,
+        formulas: FormulaTime {
+            seconds: 30.0,
+            row_seconds: 0.01,
+        },
+        rough: FormulaTime::NEVER,
         memory: 4 << 30,
     };
 
@@ -348,27 +407,50 @@ mod tests {
         assert!(why.contains(word), "{why}");
     }
 
+    fn taking(seconds: f64) -> FormulaTime {
+        FormulaTime {
+            seconds,
+            row_seconds: 0.01,
+        }
+    }
+
+    #[track_caller]
+    fn check_factors(choice: EngineChoice, expected: &Engine, word: &str) {
+        let FactorsChoice { engine, why, .. } = choice.for_factors(ROW_RAYS);
+        check((engine, why), expected, word);
+    }
+
     #[test]
     fn factors_of_flat_rooms_are_formulas() {
-        check(ROOM.for_factors(ROW_RAYS), &Engine::Analytic, "5000 flat");
+        check_factors(ROOM, &Engine::Analytic, "5000 flat");
         let curved = EngineChoice { flat: 0.5, ..ROOM };
-        check(curved.for_factors(ROW_RAYS), &Engine::Rays, "50%");
+        check_factors(curved, &Engine::Rays, "50%");
         let many = EngineChoice {
             patches: 60_000,
-            seconds: 4_500.0,
+            formulas: taking(4_500.0),
             memory: u64::MAX,
             ..ROOM
         };
-        check(many.for_factors(ROW_RAYS), &Engine::Rays, "4500 s");
+        check_factors(many, &Engine::Rays, "4500 s");
         let tight = EngineChoice {
             memory: 100 << 20,
             ..ROOM
         };
-        check(
-            tight.for_factors(ROW_RAYS),
-            &Engine::Rays,
-            "may take 0.1 GiB",
-        );
+        check_factors(tight, &Engine::Rays, "may take 0.1 GiB");
+    }
+
+    /// Before rays take all of a scene, shadow rays take what hides parts of pairs.
+    #[test]
+    fn rough_formulas_come_before_rays() {
+        let town = EngineChoice {
+            formulas: taking(4_500.0),
+            rough: taking(20.0),
+            ..ROOM
+        };
+        check_factors(town, &Engine::Analytic, "and shadow rays");
+        let choice = town.for_factors(ROW_RAYS);
+        assert_eq!((choice.accuracy, choice.seconds), (Some(ROUGH), 20.0));
+        assert_eq!(ROOM.for_factors(ROW_RAYS).accuracy, None);
     }
 
     /// What counts is the work, not the number of patches.
@@ -377,10 +459,10 @@ mod tests {
         let town = EngineChoice {
             patches: 60_000,
             visible: [0.006, 0.003],
-            seconds: 100.0,
+            formulas: taking(100.0),
             ..ROOM
         };
-        check(town.for_factors(ROW_RAYS), &Engine::Analytic, "0.9%");
+        check_factors(town, &Engine::Analytic, "0.9%");
     }
 
     fn shares(scene: &azulejo_scene::Scene) -> [f64; 2] {
@@ -410,7 +492,7 @@ mod tests {
         check(ROOM.for_light(0.03, 128), &Engine::Rays, "about 128 of");
         let few = EngineChoice {
             patches: 100,
-            seconds: 0.01,
+            formulas: taking(0.01),
             ..ROOM
         };
         check(few.for_light(0.001, 128), &Engine::Analytic, "paired");

@@ -194,6 +194,8 @@ pub struct PreparedPlan<'a> {
     /// Seconds of counted work after which a row of formulas is left to rays; infinite where formulas were
     /// asked for.
     row_budget: f64,
+    /// RMS error of the sums of rows by formulas, unless the usual.
+    accuracy: Option<f64>,
     /// Seconds of CPU time of the chosen engine, if it was chosen automatically.
     seconds: Option<f64>,
     /// The groups for which everything is planned.
@@ -217,6 +219,7 @@ impl<'a> PreparedPlan<'a> {
         };
         let sides = Sides::new(&plan.patches, plan.options.two_sided);
         // The engine: as requested, or chosen by the work that formulas and rays would take.
+        let mut accuracy = plan.options.accuracy;
         let (mut row_budget, mut seconds) = (f64::INFINITY, None);
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
@@ -227,12 +230,17 @@ impl<'a> PreparedPlan<'a> {
                     0
                 };
                 let memory = plan.options.memory;
-                let choice = EngineChoice::of(&surfaces, &plan.patches, memory, close_pairs);
-                let rays = samples.rays.mean(plan.patches.len());
-                let (engine, why) = choice.for_factors(rays);
-                row_budget = choice.row_budget();
-                seconds = Some(choice.seconds_of(&engine, rays));
-                (engine, Some(why))
+                let choice =
+                    EngineChoice::of(&surfaces, &plan.patches, accuracy, memory, close_pairs);
+                let choice = match accuracy {
+                    Some(_) => choice,
+                    None => choice.or_rough(&surfaces, &plan.patches),
+                };
+                let choice = choice.for_factors(samples.rays.mean(plan.patches.len()));
+                row_budget = choice.row_budget;
+                seconds = Some(choice.seconds);
+                accuracy = accuracy.or(choice.accuracy);
+                (choice.engine, Some(choice.why))
             }
             requested => (requested.clone(), None),
         };
@@ -246,6 +254,7 @@ impl<'a> PreparedPlan<'a> {
             engine,
             why,
             row_budget,
+            accuracy,
             seconds,
             groups,
             samples,

@@ -56,7 +56,7 @@ pub mod samples;
 mod shadow_rays;
 pub mod sparse;
 
-pub use choice::EngineChoice;
+pub use choice::{EngineChoice, FactorsChoice, FormulaTime};
 pub use engine::{Engine, EngineUsed, Hemicube, HemicubeBackend};
 pub use error::FactorsError;
 pub use form_factors::{

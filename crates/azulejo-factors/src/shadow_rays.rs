@@ -1,20 +1,36 @@
 //! The visible fraction of a pair of patches, by shadow rays.
 
-use crate::patch::Patches;
+use crate::patch::{Patches, Sampler};
 use azulejo_scene::math::Ray;
-use azulejo_trace::sampling::{seeds, sobol};
+use azulejo_trace::sampling::{SobolTable, seeds};
 use azulejo_trace::{KernelRay, REPLICATES, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Shadow rays per pair and replicate.
+/// Shadow rays per pair and replicate where no goal says how many.
 const RAYS: u32 = 16;
 
-/// Further shadow rays where the first ones find the pair partially visible.
+/// The same where these find the pair partially visible.
 const MORE_RAYS: u32 = 64;
 
+/// First shadow rays per replicate of a pair with a goal, and the most.
+const GOAL_RAYS: [u32; 2] = [4, 1024];
+
 /// Most shadow rays of a pair.
-pub(crate) const SHADOW_RAYS: usize = (RAYS + MORE_RAYS) as usize * REPLICATES;
+pub(crate) const MOST_RAYS: f64 = GOAL_RAYS[1] as f64 * REPLICATES as f64;
+
+/// By what power of the number of rays the standard error of a share falls: measured.
+const FALL: f64 = 0.74;
+
+/// By what power of their number the variance of stratified rays is below that of independent ones, where that cannot be
+/// measured: less than they fall by.
+const GAIN: f64 = 0.3;
+
+/// Parameter of the prior of shares, Beta(PRIOR, PRIOR): pairs with something between them are mostly hidden or free.
+const PRIOR: f64 = 0.3;
+
+/// Degrees of freedom that the expected variance counts as, beside the three of the replicates.
+const EXPECTED: f64 = 3.0;
 
 /// A pair of patches whose visibility is estimated.
 pub(crate) struct View<'a> {
@@ -23,10 +39,12 @@ pub(crate) struct View<'a> {
     pub pair: [usize; 2],
     /// Normals of the sides that see each other.
     pub normals: [DVec3; 2],
-    /// With an up direction, light that leaves the first facet downwards counts as blocked.
+    /// With an up direction, what leaves the first facet upwards is counted by itself.
     pub up: Option<DVec3>,
     /// Seeds of the random numbers.
     pub key: [u32; 3],
+    /// The numbers, of [`sequence`].
+    pub points: &'a SobolTable,
 }
 
 /// The visible share of an exchange area.
@@ -34,59 +52,95 @@ pub(crate) struct Visible {
     pub share: f64,
     /// Its standard error.
     pub error: f64,
+    /// The share that leaves upwards, and its standard error.
+    pub upward: f64,
+    pub upward_error: f64,
     /// Whether some rays were blocked and some were not.
     is_partial: bool,
+    /// The standard deviation of what a single ray says.
+    deviation: f64,
 }
 
-/// Sums over shadow rays: of the kernel, of its square, of its visible part.
+/// Sums over shadow rays: of the kernel, of its square, of its visible part, and of what of that leaves upwards.
 #[derive(Clone, Copy, Default)]
 struct Kernels {
     sum: f64,
     squares: f64,
     visible: f64,
+    upward: f64,
+}
+
+/// The points of the unit hypercube that rays connect.
+pub(crate) fn sequence() -> SobolTable {
+    SobolTable::new(GOAL_RAYS[1] as usize)
+}
+
+/// Shadow rays in all for a standard error of a share of `goal`, where a single ray has `deviation`; `None` if they are
+/// too many.
+pub(crate) fn rays_for(deviation: f64, goal: f64) -> Option<f64> {
+    let [least, most] = GOAL_RAYS.map(|rays| f64::from(rays) * REPLICATES as f64);
+    let rays = (deviation / goal).powf(1.0 / FALL).max(least);
+    (rays <= most).then_some(rays)
 }
 
 impl View<'_> {
     /// The visible share.
     pub fn visible(&self) -> Visible {
-        let first = self.estimate(RAYS);
+        let first = self.by_rays(RAYS, 0);
         if first.is_partial {
-            self.estimate(MORE_RAYS)
+            self.by_rays(MORE_RAYS, 1)
         } else {
             first
         }
     }
 
-    /// The visible share by `rays` shadow rays per replicate, between points stratified over both
-    /// facets and weighted with the kernel (ratio estimator).
-    fn estimate(&self, rays: u32) -> Visible {
-        let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
-        let mut is_down = Vec::new();
-        for r in 0..REPLICATES as u32 {
-            let [seed, i, j] = self.key;
-            let scrambling = seeds(&[seed, i, j, r, rays]);
-            for k in 0..rays {
-                let u = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, scrambling[d])));
-                let (ray, kernel, way) = self.connect(u);
-                shadow.push(ray);
-                kernels.push(kernel);
-                is_down.push(self.up.is_some_and(|up| way.dot(up) < 0.0));
-            }
+    /// The visible share with a standard error of about `goal`. First rays tell how many this takes, and do not count
+    /// then: an estimate is off that ends where its first values agree.
+    pub fn visible_within(&self, goal: f64) -> Visible {
+        let [least, most] = GOAL_RAYS;
+        let per_replicate = |deviation| {
+            let rays = rays_for(deviation, goal);
+            rays.map_or(most, |rays| (rays / REPLICATES as f64) as u32)
+        };
+        let first = self.by_rays(least, 0);
+        if per_replicate(0.5) <= least {
+            return first;
         }
-        self.surfaces.tracer.any(&shadow, &mut blocked);
+        self.by_rays(per_replicate(first.deviation), 1)
+    }
+
+    /// The visible share by so many rays per replicate.
+    fn by_rays(&self, rays: u32, stage: u32) -> Visible {
         let mut sums = [Kernels::default(); REPLICATES];
-        for (index, (&kernel, &blocked)) in kernels.iter().zip(&blocked).enumerate() {
-            sums[index / rays as usize].add(kernel, !blocked && !is_down[index]);
-        }
+        self.trace(rays, stage, &mut sums);
         Visible::new(&sums)
     }
 
+    /// Adds these shadow rays of each replicate, between points stratified over both facets and weighted with the
+    /// kernel (ratio estimator).
+    fn trace(&self, rays: u32, stage: u32, sums: &mut [Kernels; REPLICATES]) {
+        let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
+        let samplers = self.pair.map(|patch| self.patches.sampler(patch));
+        for r in 0..REPLICATES as u32 {
+            let [seed, i, j] = self.key;
+            let scrambling = seeds(&[seed, i, j, r, stage]);
+            for k in 0..rays {
+                let u = self.points.point(k as usize, scrambling).map(f64::from);
+                let (ray, kernel, way) = self.connect(&samplers, u);
+                let is_up = self.up.is_some_and(|up| way.dot(up) > 0.0);
+                shadow.push(ray);
+                kernels.push((kernel, is_up));
+            }
+        }
+        self.surfaces.tracer.any(&shadow, &mut blocked);
+        for (index, (&(kernel, is_up), &blocked)) in kernels.iter().zip(&blocked).enumerate() {
+            sums[index / rays as usize].add(kernel, !blocked, is_up);
+        }
+    }
+
     /// A shadow ray between two points, the kernel's value there, and the way from one to the other.
-    fn connect(&self, u: [f64; 4]) -> (KernelRay, f64, DVec3) {
-        let point = |k: usize| {
-            let at = self.patches.sample(self.pair[k], u[2 * k], u[2 * k + 1]);
-            at.position
-        };
+    fn connect(&self, samplers: &[Sampler; 2], u: [f64; 4]) -> (KernelRay, f64, DVec3) {
+        let point = |k: usize| samplers[k].sample(u[2 * k], u[2 * k + 1]).position;
         let ([x, y], [m, n]) = ([point(0), point(1)], self.normals);
         let tracer = self.surfaces.tracer;
         let ray = Ray::between(tracer.leaving(x, m), tracer.leaving(y, n));
@@ -109,48 +163,66 @@ pub(crate) fn facing_ray(tracer: &Tracer, ends: [(DVec3, DVec3); 2]) -> Option<K
 }
 
 impl Kernels {
-    fn add(&mut self, kernel: f64, is_visible: bool) {
+    fn add(&mut self, kernel: f64, is_visible: bool, is_up: bool) {
         self.sum += kernel;
         self.squares += kernel * kernel;
-        self.visible += if is_visible { kernel } else { 0.0 };
+        let seen = |counts: bool| if is_visible && counts { kernel } else { 0.0 };
+        self.visible += seen(true);
+        self.upward += seen(is_up);
     }
 }
 
 impl Visible {
-    /// The error is the larger of two. One comes from the spread of the replicates. The other is
-    /// what so few rays cannot resolve, even if all passed or none did: the standard deviation of
-    /// the posterior of a share after K independent observations with a uniform prior (Laplace's
-    /// rule of succession), about 1/K if all K agree. K is the effective number of kernels,
-    /// (Σk)²/Σk².
     fn new(replicates: &[Kernels; REPLICATES]) -> Visible {
-        let total = |f: fn(&Kernels) -> f64| replicates.iter().map(f).sum::<f64>();
-        let (sum, squares, visible) =
-            (total(|k| k.sum), total(|k| k.squares), total(|k| k.visible));
-        if sum == 0.0 {
-            return Visible {
-                share: 0.5,
-                error: 0.5,
-                is_partial: false,
-            };
-        }
-        let (share, looks) = (visible / sum, sum * sum / squares);
-        // Residuals of the ratio, each replicate weighted by its kernels.
-        let n = REPLICATES as f64;
-        let spread: f64 = replicates
-            .iter()
-            .map(|k| (k.visible - share * k.sum).powi(2))
-            .sum();
-        let spread = spread * n / (n - 1.0) / (sum * sum);
-        let expected = (share * looks + 1.0) / (looks + 2.0);
-        let posterior = expected * (1.0 - expected) / (looks + 3.0);
-        let is_partial = visible > 0.0 && visible < sum;
+        let all = Share::new(replicates, |k| k.visible);
+        let upward = Share::new(replicates, |k| k.upward);
         Visible {
-            share,
-            error: (STUDENT * STUDENT * spread).max(posterior).sqrt(),
-            is_partial,
+            share: all.value,
+            error: all.variance.sqrt(),
+            upward: upward.value,
+            upward_error: upward.variance.sqrt(),
+            is_partial: all.value > 0.0 && all.value < 1.0,
+            deviation: all.deviation.max(upward.deviation),
         }
     }
 }
 
-/// Student's t with three degrees of freedom over the normal quantile at 95.4%.
-const STUDENT: f64 = 3.307 / 2.0;
+/// A share of the kernels.
+struct Share {
+    value: f64,
+    variance: f64,
+    /// The standard deviation of what a single ray says.
+    deviation: f64,
+}
+
+impl Share {
+    /// The variance is estimated twice, and both are averaged by their degrees of freedom: from the spread of the
+    /// replicates, and as what so many rays leave open, even if all passed or none did. That is the posterior variance
+    /// of a share after K independent observations, divided by how much better stratified rays are, K^GAIN.
+    /// K is the effective number of kernels, (Σk)²/Σk².
+    fn new(replicates: &[Kernels; REPLICATES], part: fn(&Kernels) -> f64) -> Share {
+        let total = |f: fn(&Kernels) -> f64| replicates.iter().map(f).sum::<f64>();
+        let (sum, squares, counted) = (total(|k| k.sum), total(|k| k.squares), total(part));
+        if sum == 0.0 {
+            return Share {
+                value: 0.5,
+                variance: 0.25,
+                deviation: 0.5,
+            };
+        }
+        let (value, looks) = (counted / sum, sum * sum / squares);
+        // Residuals of the ratio, each replicate weighted by its kernels.
+        let n = REPLICATES as f64;
+        let residual = |k: &Kernels| (part(k) - value * k.sum).powi(2);
+        let spread: f64 = replicates.iter().map(residual).sum();
+        let spread = spread * n / (n - 1.0) / (sum * sum);
+        let expected = (value * looks + PRIOR) / (looks + 2.0 * PRIOR);
+        let single = expected * (1.0 - expected);
+        let posterior = single / (looks + 2.0 * PRIOR + 1.0) / looks.powf(GAIN);
+        Share {
+            value,
+            variance: ((n - 1.0) * spread + EXPECTED * posterior) / (n - 1.0 + EXPECTED),
+            deviation: single.sqrt(),
+        }
+    }
+}

@@ -660,7 +660,7 @@ impl SolverInputs<'_> {
         } = self;
         let (engine, why) = match &pass.engine {
             Engine::Auto => {
-                let choice = EngineChoice::of(gatherer.surfaces(), patches, pass.memory, 0);
+                let choice = EngineChoice::of(gatherer.surfaces(), patches, None, pass.memory, 0);
                 let chosen = choice.for_light(pass.aim(), rays);
                 (chosen.0, Some(chosen.1))
             }

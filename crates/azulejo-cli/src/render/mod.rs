@@ -7,7 +7,7 @@ mod rtrace;
 mod views;
 
 use crate::failure::Failure;
-use crate::report::{Report, count, number, percent, short};
+use crate::report::{Report, bytes, count, number, percent, short};
 use crate::session::Session;
 use crate::{input, pass, values};
 use args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
@@ -25,6 +25,31 @@ enum ImageFormat {
     Png,
     Exr,
     Hdr,
+}
+
+/// Bytes that a pixel takes while it is computed, with its layers: measured.
+const PIXEL_BYTES: u64 = 200;
+
+/// What to say of a picture that takes more than half of so much memory.
+///
+/// # Errors
+/// It takes more than all of it.
+fn memory_of((width, height): (u32, u32), memory: Option<u64>) -> Result<Option<String>, Failure> {
+    let needed = u64::from(width) * u64::from(height) * PIXEL_BYTES;
+    let Some(memory) = memory.filter(|memory| needed > memory / 2) else {
+        return Ok(None);
+    };
+    let words = format!(
+        "a picture of {width}x{height} pixels takes about {} of memory, of the machine's {}",
+        bytes(needed),
+        bytes(memory)
+    );
+    if needed > memory {
+        return Err(Failure::failed(format_args!(
+            "{words}: ask for a smaller one"
+        )));
+    }
+    Ok(Some(words))
 }
 
 /// Runs `render`.
@@ -54,6 +79,9 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
         return Ok(report);
     }
     let (views, size) = views::choose(args, &scene)?;
+    if let Some(words) = memory_of(size, session.memory())? {
+        session.note(&words);
+    }
     // Path tracing takes the place of both passes in each view.
     if args.picture.reference {
         let tracer = args.first_pass.engine.prepare()?.tracer(&scene)?;
@@ -416,4 +444,24 @@ fn state_output((width, height): (u32, u32), path: &Path, report: &mut Report) {
     let path = path.display().to_string();
     let words = format!("{path}, {width} x {height} pixels");
     report.fact("output", path, "wrote", words);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::memory_of;
+
+    #[test]
+    fn large_pictures_are_refused_before_they_fill_the_memory() {
+        let machine = Some(8 << 30);
+        let words = |size| memory_of(size, machine).map_err(|e| format!("{e:?}"));
+        assert_eq!(words((1920, 1080)), Ok(None));
+        let large = words((6000, 6000)).unwrap();
+        assert!(large.is_some_and(|words| words.contains("6.7")));
+        let refused = words((8192, 8192)).unwrap_err();
+        assert!(
+            refused.contains("12.5 GiB") && refused.contains("8 GiB"),
+            "{refused}"
+        );
+        assert_eq!(memory_of((16_384, 16_384), None), Ok(None));
+    }
 }

@@ -5,19 +5,21 @@ pub(crate) use super::horizon::Horizon;
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
 use super::planes::SurfacePlanes;
+pub(crate) use super::traversal::UpwardSum;
 use super::traversal::{
-    ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows,
+    ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows, SplitPairs,
 };
 use super::work::PairWork;
 use super::{Facet, FacetTree};
-use crate::analytic::{exchange_area_fast, form_factor_fast};
+use crate::analytic::{Approximate, exchange_area_fast, form_factor_fast};
 use crate::exchange_areas::{Exchange, ExchangeAreas};
 use crate::exchange_areas::{read_row, write_row};
 use crate::patch::Patches;
 use crate::row::{ORDERS, Side};
-use crate::shadow_rays::View;
+use crate::shadow_rays::{View, sequence};
 use azulejo_scene::math::area_vector;
 use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
+use azulejo_trace::sampling::SobolTable;
 use azulejo_trace::{Cancelled, Progress, Run, RunStage, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -84,6 +86,8 @@ pub(crate) struct Exchanger<'a> {
     /// Distance by which rounding moves corners; 0 where coordinates are exact.
     rounding: f64,
     accuracy: PairAccuracy,
+    /// Between which points shadow rays are.
+    points: SobolTable,
     /// For each patch, whether some side may see its back.
     shows_back: Vec<bool>,
     /// Orders that are known completely by formulas.
@@ -126,6 +130,7 @@ impl<'a> Exchanger<'a> {
         }
         Exchanger {
             accuracy: accuracy(options.accuracy, sides.len()),
+            points: sequence(),
             patches,
             surfaces,
             sides,
@@ -170,11 +175,12 @@ impl<'a> Exchanger<'a> {
     }
 
     /// The upper triangle of each order, by rows, except blocks that are stored; `None` if others
-    /// make the result. Rows that time ran out for are not marked in `is_done`.
+    /// make the result. Rows that time ran out for are not marked in `is_done`. With an `up` direction, what leaves
+    /// them upwards of the light to columns that their horizon cuts is found as well.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn all(&self, run: Run) -> Result<Option<AllPairs>, Cancelled> {
+    pub fn all(&self, up: Option<DVec3>, run: Run) -> Result<Option<AllPairs>, Cancelled> {
         let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
         let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
         let size = LoopSize {
@@ -190,23 +196,27 @@ impl<'a> Exchanger<'a> {
             if progress.out_of_time() {
                 return Ok(RowGroup::default());
             }
-            Ok(self.group(groups[group], true).0)
+            Ok(self.group(groups[group], true, up).0)
         };
         let done = run.resumed(RunStage::Pairs, size, |indices| {
             indices.par_iter().map(group).collect()
         })?;
-        Ok(done.map(|done| self.assembled(done)))
+        Ok(done.map(|done| self.assembled(done, up.is_some())))
     }
 
     /// The pairs of all groups.
-    fn assembled(&self, done: Vec<RowGroup>) -> AllPairs {
+    fn assembled(&self, done: Vec<RowGroup>, is_split: bool) -> AllPairs {
         let n = self.sides.len();
         let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
         // Rows without a facet count as done.
         let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
         let mut counts = PairCounts::default();
+        let mut upward = vec![UpwardSum::default(); if is_split { n } else { 0 }];
         for group in done {
             counts.add(&group.counts);
+            for (id, sum) in group.upward {
+                upward[id as usize].add(sum.value, sum.variance);
+            }
             for (id, row) in group.rows {
                 is_done[id as usize] = !group.given_up.contains(&id);
                 if !is_done[id as usize] {
@@ -223,6 +233,7 @@ impl<'a> Exchanger<'a> {
             orders: orders.map(ExchangeAreas::from_rows),
             is_done,
             counts,
+            upward: is_split.then_some(upward),
         }
     }
 
@@ -240,7 +251,7 @@ impl<'a> Exchanger<'a> {
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
         let group = |rows: &&[u32]| {
             progress.advance(rows.len() as u64)?;
-            Ok(self.group(rows, false).0)
+            Ok(self.group(rows, false, None).0)
         };
         let groups: Vec<RowGroup> = groups
             .par_iter()
@@ -266,7 +277,7 @@ impl<'a> Exchanger<'a> {
 
     /// What all pairs will take, from a few rows all over the scene. Ends early where these take more
     /// than `most` seconds of counted work by themselves.
-    pub fn forecast(&self, most: f64) -> WorkForecast {
+    pub fn forecast(&self, up: Option<DVec3>, most: f64) -> WorkForecast {
         let count = self.facets.list.len();
         let samples = count.min(SAMPLED_ROWS);
         // Numbers that a multiple of the golden ratio leaves are spread evenly, however many are used.
@@ -274,14 +285,10 @@ impl<'a> Exchanger<'a> {
         let mut work = PairWork::default();
         let mut forecast = WorkForecast::default();
         for k in 0..samples {
-            let (group, row_work, seconds) = self.group(&[place(k)], false);
+            let (_, row_work, seconds) = self.group(&[place(k)], false, up);
             work.add(&row_work);
             forecast.longest_row = f64::max(forecast.longest_row, seconds);
             forecast.tried += 1;
-            if self.loses_light(&group) {
-                let row = self.facets.list[place(k) as usize].id;
-                forecast.open.push(row as usize);
-            }
             if work.seconds() > most {
                 break;
             }
@@ -290,22 +297,6 @@ impl<'a> Exchanger<'a> {
         let rows = count as f64 / forecast.tried.max(1) as f64;
         forecast.seconds = 0.5 * rows * work.in_group().seconds();
         forecast
-    }
-
-    /// Seconds that the horizon takes, from the rows of a forecast that lose light, of which the first `rows`
-    /// sides are rows; ends early as that.
-    pub fn forecast_of_sky(&self, forecast: &WorkForecast, rows: usize, most: f64) -> f64 {
-        let split = self.horizon_split(self.surfaces.scene.units.up.axis(), rows);
-        let (mut work, mut tried) = (PairWork::default(), 0usize);
-        for &row in &forecast.open {
-            work.add(&self.split_group(&[self.positions[row]], split).1);
-            tried += 1;
-            if work.seconds() > most {
-                break;
-            }
-        }
-        let open = rows as f64 * forecast.open.len() as f64 / forecast.tried.max(1) as f64;
-        open * work.in_group().seconds() / tried.max(1) as f64
     }
 
     /// Positions of the facets of rows that have one: neighbours together, so that clusters are
@@ -317,23 +308,14 @@ impl<'a> Exchanger<'a> {
         positions
     }
 
-    /// Whether direct light of some row ends on no column.
-    fn loses_light(&self, group: &RowGroup) -> bool {
-        group.rows.iter().any(|(id, orders)| {
-            let facet = &self.facets.list[self.positions[*id as usize] as usize];
-            let arrived: f64 = orders[0].iter().map(|e| e.value).sum();
-            arrived < (1.0 - LOST) * facet.area
-        })
-    }
-
     /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`; the work, and the
     /// seconds of it that were pairs.
-    fn group(&self, rows: &[u32], upper: bool) -> (RowGroup, PairWork, f64) {
+    fn group(&self, rows: &[u32], upper: bool, up: Option<DVec3>) -> (RowGroup, PairWork, f64) {
         let group = RowGroupPlaces::new(rows, self.facets.list.len());
         let requested = RequestedRows {
             places: &group.places,
             upper,
-            split: None,
+            split: up.map(|up| self.horizon_split(SplitPairs::All, up, self.sides.len())),
             budget: self.row_budget,
         };
         let mut blocks: [Option<ExchangeBlock>; ORDERS] = Default::default();
@@ -370,8 +352,21 @@ impl<'a> Exchanger<'a> {
             rows: rows.iter().enumerate().map(row).collect(),
             counts,
             given_up,
+            upward: blocks[0]
+                .as_ref()
+                .map_or(Vec::new(), |block| self.upward(rows, block)),
         };
         (group, work, seconds)
+    }
+
+    /// What leaves the facets of a block upwards, where that is anything.
+    fn upward(&self, rows: &[u32], block: &ExchangeBlock) -> Vec<(u32, UpwardSum)> {
+        let of_rows = rows.iter().zip(&block.upward_of_rows);
+        let of_rows = of_rows.map(|(&k, sum)| (self.facets.list[k as usize].id, *sum));
+        let of_columns = self.facets.list.iter().zip(&block.upward_of_columns);
+        let all = of_rows.chain(of_columns.map(|(facet, sum)| (facet.id, *sum)));
+        all.filter(|(_, sum)| *sum != UpwardSum::default())
+            .collect()
     }
 
     /// Adds what an image contributes to the requested rows of a group.
@@ -391,12 +386,22 @@ impl<'a> Exchanger<'a> {
                 continue;
             };
             let row = group.whole.start + row;
-            let (value, error) = self.by_shadow_rays(row, column, None);
-            block.add(place, column, value, error);
-            if let Some(split) = requested.split {
-                let (value, error) = self.by_shadow_rays(row, column, Some(split.up));
-                block.add_upward(place, column, value, error);
+            let Some(split) = requested.split else {
+                let seen = self.by_shadow_rays(row, column, None);
+                block.add(place, column, seen.whole, seen.error);
+                continue;
+            };
+            let seen = self.by_shadow_rays(row, column, Some(split.up));
+            let [a, b] = [row, column].map(|k| &self.facets.list[k]);
+            if split.pairs == SplitPairs::All || b.id >= split.rows {
+                block.add(place, column, seen.whole, seen.error);
             }
+            let upward = Approximate {
+                value: seen.upward,
+                error: seen.upward_error,
+            };
+            let cuts = split.cuts(a, b, image.graze);
+            block.add_split([place, column], split.pairs, seen.whole, upward, cuts);
         }
         let own = group.whole.clone().enumerate();
         let given_up =
@@ -410,8 +415,8 @@ impl<'a> Exchanger<'a> {
     }
 
     /// Of some rows, what no matrix of theirs tells: how much leaves upwards of the light to columns
-    /// that a row's horizon cuts, and how much ends on columns from `rows` on, which are not rows.
-    /// Without mirrors.
+    /// that a row's horizon cuts, unless this is known, and how much ends on columns from `rows` on, which are not
+    /// rows. Without mirrors.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -420,15 +425,21 @@ impl<'a> Exchanger<'a> {
         of: &[usize],
         up: DVec3,
         rows: usize,
+        is_cut_known: bool,
         progress: &Progress,
     ) -> Result<Vec<SplitRow>, Cancelled> {
         let positions = self.sorted_positions(of);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
-        let split = self.horizon_split(up, rows);
+        let pairs = if is_cut_known {
+            SplitPairs::Hidden
+        } else {
+            SplitPairs::Cut
+        };
+        let split = self.horizon_split(pairs, up, rows);
         progress.begin("sky view factors", groups.len() as u64);
         let group = |rows: &&[u32]| {
             progress.advance(1)?;
-            Ok(self.split_group(rows, split).0)
+            Ok(self.split_group(rows, split))
         };
         let split_rows: Vec<Vec<(u32, SplitRow)>> = groups
             .par_iter()
@@ -445,8 +456,9 @@ impl<'a> Exchanger<'a> {
         Ok(sorted)
     }
 
-    fn horizon_split(&self, up: DVec3, rows: usize) -> HorizonSplit {
+    fn horizon_split(&self, pairs: SplitPairs, up: DVec3, rows: usize) -> HorizonSplit {
         HorizonSplit {
+            pairs,
             up,
             rows: rows as u32,
             // Exact formulas know no horizon.
@@ -454,8 +466,8 @@ impl<'a> Exchanger<'a> {
         }
     }
 
-    /// Some rows of one group of neighbours, split at the horizon, and the work.
-    fn split_group(&self, rows: &[u32], split: HorizonSplit) -> (Vec<(u32, SplitRow)>, PairWork) {
+    /// Some rows of one group of neighbours, split at the horizon.
+    fn split_group(&self, rows: &[u32], split: HorizonSplit) -> Vec<(u32, SplitRow)> {
         let group = RowGroupPlaces::new(rows, self.facets.list.len());
         let requested = RequestedRows {
             places: &group.places,
@@ -464,15 +476,14 @@ impl<'a> Exchanger<'a> {
             budget: f64::INFINITY,
         };
         let mut block = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
-        let mut work = PairWork::default();
         for image in self.images.iter().filter(|image| image.order == 0) {
-            work.add(&self.add_image(image, &group, requested, &mut block).work);
+            self.add_image(image, &group, requested, &mut block);
         }
         let row = |(k, &position): (usize, &u32)| {
             let id = self.facets.list[position as usize].id;
             (id, self.split_row(&block, k, split.rows))
         };
-        (rows.iter().enumerate().map(row).collect(), work)
+        rows.iter().enumerate().map(row).collect()
     }
 
     /// The sums of one row of a block, over columns in their fixed order.
@@ -529,8 +540,8 @@ impl<'a> Exchanger<'a> {
         entries
     }
 
-    /// A pair that is too complex for formulas.
-    fn by_shadow_rays(&self, row: usize, column: usize, up: Option<DVec3>) -> (f64, f64) {
+    /// A pair that is too complex for formulas, or that rays find sooner.
+    fn by_shadow_rays(&self, row: usize, column: usize, up: Option<DVec3>) -> SeenByRays {
         let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
         let view = View {
             patches: self.patches,
@@ -539,11 +550,27 @@ impl<'a> Exchanger<'a> {
             normals: [a.normal, b.normal],
             up,
             key: [self.seed, a.id.min(b.id), a.id.max(b.id)],
+            points: &self.points,
         };
         let whole = exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole);
-        let visible = view.visible();
-        (whole * visible.share, whole * visible.error)
+        // Variances in proportion to form factors add up to that of the row, and take the fewest rays for that.
+        let goal = self.accuracy.row * (a.area.min(b.area) / whole).sqrt();
+        let visible = view.visible_within(goal);
+        SeenByRays {
+            whole: whole * visible.share,
+            error: whole * visible.error,
+            upward: whole * visible.upward,
+            upward_error: whole * visible.upward_error,
+        }
     }
+}
+
+/// A pair by shadow rays: its exchange area and what of it leaves the first facet upwards, with standard errors.
+struct SeenByRays {
+    whole: f64,
+    error: f64,
+    upward: f64,
+    upward_error: f64,
 }
 
 /// Whether two positions belong to one group.
@@ -594,6 +621,8 @@ pub(crate) struct AllPairs {
     /// Rows that rays contradict: neither they nor their columns are there.
     pub is_doubtful: Vec<bool>,
     pub counts: PairCounts,
+    /// By row what leaves it upwards of the light to columns that its horizon cuts, if that was requested.
+    pub upward: Option<Vec<UpwardSum>>,
 }
 
 /// Upper rows that were computed together; empty if time ran out.
@@ -603,6 +632,8 @@ struct RowGroup {
     counts: PairCounts,
     /// Those of the rows that took more than their budget, in order, and are not complete.
     given_up: Vec<u32>,
+    /// What leaves rows and columns upwards.
+    upward: Vec<(u32, UpwardSum)>,
 }
 
 /// What one image was for a group of rows.
@@ -618,9 +649,6 @@ struct ImagePairs {
 /// Most rows of a forecast.
 const SAMPLED_ROWS: usize = 32;
 
-/// Share of a row's light that is lost if some leaves the scene.
-const LOST: f64 = 1e-3;
-
 /// The fractional part of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -633,8 +661,6 @@ pub(crate) struct WorkForecast {
     pub longest_row: f64,
     /// Rows that were tried.
     pub tried: usize,
-    /// Those of them whose light does not all end on columns.
-    pub open: Vec<usize>,
 }
 
 impl Record for RowGroup {
@@ -652,6 +678,11 @@ impl Record for RowGroup {
         write_list(&self.given_up, bytes, |id, bytes| {
             bytes.extend(id.to_le_bytes())
         });
+        write_list(&self.upward, bytes, |(id, sum), bytes| {
+            bytes.extend(id.to_le_bytes());
+            bytes.extend(sum.value.to_le_bytes());
+            bytes.extend(sum.variance.to_le_bytes());
+        });
     }
 
     fn read(bytes: &mut RecordReader) -> Option<RowGroup> {
@@ -667,10 +698,16 @@ impl Record for RowGroup {
         }
         let counts = PairCounts::of(counts);
         let given_up = bytes.list(RecordReader::u32)?;
+        let sum = |b: &mut RecordReader| {
+            let id = b.u32()?;
+            let (value, variance) = (b.f64()?, b.f64()?);
+            Some((id, UpwardSum { value, variance }))
+        };
         Some(RowGroup {
             rows,
             counts,
             given_up,
+            upward: bytes.list(sum)?,
         })
     }
 }
@@ -694,6 +731,7 @@ fn accuracy(error: Option<f64>, rows: usize) -> PairAccuracy {
         return PairAccuracy {
             whole: 1e-13,
             partial: error,
+            row: error,
             is_exact: true,
         };
     }
@@ -702,6 +740,7 @@ fn accuracy(error: Option<f64>, rows: usize) -> PairAccuracy {
         // Measured on rooms of 500 to 20,000 facets: partially occluded pairs are a few of each
         // row, with nearly independent errors; finer divisions have more of them.
         partial: error * (12.0 / (rows as f64).sqrt()).min(0.25),
+        row: error,
         is_exact: false,
     }
 }

@@ -640,7 +640,7 @@ fn whole(a: &Facet, b: &Facet, goal: PairGoal) -> f64 {
 }
 
 /// An upper estimate of the same.
-fn rough(a: &Facet, b: &Facet) -> f64 {
+pub(super) fn rough(a: &Facet, b: &Facet) -> f64 {
     let area = |f: &Facet| area_vector(f.polygon()).length();
     let (first, second) = (area(a), area(b));
     let squared = a.centre.distance_squared(b.centre);

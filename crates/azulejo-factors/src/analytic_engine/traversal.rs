@@ -3,12 +3,12 @@
 use super::gauss_points::{FOUR, NINE};
 use super::horizon::{Elevation, Horizon};
 use super::images::MirrorImage;
-use super::partial::{PairGoal, PartialVisibility};
+use super::partial::{PairGoal, PartialVisibility, rough};
 use super::shaft::ClusterShaft;
 use super::work::{PairWork, WorkKind};
 use super::{Cluster, Facet, FacetTree, Facing};
 use crate::analytic::{Approximate, Effect, exchange_area, exchange_area_fast, exchange_area_past};
-use crate::shadow_rays::SHADOW_RAYS;
+use crate::shadow_rays::{MOST_RAYS, rays_for};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 use std::ops::Range;
@@ -20,6 +20,8 @@ pub(super) struct PairAccuracy {
     pub whole: f64,
     /// Absolute error of the form factors of partially occluded pairs.
     pub partial: f64,
+    /// RMS error of the sums of rows.
+    pub row: f64,
     /// Whether all pairs take the exact formulas, so that these errors may be small.
     pub is_exact: bool,
 }
@@ -30,7 +32,26 @@ pub(super) struct ExchangeBlock {
     errors: Vec<f32>,
     /// The parts that leave upwards, if they were requested.
     upward: Vec<f64>,
+    /// What leaves rows and columns upwards of the pairs that a horizon cuts, if it was requested of all pairs.
+    pub upward_of_rows: Vec<UpwardSum>,
+    pub upward_of_columns: Vec<UpwardSum>,
     columns: usize,
+}
+
+/// What leaves a facet upwards, of some pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct UpwardSum {
+    /// Exchange area, square scene units.
+    pub value: f64,
+    /// Its variance.
+    pub variance: f64,
+}
+
+impl UpwardSum {
+    pub fn add(&mut self, value: f64, variance: f64) {
+        self.value += value;
+        self.variance += variance;
+    }
 }
 
 impl ExchangeBlock {
@@ -39,6 +60,8 @@ impl ExchangeBlock {
             values: vec![0.0; rows * columns],
             errors: vec![0.0; rows * columns],
             upward: Vec::new(),
+            upward_of_rows: vec![UpwardSum::default(); rows],
+            upward_of_columns: vec![UpwardSum::default(); columns],
             columns,
         }
     }
@@ -56,10 +79,31 @@ impl ExchangeBlock {
         &self.upward[row * self.columns..(row + 1) * self.columns]
     }
 
-    pub fn add_upward(&mut self, row: usize, column: usize, value: f64, error: f64) {
-        let k = row * self.columns + column;
-        self.upward[k] += value;
-        self.errors[k] = self.errors[k].hypot(error as f32);
+    /// Counts what leaves a pair upwards: its row, or of [`SplitPairs::All`] both ends, each where its horizon `cuts`
+    /// the pair, of which `whole` is the exchange area.
+    pub fn add_split(
+        &mut self,
+        [row, column]: [usize; 2],
+        pairs: SplitPairs,
+        whole: f64,
+        upward: Approximate,
+        cuts: [bool; 2],
+    ) {
+        if pairs != SplitPairs::All {
+            let k = row * self.columns + column;
+            self.upward[k] += upward.value;
+            self.errors[k] = self.errors[k].hypot(upward.error as f32);
+            return;
+        }
+        let variance = upward.error * upward.error;
+        if cuts[0] {
+            self.upward_of_rows[row].add(upward.value, variance);
+        }
+        // What arrives from below leaves the other end upwards.
+        if cuts[1] {
+            let rest = (whole - upward.value).max(0.0);
+            self.upward_of_columns[column].add(rest, variance);
+        }
     }
 
     /// Values and errors of a row, by column.
@@ -88,10 +132,22 @@ pub(super) struct RequestedRows<'a> {
     pub budget: f64,
 }
 
-/// Which pairs are split at the horizon: those with light both above and below it, and those with
-/// columns that are not rows, of which the whole exchange area is computed as well.
+/// Which pairs are split at the horizon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SplitPairs {
+    /// Those that it cuts, and those with columns that are not rows, of which the whole exchange area is computed
+    /// as well.
+    Cut,
+    /// Those with columns that are not rows.
+    Hidden,
+    /// Those that it cuts, from either end, beside the exchange areas of all.
+    All,
+}
+
+/// Which pairs are split at the horizon, and how.
 #[derive(Clone, Copy)]
 pub(super) struct HorizonSplit {
+    pub pairs: SplitPairs,
     pub up: DVec3,
     /// Facets with numbers from this on are not rows.
     pub rows: u32,
@@ -100,8 +156,13 @@ pub(super) struct HorizonSplit {
 }
 
 impl HorizonSplit {
-    fn elevation(&self, from: &Facet, to: &Facet, graze: f64) -> Elevation {
+    pub fn elevation(&self, from: &Facet, to: &Facet, graze: f64) -> Elevation {
         Horizon::new(from, self.up, graze).elevation(&Horizon::new(to, self.up, graze))
+    }
+
+    /// Whether the horizon of either facet cuts the other.
+    pub fn cuts(&self, a: &Facet, b: &Facet, graze: f64) -> [bool; 2] {
+        [[a, b], [b, a]].map(|[from, to]| self.elevation(from, to, graze) == Elevation::Mixed)
     }
 
     /// Whether no horizon cuts pairs of two clusters: then it cuts none of their facets, to which
@@ -131,7 +192,11 @@ const FEW_ROWS: usize = 2;
 /// Pairs with more obstructions than this are left to shadow rays.
 const MOST_OBSTRUCTIONS: usize = 24;
 
-/// Row and column of a pair that is too complex for formulas.
+/// Microseconds of a shadow ray, and of formulas for each edge that separates visible from hidden: measured in a town.
+const RAY: f64 = 0.15;
+const EDGE: f64 = 50.0;
+
+/// Row and column of a pair that is left to shadow rays.
 pub(super) type UnresolvedPair = (usize, usize);
 
 /// Number of pairs by the method that resolved them.
@@ -289,7 +354,12 @@ impl<'a> PairTraversal<'a> {
             None => false,
             Some(split) => {
                 let is_clear = split.is_clear(&row.cluster.bounds, &column.bounds, image.graze);
-                if is_clear && column.last_id < split.rows {
+                let is_left_out = match split.pairs {
+                    SplitPairs::Cut => is_clear,
+                    SplitPairs::Hidden => true,
+                    SplitPairs::All => false,
+                };
+                if is_left_out && column.last_id < split.rows {
                     return;
                 }
                 !is_clear
@@ -433,9 +503,10 @@ impl<'a> PairTraversal<'a> {
                     block.add(place, k, value, error * value);
                     // No horizon cuts these pairs: all of their light leaves upwards, or none.
                     if let Some(split) = self.requested.split
+                        && facet.id >= split.rows
                         && split.elevation(own, facet, image.graze) == Elevation::Above
                     {
-                        block.add_upward(place, k, value, 0.0);
+                        block.upward[place * block.columns + k] += value;
                     }
                 }
             }
@@ -467,7 +538,9 @@ impl<'a> PairTraversal<'a> {
         let split = self.requested.split;
         let elevation = split.map(|split| split.elevation(a, b, image.graze));
         let is_row = split.is_none_or(|split| b.id < split.rows);
-        if is_row && elevation.is_some_and(|e| e != Elevation::Mixed) {
+        let takes_all = split.is_none_or(|split| split.pairs == SplitPairs::All);
+        let is_cut = elevation == Some(Elevation::Mixed);
+        if is_row && !takes_all && !(is_cut && split.is_some_and(|s| s.pairs == SplitPairs::Cut)) {
             return;
         }
         let Some(is_whole) = facing(a, b, image.graze) else {
@@ -496,30 +569,31 @@ impl<'a> PairTraversal<'a> {
         let kept = top..self.obstructions.len();
         if !is_seen {
             self.counts.occluded += 1;
-        } else if self.is_too_complex(&kept) {
+        } else if self.is_too_complex(&kept) || self.is_for_rays(parts, &kept) {
             self.unresolved.push((row, column));
-            self.work.count(WorkKind::Ray, SHADOW_RAYS);
+            let rays = self.shadow_rays(parts).unwrap_or(MOST_RAYS);
+            self.work.count(WorkKind::Ray, rays as usize);
             self.counts.unresolved += 1;
         } else {
-            if elevation.is_none() || !is_row {
-                let (value, error) = if kept.is_empty() {
-                    self.whole(row, column, is_whole)
-                } else {
-                    let seen = self.partly_seen(parts, kept.clone(), goal);
-                    (seen.value, seen.error)
+            let takes_whole = takes_all || !is_row;
+            let whole = match (takes_whole, kept.is_empty()) {
+                (false, _) => Approximate::default(),
+                (true, true) => self.whole(row, column, is_whole),
+                (true, false) => self.partly_seen(parts, kept.clone(), goal),
+            };
+            let Approximate { value, error } = whole;
+            block.add(place, column, image.weight * value, image.weight * error);
+            if let Some(split) = split {
+                let upward = match elevation {
+                    Some(Elevation::Above) => Approximate { value, error: 0.0 },
+                    Some(Elevation::Mixed) => {
+                        let up = Some(split.up);
+                        self.partly_seen(parts, kept, PairGoal { up, ..goal })
+                    }
+                    _ => Approximate::default(),
                 };
-                block.add(place, column, image.weight * value, image.weight * error);
-                if elevation == Some(Elevation::Above) {
-                    block.add_upward(place, column, value, 0.0);
-                }
-            }
-            if let (Some(split), Some(Elevation::Mixed)) = (split, elevation) {
-                let goal = PairGoal {
-                    up: Some(split.up),
-                    ..goal
-                };
-                let seen = self.partly_seen(parts, kept, goal);
-                block.add_upward(place, column, seen.value, seen.error);
+                let cuts = split.cuts(a, b, image.graze);
+                block.add_split([place, column], split.pairs, value, upward, cuts);
             }
         }
         self.obstructions.truncate(top);
@@ -532,6 +606,22 @@ impl<'a> PairTraversal<'a> {
             || self.obstructions[kept.clone()]
                 .iter()
                 .any(|&s| s as usize >= image.obstructions.len())
+    }
+
+    /// Whether shadow rays are expected to be sooner behind these obstructions than formulas.
+    fn is_for_rays(&self, pair: [&Facet; 2], kept: &Range<usize>) -> bool {
+        let can_be = self.image.order == 0 && !self.accuracy.is_exact;
+        let edges = self.edges[..kept.len()].iter();
+        let edges: u32 = edges.map(|edges| edges.count_ones()).sum();
+        let is_sooner = |rays| rays * RAY < f64::from(edges) * EDGE;
+        can_be && self.shadow_rays(pair).is_some_and(is_sooner)
+    }
+
+    /// How many shadow rays a pair takes, about; `None` if these are too many.
+    fn shadow_rays(&self, [a, b]: [&Facet; 2]) -> Option<f64> {
+        let most = a.area.min(b.area);
+        let whole = rough(a, b);
+        rays_for(0.4, self.accuracy.row * (most / whole).sqrt())
     }
 
     /// A pair behind obstructions, or the part of it above the horizon.
@@ -594,7 +684,7 @@ impl<'a> PairTraversal<'a> {
     }
 
     /// An unoccluded pair.
-    fn whole(&mut self, row: usize, column: usize, is_whole: bool) -> (f64, f64) {
+    fn whole(&mut self, row: usize, column: usize, is_whole: bool) -> Approximate {
         let (rows, columns) = (self.rows, self.columns);
         let (a, b) = (&rows.list[row], &columns.list[column]);
         let ratio = (a.radius + b.radius) / a.centre.distance(b.centre);
@@ -607,14 +697,20 @@ impl<'a> PairTraversal<'a> {
             columns
                 .four
                 .exchange(&rows.four.own(row), column..column + 1, &mut value);
-            (value[0], four * value[0])
+            Approximate {
+                value: value[0],
+                error: four * value[0],
+            }
         } else if is_plain && nine < self.accuracy.whole {
             self.counts.single += 1;
             self.work.count(WorkKind::Kernel, 81);
             columns
                 .nine
                 .exchange(&rows.nine.own(row), column..column + 1, &mut value);
-            (value[0], nine * value[0])
+            Approximate {
+                value: value[0],
+                error: nine * value[0],
+            }
         } else {
             self.counts.close += 1;
             self.work.count(WorkKind::Contour, 1);
@@ -623,7 +719,10 @@ impl<'a> PairTraversal<'a> {
             } else {
                 exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole)
             };
-            (value, self.accuracy.whole * value)
+            Approximate {
+                value,
+                error: self.accuracy.whole * value,
+            }
         }
     }
 }

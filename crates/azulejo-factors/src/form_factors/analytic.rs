@@ -5,6 +5,7 @@ use super::matrix::RowRemainder;
 use super::rows::RowTracing;
 use super::{FormFactors, PreparedPlan, merge};
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
+use crate::choice::met_share;
 use crate::engine::{Engine, EngineUsed};
 use crate::error::FactorsError;
 use crate::estimator::Estimator;
@@ -12,6 +13,7 @@ use crate::exchange_areas::{Exchange, ExchangeAreas};
 use crate::row::{Columns, ORDERS, Order, Side};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Progress, Run};
+use glam::DVec3;
 
 impl PreparedPlan<'_> {
     /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
@@ -29,7 +31,7 @@ impl PreparedPlan<'_> {
         let n = self.sides.len();
         let sides = (0..n).map(|row| self.sides.side(row)).collect();
         let exchanger = self.exchanger(sides, row_budget);
-        let pairs = exchanger.all(run)?;
+        let pairs = exchanger.all(self.open_up(), run)?;
         let checked = |pairs| self.checked(pairs, &exchanger, is_alone, run.progress);
         let pairs = pairs.map(checked).transpose()?;
         // Where others make the result, they have the rows that are not here.
@@ -88,9 +90,10 @@ impl PreparedPlan<'_> {
             exchange: none,
             ..FormFactors::default()
         };
+        let upward = pairs.upward.clone();
         let mut factors = joined(pairs, by_rays, self.plan.options.separate);
         self.describe(&mut factors);
-        factors.rest = self.remainders(&factors, exchanger, progress)?;
+        factors.rest = self.remainders(&factors, exchanger, upward.as_deref(), progress)?;
         Ok(factors)
     }
 
@@ -147,10 +150,21 @@ impl PreparedPlan<'_> {
         Ok(pairs)
     }
 
+    /// The up direction, if light leaves the scene, and only formulas and shadow rays tell how much of it upwards.
+    fn open_up(&self) -> Option<DVec3> {
+        let (scene, patches) = (&self.plan.proxy.scene, &self.plan.patches);
+        let is_specular = patches
+            .materials_in_use(scene)
+            .iter()
+            .any(|m| m.is_specular());
+        let is_open = !is_specular && met_share(self.gatherer.surfaces(), patches) < 1.0;
+        is_open.then(|| scene.units.up.axis())
+    }
+
     /// An exchanger between these sides.
     pub(super) fn exchanger(&self, sides: Vec<Side>, row_budget: f64) -> Exchanger<'_> {
         let options = ExchangerOptions {
-            accuracy: self.plan.options.accuracy,
+            accuracy: self.accuracy,
             is_per_channel: false,
             seed: hash(&[self.seed, 0]),
             row_budget,

@@ -7,9 +7,10 @@ use super::sides::Sides;
 use crate::analytic::exchange_area;
 use crate::analytic_engine::planes::SurfacePlanes;
 use crate::patch::Polygon;
-use crate::shadow_rays::View;
+use crate::shadow_rays::{View, sequence};
 use azulejo_scene::math::Aabb;
 use azulejo_trace::run::LoopSize;
+use azulejo_trace::sampling::SobolTable;
 use azulejo_trace::{Cancelled, Progress, Run, RunStage, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -144,6 +145,8 @@ struct PairSelector<'a> {
     /// Flat rows; the others are left to rays.
     facets: Vec<Option<FlatRow>>,
     is_lamp: Vec<bool>,
+    /// Between which points shadow rays are.
+    points: SobolTable,
 }
 
 impl<'a> PairSelector<'a> {
@@ -163,6 +166,7 @@ impl<'a> PairSelector<'a> {
             planes: SurfacePlanes::new(sides.patches, surfaces.scene, &bounds),
             facets: (0..sides.len()).into_par_iter().map(facet).collect(),
             is_lamp: (0..sides.len()).map(is_lamp).collect(),
+            points: sequence(),
         }
     }
 
@@ -263,6 +267,7 @@ impl<'a> PairSelector<'a> {
             normals: [a.normal, b.normal],
             up: None,
             key: [seed, i, j],
+            points: &self.points,
         };
         let visible = view.visible();
         (whole * visible.share, whole * visible.error)

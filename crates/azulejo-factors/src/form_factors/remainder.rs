@@ -7,7 +7,7 @@
 
 use super::PreparedPlan;
 use super::matrix::{FormFactors, RowRemainder};
-use crate::analytic_engine::exchanger::{Exchanger, Horizon, SplitRow};
+use crate::analytic_engine::exchanger::{Exchanger, Horizon, SplitRow, UpwardSum};
 use crate::row::Side;
 use azulejo_trace::{Cancelled, Progress};
 
@@ -21,6 +21,7 @@ impl PreparedPlan<'_> {
         &self,
         factors: &FormFactors,
         exchanger: &Exchanger,
+        known: Option<&[UpwardSum]>,
         progress: &Progress,
     ) -> Result<Vec<RowRemainder>, Cancelled> {
         // Which rows lack something: none of those that see anything, if all of them lack no more than their errors.
@@ -42,7 +43,7 @@ impl PreparedPlan<'_> {
         let variance = factors
             .exchange
             .sums(|_, e| [f64::from(e.error).powi(2); 2]);
-        let split = self.split(exchanger, &rows, &hidden, progress)?;
+        let split = self.split(exchanger, &rows, &hidden, known.is_some(), progress)?;
         let hidden_share =
             |i: usize, split: &SplitRow| (split.hidden / factors.areas[i]).min(missing[i]);
         // The scene is open if a row lacks more than what hidden sides explain.
@@ -55,8 +56,9 @@ impl PreparedPlan<'_> {
             let (area, hidden) = (factors.areas[i], hidden_share(i, &split));
             let mut remainder = RowRemainder::default();
             if !is_seeing[i] || is_open {
-                let above = horizons[i].sky() - (upward[i] + split.upward) / area;
-                let error = (variance[i] + split.variance).sqrt() / area;
+                let cut = known.map_or(UpwardSum::default(), |known| known[i]);
+                let above = horizons[i].sky() - (upward[i] + cut.value + split.upward) / area;
+                let error = (variance[i] + cut.variance + split.variance).sqrt() / area;
                 remainder = escaped(missing[i] - hidden, above, error, horizons[i].sky());
             }
             remainders[i] = RowRemainder {
@@ -78,17 +80,21 @@ impl PreparedPlan<'_> {
         exchanger: &Exchanger,
         rows: &[usize],
         hidden: &[Side],
+        is_cut_known: bool,
         progress: &Progress,
     ) -> Result<Vec<SplitRow>, Cancelled> {
         let up = self.plan.proxy.scene.units.up.axis();
         let n = self.sides.len();
+        if hidden.is_empty() && is_cut_known {
+            return Ok(vec![SplitRow::default(); rows.len()]);
+        }
         if hidden.is_empty() || rows.is_empty() {
-            return exchanger.split_at_horizon(rows, up, n, progress);
+            return exchanger.split_at_horizon(rows, up, n, is_cut_known, progress);
         }
         let sides = (0..n).map(|row| self.sides.side(row));
         let sides: Vec<Side> = sides.chain(hidden.iter().copied()).collect();
         self.exchanger(sides, f64::INFINITY)
-            .split_at_horizon(rows, up, n, progress)
+            .split_at_horizon(rows, up, n, is_cut_known, progress)
     }
 }
 

@@ -237,7 +237,7 @@ fn boxes_that_hide_parts_of_each_other_are_lit_by_rays() {
     let tracer = Tracer::new(&scene);
     let patches = Patches::new(&scene, PatchSize::Count(3_000));
     let surfaces = Surfaces::new(&scene, &tracer);
-    let choice = EngineChoice::of(&surfaces, &patches, 4 << 30, 0);
+    let choice = EngineChoice::of(&surfaces, &patches, None, 4 << 30, 0);
     assert_eq!(choice.for_light(0.03, 256).0, Engine::Rays, "{choice:?}");
 }
 
