@@ -1,5 +1,7 @@
 //! `probe`: irradiance at points, and radiance or hits along rays.
 
+mod year;
+
 use super::clock::Clock;
 use super::engine::PreparedEngine;
 use super::failure::Failure;
@@ -32,6 +34,14 @@ pub struct ProbeArgs {
     /// output [default: `-`, or none with --json]
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
+    /// Sun and sky of all hours of --weather, at --points: the sum of the year as .csv, or the hours, too, as .npz
+    ///
+    /// In kWh/m² of solar radiation and W/m², or in klx·h and lx in photometric scenes without --solar. Other lights
+    /// do not count.
+    #[arg(long, requires_all = ["points", "weather"],
+          conflicts_with_all = ["time", "sun", "environment", "studio", "lights", "bounces", "error",
+                                "error_each"])]
+    pub year: bool,
     #[command(flatten)]
     pub part: PartArgs,
     #[command(flatten)]
@@ -62,6 +72,7 @@ Examples:
   azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
   azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
   azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+  azulejo probe room.obj --points roof.txt --weather munich.epw --year -o year.npz
 
 Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
 Irradiance is in W/m² if emission is in W/(sr·m²).";
@@ -97,6 +108,9 @@ impl ProbeResults {
 
 /// Measures at all points or rays, or a part of the points, and writes it.
 pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
+    if let (true, Some(points)) = (args.year, &args.probes.points) {
+        return year::run(args, points, &runner, session);
+    }
     refuse_indivisible(args, &runner)?;
     let default = (!session.json()).then_some(Path::new("-"));
     let output = args.output.as_deref().or(default);

@@ -9,9 +9,11 @@
 //! | [`archive`] | the same as an `.npz` |
 //! | [`files`] | files of other programs |
 //! | [`points`] | what points see |
-//! | [`thermal`] | networks, temperatures and fluxes, which nothing above needs |
+//! | [`thermal`] | networks, temperatures and fluxes |
+//! | [`daylight`] | irradiance at points in all hours of a year |
 
 pub mod archive;
+pub mod daylight;
 pub mod enclosure;
 pub mod files;
 pub mod points;

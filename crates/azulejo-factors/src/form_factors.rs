@@ -28,6 +28,7 @@ mod near;
 mod one_row;
 mod options;
 mod outside;
+mod parallel;
 mod points;
 mod remainder;
 pub(crate) mod row_stream;

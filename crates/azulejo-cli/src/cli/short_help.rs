@@ -15,8 +15,8 @@ pub const RENDER: &str = "output size spp gather reference layers denoise exposu
                           place recipe sun sky environment studio look";
 
 /// The common options of `probe`.
-pub const PROBE: &str = "points radiance hits normals output patches error rays time engine place recipe sun sky \
-                         environment studio";
+pub const PROBE: &str = "points radiance hits normals output year patches error rays time engine place recipe sun sky \
+                         weather environment studio";
 
 /// The common options of `form-factors`.
 pub const FORM_FACTORS: &str = "output format materials patches patch-size rays two-sided periodic memory closure \

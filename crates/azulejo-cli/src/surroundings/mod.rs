@@ -82,6 +82,13 @@ struct WeatherAt {
     sky: SkyArg,
 }
 
+/// Reads a weather file.
+pub fn read_weather(path: &Path) -> Result<WeatherFile, Failure> {
+    let bytes = models::read_bytes(path)?;
+    let file = WeatherFile::read(&String::from_utf8_lossy(&bytes));
+    file.map_err(|e| Failure::failed(format_args!("{}: {e}", path.display())))
+}
+
 /// Finds the weather of an instant.
 fn weather(
     path: &Path,
@@ -94,9 +101,7 @@ fn weather(
         ));
     };
     let failed = |words: String| Failure::failed(format_args!("{}: {words}", path.display()));
-    let bytes = models::read_bytes(path)?;
-    let file = WeatherFile::read(&String::from_utf8_lossy(&bytes));
-    let file = file.map_err(|e| failed(e.to_string()))?;
+    let file = read_weather(path)?;
     // Files count hours of local standard time.
     let ahead = (file.time_zone * 3600.0).round() as i32;
     let offset = Offset::from_seconds(ahead).map_err(|e| failed(e.to_string()))?;

@@ -7,6 +7,7 @@
 use crate::pages::{Page, pages};
 use crate::support::{Folder, Run, project};
 use crate::tiny_font;
+use crate::year::weather_file;
 use azulejo_cli::parsers::command_line;
 use std::fs;
 use std::io::Write;
@@ -274,6 +275,7 @@ fn with_less_work(mut words: Vec<String>) -> Vec<String> {
             &["--patches", "60", "--error", "60%"]
         }
         "bake" => &["--size", "32", "--patches", "60", "--error", "60%"],
+        "probe" if has("--year") => &["--patches", "60"],
         "solve" | "probe" if !has("--rays") => &["--patches", "60", "--error", "60%"],
         "form-factors" | "exchange" if !(is_matrix || has("--patch-size") || has("--by")) => {
             &["--patches", "60"]
@@ -308,7 +310,8 @@ fn provide(folder: &Folder, word: &str) {
         "anybodys.glb" => drop(fs::copy(folder.path("baked.glb"), path)),
         "Serif.ttf" | "Serif.otf" => folder.write(word, tiny_font::bytes()),
         "logo.svg" => folder.write(word, LOGO),
-        "munich.epw" => folder.write(word, WEATHER),
+        "munich.epw" => folder.write(word, weather_file(|_, _| false)),
+        "roof.txt" => folder.write(word, "1 3.5 1 0 1 0\n"),
         "desk.txt" => folder.write(word, "0.5 0.5 0.5\n"),
         "optics.csv" => folder.write(word, "name,eps\nlamp,0.05\n*,0.8\n"),
         "temperatures.csv" => folder.write(word, "name,T,q\nlamp,320,\n*,,0\n"),
@@ -319,11 +322,6 @@ fn provide(folder: &Folder, word: &str) {
         _ => {}
     }
 }
-
-/// A weather file of one hour.
-const WEATHER: &str = "LOCATION,Munich,-,DEU,IWEC,108660,48.13,11.70,1.0,529.0\n\
-                       DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n\
-                       1996,6,21,14,60,?9,12.0,7.5,60,95600,0,1300,300,400,600,150,0,0\n";
 
 /// The models of pages that are the room here.
 const ROOMS: [&str; 15] = [

@@ -36,6 +36,7 @@ mod validate;
 mod view3d;
 mod viewers;
 mod workbench;
+mod year;
 
 #[cfg(unix)]
 mod form_factors;

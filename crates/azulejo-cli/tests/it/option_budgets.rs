@@ -11,7 +11,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("solve", 46),
     ("bake", 70),
     ("render", 73),
-    ("probe", 47),
+    ("probe", 48),
     ("form-factors", 59),
     ("merge", 4),
     ("exchange", 48),

@@ -4,6 +4,7 @@
 #[allow(dead_code)]
 #[path = "../../../azulejo-cli/src/known/exchange.rs"]
 mod cases;
+mod daylight;
 mod expected;
 mod known_exchange;
 mod known_factors;

@@ -183,11 +183,11 @@ impl PreparedPlan<'_> {
 }
 
 /// Where a ray starts that is sent to the sky.
-struct RayStart {
-    position: DVec3,
+pub(super) struct RayStart {
+    pub position: DVec3,
     /// Unit; `None` where all directions count alike.
-    normal: Option<DVec3>,
-    weight: f64,
+    pub normal: Option<DVec3>,
+    pub weight: f64,
 }
 
 /// How the sky is sampled.

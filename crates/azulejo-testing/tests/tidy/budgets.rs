@@ -7,11 +7,11 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 4600),
+    ("azulejo", 4660),
     ("azulejo-bake", 5250),
-    ("azulejo-cli", 23_100),
-    ("azulejo-exchange", 8020),
-    ("azulejo-factors", 18_010),
+    ("azulejo-cli", 23_400),
+    ("azulejo-exchange", 8350),
+    ("azulejo-factors", 18_100),
     ("azulejo-formats", 65_500),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 2900),

@@ -14,6 +14,9 @@ const COLUMNS: usize = 16;
 /// Most records of an hour.
 const MOST_PER_HOUR: usize = 60;
 
+/// Days of each month of a year that is no leap year.
+const DAYS: [u8; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+
 /// The weather at a place, in records of an hour or less.
 ///
 /// EnergyPlus, *Auxiliary Programs*, "EnergyPlus Weather File (EPW) Data Dictionary". Years do not matter: typical
@@ -34,6 +37,8 @@ pub struct WeatherFile {
 /// The weather of an hour or a part of one: means over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeatherRecord {
+    /// Its line in the file, from 1.
+    pub line: usize,
     /// 1 to 12.
     pub month: u8,
     /// 1 to 31.
@@ -62,6 +67,13 @@ impl fmt::Display for WeatherError {
 }
 
 impl std::error::Error for WeatherError {}
+
+impl WeatherError {
+    fn new(line: usize, found: &str, expected: &str) -> WeatherError {
+        let words = format!("found {found}, expected {expected}");
+        WeatherError { line, words }
+    }
+}
 
 impl WeatherFile {
     /// Reads an `.epw`.
@@ -113,9 +125,72 @@ impl WeatherFile {
     pub fn records(&self) -> &[WeatherRecord] {
         &self.records
     }
+
+    /// Whether the records are those of a whole year with 29 February, or without: one after the other from the first
+    /// of January to the end of December, each with its irradiance.
+    ///
+    /// # Errors
+    /// The line of the first that is missing, out of its order or without irradiance; what was found, what was expected.
+    pub fn is_leap_year(&self) -> Result<bool, WeatherError> {
+        let (mut expected, mut is_leap) = ((1, 1, 0.0), false);
+        for record in &self.records {
+            let found = (record.month, record.day, record.hours[0]);
+            if found == (2, 29, 0.0) && expected == (3, 1, 0.0) {
+                (expected, is_leap) = (found, true);
+            }
+            if found != expected {
+                return Err(record.wrong(
+                    &hour(found),
+                    &format!("{}, as the next of a year", hour(expected)),
+                ));
+            }
+            let irradiances = [
+                ("direct normal", record.direct_normal),
+                ("diffuse horizontal", record.diffuse_horizontal),
+            ];
+            for (name, irradiance) in irradiances {
+                if irradiance.is_none() {
+                    let found = format!(
+                        "no {name} irradiance ({MISSING_IRRADIANCE}) of {}",
+                        hour(found)
+                    );
+                    return Err(record.wrong(&found, "a year without gaps"));
+                }
+            }
+            expected = record.next();
+        }
+        match self.records.last() {
+            Some(last) if expected != (13, 1, 0.0) => {
+                Err(last.wrong("the last record", &format!("{} after it", hour(expected))))
+            }
+            None => Err(WeatherError::new(1, "no records", "those of a year")),
+            _ => Ok(is_leap),
+        }
+    }
+}
+
+/// A month, a day, and an hour at which a record begins, in words.
+fn hour((month, day, begin): (u8, u8, f64)) -> String {
+    format!("hour {} of {day}/{month}", begin as u8 + 1)
 }
 
 impl WeatherRecord {
+    /// Month, day and beginning of the record after this one, where 28 February is followed by March.
+    fn next(&self) -> (u8, u8, f64) {
+        let end = self.hours[1];
+        if end < 24.0 {
+            return (self.month, self.day, end);
+        }
+        if self.day < DAYS[usize::from(self.month) - 1] {
+            return (self.month, self.day + 1, 0.0);
+        }
+        (self.month + 1, 1, 0.0)
+    }
+
+    fn wrong(&self, found: &str, expected: &str) -> WeatherError {
+        WeatherError::new(self.line, found, expected)
+    }
+
     /// Reads a row; `before` are those before it.
     fn read(
         row: &Row,
@@ -160,6 +235,7 @@ impl WeatherRecord {
             Ok((value < missing).then_some(value))
         };
         Ok(WeatherRecord {
+            line: row.line,
             month,
             day,
             hours: [begin, end],
@@ -222,10 +298,7 @@ impl<'t> Row<'t> {
     }
 
     fn found(&self, found: &str, expected: &str) -> WeatherError {
-        WeatherError {
-            line: self.line,
-            words: format!("found {found}, expected {expected}"),
-        }
+        WeatherError::new(self.line, found, expected)
     }
 }
 
@@ -288,6 +361,63 @@ mod tests {
         }
         let once_more = WeatherFile::read(&format!("{text}{}", row(1, 1, 12, 0, "1,1")));
         assert!(once_more.unwrap_err().to_string().contains("again"));
+    }
+
+    /// The records of a year, as lines.
+    fn year(has_29_february: bool) -> Vec<String> {
+        let mut lines = Vec::new();
+        for (month, days) in (1..).zip(DAYS) {
+            let days = if month == 2 && has_29_february {
+                29
+            } else {
+                days.into()
+            };
+            let hours = (1..=days).flat_map(|day| (1..=24).map(move |hour| (day, hour)));
+            lines.extend(hours.map(|(day, hour)| row(month, day, hour, 60, "1,1")));
+        }
+        lines
+    }
+
+    #[test]
+    fn years_are_whole() {
+        let read = |lines: &[String]| {
+            let periods = "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n";
+            let file = WeatherFile::read(&format!("{HEAD}{periods}{}", lines.concat()))?;
+            file.is_leap_year()
+        };
+        assert_eq!(read(&year(false)), Ok(false));
+        assert_eq!(read(&year(true)), Ok(true));
+        let refused = |change: fn(&mut Vec<String>), words: &str| {
+            let mut lines = year(true);
+            change(&mut lines);
+            let error = read(&lines).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        };
+        let gap = "line 5: found hour 3 of 1/1, expected hour 2 of 1/1";
+        refused(|lines| drop(lines.remove(1)), gap);
+        refused(
+            |lines| lines.swap(30, 31),
+            "line 34: found hour 8 of 2/1, expected hour 7 of 2/1",
+        );
+        refused(
+            |lines| lines.insert(9, lines[8].clone()),
+            "line 13: found hour 9 of 1/1 again",
+        );
+        refused(
+            |lines| drop(lines.drain(24..48)),
+            "found hour 1 of 3/1, expected hour 1 of 2/1",
+        );
+        refused(
+            |lines| lines.truncate(8000),
+            "found the last record, expected hour 9 of 29/11 after it",
+        );
+        refused(|lines| lines.truncate(0), "found no records");
+        let missing = "line 13: found no diffuse horizontal irradiance (9999) of hour 10 of 1/1, expected a year";
+        refused(|lines| lines[9] = row(1, 1, 10, 60, "1,9999"), missing);
+        refused(
+            |lines| lines[9] = row(1, 1, 10, 60, "9999,1"),
+            "no direct normal irradiance",
+        );
     }
 
     #[test]

@@ -16,7 +16,7 @@
 mod factors;
 mod heat;
 mod newton;
-mod reflections;
+pub(crate) mod reflections;
 #[cfg(test)]
 pub(crate) mod tests;
 

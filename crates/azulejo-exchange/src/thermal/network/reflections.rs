@@ -35,7 +35,7 @@ const MOST: usize = 2_000;
 type Lanes<const L: usize> = Vec<[f64; L]>;
 
 /// J = g + c ∘ F^s J for one c and any number of g.
-pub(super) struct Reflections<'a> {
+pub(crate) struct Reflections<'a> {
     factors: &'a dyn FactorOperator,
     /// √c of each row.
     root: Vec<f64>,
