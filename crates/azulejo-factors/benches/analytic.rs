@@ -145,7 +145,11 @@ fn towns(blocks: usize) {
             rows.len(),
             100.0 * stated,
             actual.map(|share| 100.0 * share),
-            factors.engine_used.notes[0],
+            factors
+                .engine_used
+                .notes
+                .first()
+                .map_or("rays", |note| note),
         );
     }
 }

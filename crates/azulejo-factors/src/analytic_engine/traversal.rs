@@ -192,9 +192,13 @@ const FEW_ROWS: usize = 2;
 /// Pairs with more obstructions than this are left to shadow rays.
 const MOST_OBSTRUCTIONS: usize = 24;
 
-/// Microseconds of a shadow ray, and of formulas for each edge that separates visible from hidden: measured in a town.
+/// Microseconds of a shadow ray.
 const RAY: f64 = 0.15;
-const EDGE: f64 = 50.0;
+
+/// Microseconds of formulas for each edge that separates visible from hidden, where row sums are wanted to less than
+/// [`ROUGH`], and to more: measured in rooms, which are computed so, and in towns.
+const EDGE: [f64; 2] = [20.0, 50.0];
+const ROUGH: f64 = 1e-4;
 
 /// Row and column of a pair that is left to shadow rays.
 pub(super) type UnresolvedPair = (usize, usize);
@@ -613,7 +617,12 @@ impl<'a> PairTraversal<'a> {
         let can_be = self.image.order == 0 && !self.accuracy.is_exact;
         let edges = self.edges[..kept.len()].iter();
         let edges: u32 = edges.map(|edges| edges.count_ones()).sum();
-        let is_sooner = |rays| rays * RAY < f64::from(edges) * EDGE;
+        let edge = if self.accuracy.row < ROUGH {
+            EDGE[0]
+        } else {
+            EDGE[1]
+        };
+        let is_sooner = |rays| rays * RAY < f64::from(edges) * edge;
         can_be && self.shadow_rays(pair).is_some_and(is_sooner)
     }
 
