@@ -63,7 +63,7 @@ pub struct ComputationArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// RMS error of row sums that the analytic engine has to reach before closure: 1e-12 to 0.01
-    /// [default: 1e-11 for up to 32 rows, otherwise 5e-5]
+    /// [default: 1e-11 for up to 32 rows, otherwise 5e-5, or 3e-4 where that takes long and --engine is auto]
     ///
     /// Below 1e-6 every pair is exact to about that.
     #[arg(long, value_name = "SHARE", value_parser = values::tolerance)]

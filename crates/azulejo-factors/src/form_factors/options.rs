@@ -27,7 +27,8 @@ pub struct FormFactorOptions {
     /// smaller standard error.
     pub analytic: bool,
     /// RMS error of the sums of rows that the analytic engine has to reach before closure; below
-    /// 1e-6 all pairs are exact to about that. `None` is 1e-11 for up to 32 rows, else 5e-5.
+    /// 1e-6 all pairs are exact to about that. `None` is 1e-11 for up to 32 rows, else 5e-5,
+    /// or 3e-4 where [`Engine::Auto`] finds that to take long.
     pub accuracy: Option<f64>,
     /// Whether direct light, light by one mirror, and light by more mirrors or through glass are
     /// also kept separately ([`FormFactors::orders`](super::FormFactors::orders)).
