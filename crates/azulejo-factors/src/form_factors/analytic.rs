@@ -301,7 +301,7 @@ fn notes(pairs: &AllPairs, exchanger: &Exchanger, rays: Option<u32>) -> Vec<Stri
     )];
     if t.unresolved > 0 {
         notes.push(format!(
-            "shadow rays estimated {} pairs with too many occluders",
+            "shadow rays estimated {} pairs with something between them",
             t.unresolved
         ));
     }
