@@ -13,9 +13,9 @@
 //! reflections. By reciprocity R_j, what the point receives of the light on row j, is A_j J_j for the radiosity J if the
 //! point itself shone: J = ρ (F_point / A + F J).
 
-use crate::archive::write::{list, triples};
+use crate::archive::write::list;
 use crate::enclosure::Enclosure;
-use crate::points::SeenFromPoints;
+use crate::points::{SeenFromPoints, write_points};
 use crate::thermal::ExchangeError;
 use crate::thermal::network::reflections::Reflections;
 use azulejo_factors::form_factors::{FactorPoint, PointFactors, PreparedPlan, SkyFactors};
@@ -394,12 +394,7 @@ impl YearAtPoints {
         ] {
             archive.add(name, |w| list(sums, |sum| sum / 1000.0, w))?;
         }
-        let points = || self.points.iter();
-        let normal = |p: &FactorPoint| p.normal.unwrap_or_default().to_array();
-        archive.add("points", |w| {
-            triples(points().map(|p| p.position.to_array()), w)
-        })?;
-        archive.add("normals", |w| triples(points().map(normal), w))?;
+        write_points(&self.points, &mut archive)?;
         let middles: Vec<f64> = (0..records)
             .map(|k| (k as f64 + 0.5) * self.record_hours)
             .collect();

@@ -270,12 +270,7 @@ impl SeenFromPoints {
         add("lost", |r| r.lost)?;
         archive.add("names", |w| npy::write_texts(&self.groups.names, w))?;
         archive.add("point_names", |w| npy::write_texts(&self.names, w))?;
-        let points = || self.points.iter();
-        let normal = |p: &FactorPoint| p.normal.unwrap_or_default().to_array();
-        archive.add("points", |w| {
-            triples(points().map(|p| p.position.to_array()), w)
-        })?;
-        archive.add("normals", |w| triples(points().map(normal), w))?;
+        write_points(&self.points, &mut archive)?;
         if let Some(sky) = &self.sky {
             write_sky(sky, self.rows.rows.up, &mut archive)?;
         }
@@ -287,6 +282,14 @@ impl SeenFromPoints {
         }
         archive.finish()
     }
+}
+
+/// Adds positions and normals; of globes these are 0.
+pub(crate) fn write_points(points: &[FactorPoint], archive: &mut NpzWriter) -> io::Result<()> {
+    let positions = points.iter().map(|p| p.position.to_array());
+    archive.add("points", |w| triples(positions, w))?;
+    let normals = points.iter().map(|p| p.normal.unwrap_or_default());
+    archive.add("normals", |w| triples(normals.map(|n| n.to_array()), w))
 }
 
 /// The rows of the matrix of a plan, without factors.

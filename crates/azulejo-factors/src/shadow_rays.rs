@@ -109,16 +109,9 @@ impl View<'_> {
         self.by_rays(per_replicate(first.deviation), 1)
     }
 
-    /// The visible share by so many rays per replicate.
+    /// The visible share by so many rays per replicate, between points stratified over both facets and weighted with
+    /// the kernel (ratio estimator); those of another `stage` are independent.
     fn by_rays(&self, rays: u32, stage: u32) -> Visible {
-        let mut sums = [Kernels::default(); REPLICATES];
-        self.trace(rays, stage, &mut sums);
-        Visible::new(&sums)
-    }
-
-    /// Adds these shadow rays of each replicate, between points stratified over both facets and weighted with the
-    /// kernel (ratio estimator).
-    fn trace(&self, rays: u32, stage: u32, sums: &mut [Kernels; REPLICATES]) {
         let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
         let samplers = self.pair.map(|patch| self.patches.sampler(patch));
         for r in 0..REPLICATES as u32 {
@@ -133,9 +126,11 @@ impl View<'_> {
             }
         }
         self.surfaces.tracer.any(&shadow, &mut blocked);
+        let mut sums = [Kernels::default(); REPLICATES];
         for (index, (&(kernel, is_up), &blocked)) in kernels.iter().zip(&blocked).enumerate() {
             sums[index / rays as usize].add(kernel, !blocked, is_up);
         }
+        Visible::new(&sums)
     }
 
     /// A shadow ray between two points, the kernel's value there, and the way from one to the other.

@@ -196,9 +196,12 @@ const MOST_OBSTRUCTIONS: usize = 24;
 const RAY: f64 = 0.15;
 
 /// Microseconds of formulas for each edge that separates visible from hidden, where row sums are wanted to less than
-/// [`ROUGH`], and to more: measured in rooms, which are computed so, and in towns.
+/// [`COARSE`], and to more: measured in rooms, which are computed so, and in towns.
 const EDGE: [f64; 2] = [20.0, 50.0];
-const ROUGH: f64 = 1e-4;
+const COARSE: f64 = 1e-4;
+
+/// The standard deviation of what a single ray says of a pair, before it is traced.
+const DEVIATION: f64 = 0.4;
 
 /// Row and column of a pair that is left to shadow rays.
 pub(super) type UnresolvedPair = (usize, usize);
@@ -617,7 +620,7 @@ impl<'a> PairTraversal<'a> {
         let can_be = self.image.order == 0 && !self.accuracy.is_exact;
         let edges = self.edges[..kept.len()].iter();
         let edges: u32 = edges.map(|edges| edges.count_ones()).sum();
-        let edge = if self.accuracy.row < ROUGH {
+        let edge = if self.accuracy.row < COARSE {
             EDGE[0]
         } else {
             EDGE[1]
@@ -630,7 +633,7 @@ impl<'a> PairTraversal<'a> {
     fn shadow_rays(&self, [a, b]: [&Facet; 2]) -> Option<f64> {
         let most = a.area.min(b.area);
         let whole = rough(a, b);
-        rays_for(0.4, self.accuracy.row * (most / whole).sqrt())
+        rays_for(DEVIATION, self.accuracy.row * (most / whole).sqrt())
     }
 
     /// A pair behind obstructions, or the part of it above the horizon.

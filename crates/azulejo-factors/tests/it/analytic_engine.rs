@@ -6,7 +6,9 @@ use crate::scenes;
 use azulejo_factors::analytic::form_factor;
 use azulejo_factors::form_factors::Closure;
 use azulejo_factors::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
-use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
+use azulejo_scene::synthetic::{
+    CornellVariant, cornell_box, cube_array, cube_room, room_with_table,
+};
 use azulejo_scene::{Mesh, Object, Scene, Shape};
 use azulejo_testing::closed_forms::{on_common_edge, opposed};
 use azulejo_trace::sampling::uniform;
@@ -472,6 +474,48 @@ fn faces_that_touch_within_a_face_are_within_their_errors() {
         let share = size.x * size.y / (wide * wide);
         assert!((below / share - 1.0).abs() < 1e-4, "{below}, not {share}");
     }
+}
+
+/// Where a larger error is allowed, shadow rays find most pairs with something between them: within that error, without
+/// bias, and with errors that say so, for rows and for the sky.
+#[test]
+fn shadow_rays_of_pairs_are_within_the_error() {
+    const ERROR: f64 = 1e-3;
+    const SEEDS: u64 = 8;
+    let scene = cube_array(3, 1);
+    let truth = compute(&scene, &options());
+    let sums = truth.row_sums();
+    let seeing: Vec<usize> = (0..truth.len()).filter(|&i| sums[i] > 0.0).collect();
+    let (mut squares, mut mean, mut stated, mut sky, mut near) = (0.0, 0.0, 0.0, 0.0, 0);
+    for seed in 0..SEEDS {
+        let options = FormFactorOptions {
+            accuracy: Some(ERROR),
+            seed,
+            ..options()
+        };
+        let found = compute(&scene, &options);
+        let notes = found.engine_used.notes.join("; ");
+        assert!(notes.contains("shadow rays estimated"), "{notes}");
+        let all = found.row_sums();
+        for (&i, sum) in seeing.iter().map(|i| (i, all[*i])) {
+            squares += (sum - sums[i]).powi(2);
+            mean += sum - sums[i];
+            let variances = found.row(i).map(|(_, _, error)| f64::from(error).powi(2));
+            stated += variances.sum::<f64>();
+            let off = found.rest[i].sky - truth.rest[i].sky;
+            sky += off * off;
+            let most = 2.0 * found.rest[i].sky_error + 2.0 * truth.rest[i].sky_error;
+            near += u32::from(off.abs() <= most);
+        }
+    }
+    let count = SEEDS as f64 * seeing.len() as f64;
+    let [actual, stated, sky] = [squares, stated, sky].map(|sum| (sum / count).sqrt());
+    let (mean, near) = (mean / count, f64::from(near) / count);
+    let found = format!("{actual:e}, stated {stated:e}, mean {mean:e}, sky {sky:e}, {near}");
+    assert!(actual < 1.25 * ERROR && sky < 1.25 * ERROR, "{found}");
+    assert!(actual > 0.01 * ERROR, "{found}");
+    assert!((0.5..=2.0).contains(&(stated / actual)), "{found}");
+    assert!(mean.abs() < 0.1 * ERROR && near > 0.9, "{found}");
 }
 
 /// Sums over patches, which have no faces that touch them within, are the factors of whole faces, however the box
