@@ -81,6 +81,9 @@ pub struct ReadingArgs {
     /// sRGB if Blender wrote the file]
     #[arg(long, value_name = "linear|srgb")]
     pub vertex_colors: Option<VertexColors>,
+    /// Revolve axisymmetric elements (CAX, DCAX of Abaqus and CalculiX) around the axis y, as N facets for each edge
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=3600))]
+    pub revolve: Option<u32>,
     /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
     /// background, fog. May be given several times
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -109,6 +112,7 @@ impl ReadingArgs {
             most_elements: self.most_elements,
             darkens_unpainted,
             vertex_colors: self.vertex_colors,
+            sectors: self.revolve,
             ..ReadOptions::default()
         }
     }

@@ -8,6 +8,7 @@ mod bake;
 mod brdf;
 mod camera;
 mod charts;
+mod child;
 mod cli;
 mod clock;
 mod content_key;

@@ -1,11 +1,12 @@
 //! NumPy arrays from vectors, and back.
 
 use crate::error::refused;
+use azulejo_factors::form_factors::SkyFactors;
 use azulejo_radiosity::PointNormal;
-use azulejo_scene::Rgb;
+use azulejo_scene::{Rgb, Up};
 use glam::DVec3;
 use numpy::ndarray::{Array2, Array3};
-use numpy::{Element, IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// An array of n rows of three numbers.
@@ -33,6 +34,34 @@ pub fn image<'py, E: Element>(
     let shape = (height as usize, width as usize, 3);
     let array = Array3::from_shape_vec(shape, numbers).map_err(refused)?;
     Ok(array.into_pyarray(py))
+}
+
+/// Shares of patches of the sky, their standard errors, directions and solid angles of the patches, and the name of the
+/// division.
+pub type SkyArrays<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    String,
+);
+
+/// What rows see of the patches of the sky in a scene of this up axis.
+pub fn sky_arrays<'py>(py: Python<'py>, sky: &SkyFactors, up: Up) -> PyResult<SkyArrays<'py>> {
+    let count = sky.division.count();
+    let table = |numbers: &[f32]| {
+        let shape = (numbers.len() / count, count);
+        let array = Array2::from_shape_vec(shape, numbers.to_vec()).map_err(refused)?;
+        Ok::<_, PyErr>(array.into_pyarray(py))
+    };
+    let directions = sky.directions(up).into_iter().map(|d| d.to_array());
+    Ok((
+        table(&sky.shares)?,
+        table(&sky.errors)?,
+        triples(py, directions)?,
+        sky.solid_angles().into_pyarray(py),
+        sky.division.to_string(),
+    ))
 }
 
 /// Rows of three numbers as vectors.

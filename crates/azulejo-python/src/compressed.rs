@@ -11,6 +11,7 @@ use azulejo_factors::form_factors::Plan;
 use azulejo_factors::hierarchy::{CompressionError, FactorOperator, StatedFactors};
 use azulejo_factors::{CompressionOptions, FormFactorOptions};
 use azulejo_scene::Scene;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_trace::Progress;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
@@ -40,10 +41,11 @@ pub fn compute_compressed_factors(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(NativeCompressedFactors, Vec<String>)> {
-    let (shared, periods, options) = (scene.shared(), options.periods()?, options.options()?);
+    let (shared, periods) = (scene.shared(), options.periods()?);
+    let (sky, options) = (options.sky()?, options.options()?);
     let (archive, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
-        compute(&shared.scene, &tracer, compress, &options, p)
+        compute(&shared.scene, &tracer, (compress, sky), &options, p)
     })?;
     let archive = Arc::new(archive);
     Ok((NativeCompressedFactors { archive }, flaws))
@@ -53,7 +55,7 @@ pub fn compute_compressed_factors(
 fn compute(
     scene: &Scene,
     tracer: &azulejo_trace::Tracer,
-    tolerance: f64,
+    (tolerance, sky): (f64, Option<(SkyDivision, f64)>),
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> PyResult<(BlockArchive, Vec<String>)> {
@@ -72,6 +74,11 @@ fn compute(
     let factors = &archive.enclosure.factors;
     let outside = OutsideLight::of_rows(&prepared, scene, factors, progress);
     archive.enclosure.outside = outside.map_err(factors_error)?;
+    if let Some((division, north)) = sky {
+        let factors = &archive.enclosure.factors;
+        let seen = prepared.sky_factors(division, north, factors, progress);
+        archive.enclosure.sky = Some(seen.map_err(factors_error)?);
+    }
     Ok((archive, plan.flaws()))
 }
 

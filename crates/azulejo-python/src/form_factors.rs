@@ -3,7 +3,7 @@
 mod csr;
 mod options;
 
-use crate::arrays::triples;
+use crate::arrays::{SkyArrays, sky_arrays, triples};
 use crate::choices;
 use crate::error::{cancelled, factors_error, refused};
 use crate::geometry::{self, GeometryArrays};
@@ -13,6 +13,7 @@ use azulejo_exchange::{ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight}
 use azulejo_factors::form_factors::{Adjustment, Plan, RowRemainder};
 use azulejo_factors::{FormFactorOptions, FormFactors};
 use azulejo_scene::Scene;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_trace::Progress;
 use csr::{CsrArrays, CsrBuffers, OrderArrays};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
@@ -38,11 +39,15 @@ pub fn compute_form_factors(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(NativeFormFactors, Vec<String>)> {
     let by = choices::group_by(by)?;
-    let (periods, options) = (options.periods()?, options.options_for(by)?);
+    let (periods, sky, options) = (
+        options.periods()?,
+        options.sky()?,
+        options.options_for(by)?,
+    );
     let shared = scene.shared();
     let (enclosure, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
-        compute(&shared.scene, &tracer, by, &options, p)
+        compute(&shared.scene, &tracer, (by, sky), &options, p)
     })?;
     Ok((NativeFormFactors::new(enclosure), flaws))
 }
@@ -51,7 +56,7 @@ pub fn compute_form_factors(
 fn compute(
     scene: &Scene,
     tracer: &azulejo_trace::Tracer,
-    by: Option<GroupBy>,
+    (by, sky): (Option<GroupBy>, Option<(SkyDivision, f64)>),
     options: &FormFactorOptions,
     progress: &Progress,
 ) -> PyResult<(Enclosure, Vec<String>)> {
@@ -61,6 +66,10 @@ fn compute(
     let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(factors_error)?);
     let outside = OutsideLight::of_rows(&prepared, scene, &enclosure.factors, progress);
     enclosure.outside = outside.map_err(factors_error)?;
+    if let Some((division, north)) = sky {
+        let seen = prepared.sky_factors(division, north, &enclosure.factors, progress);
+        enclosure.sky = Some(seen.map_err(factors_error)?);
+    }
     let enclosure = match by {
         Some(by) => enclosure.grouped(&enclosure.groups(by)),
         None => enclosure,
@@ -284,6 +293,14 @@ impl NativeFormFactors {
             of(|l| l.irradiance.to_array())?,
             of(|l| l.error.to_array())?,
         ]))
+    }
+
+    /// What rows see of the patches of the sky, if that was asked for.
+    #[getter]
+    fn sky_patches<'py>(&self, py: Python<'py>) -> PyResult<Option<SkyArrays<'py>>> {
+        let enclosure = &self.enclosure;
+        let arrays = enclosure.sky.as_ref().map(|sky| sky_arrays(py, sky, enclosure.rows.up));
+        arrays.transpose()
     }
 
     /// Share of the light arriving at each column that ends there.

@@ -1,6 +1,6 @@
 //! Form factors from points.
 
-use crate::arrays::{points_with_normals, vectors};
+use crate::arrays::{SkyArrays, points_with_normals, sky_arrays, vectors};
 use crate::choices;
 use crate::error::{cancelled, factors_error};
 use crate::form_factors::OptionArgs;
@@ -12,6 +12,7 @@ use azulejo_factors::FormFactorOptions;
 use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors, RowRemainder};
 use azulejo_radiosity::PointNormal;
 use azulejo_scene::Scene;
+use azulejo_scene::sky::SkyDivision;
 use azulejo_trace::{Progress, Tracer};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -24,13 +25,14 @@ type PointRows<'py> = (
     Bound<'py, PyArray1<i64>>,
 );
 
-/// Rows, names of columns (none of patches), their number, and what reaches no column: sky and ground
-/// with errors, hidden, cut, lost.
+/// Rows, names of columns (none of patches), their number, what reaches no column (sky and ground with errors, hidden,
+/// cut, lost), and patches of the sky.
 type PointArrays<'py> = (
     PointRows<'py>,
     Option<Vec<String>>,
     usize,
     Vec<Bound<'py, PyArray1<f64>>>,
+    Option<SkyArrays<'py>>,
 );
 
 /// What points see: n × 3 positions, and normals or whole spheres.
@@ -50,17 +52,21 @@ pub fn compute_point_factors<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PointArrays<'py>> {
     let by = choices::group_by(by)?;
-    let (periods, options) = (options.periods()?, options.options()?);
+    let (periods, sky, options) = (options.periods()?, options.sky()?, options.options()?);
     let points = factor_points(&points, normals.as_ref())?;
     let shared = scene.shared();
     let seen = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
-        from_points(&shared.scene, &tracer, by, &options, points, p)
+        from_points(&shared.scene, &tracer, (by, sky), &options, points, p)
     })?;
+    let up = scene.shared().scene.up;
+    let patches = seen.sky.as_ref().map(|sky| sky_arrays(py, sky, up));
+    let patches = patches.transpose()?;
     let (factors, groups) = (seen.seen, seen.groups);
     let count = groups.names.len();
     let names = by.is_some().then_some(groups.names);
-    Ok((rows(py, &factors), names, count, rests(py, &factors)))
+    let rests = rests(py, &factors);
+    Ok((rows(py, &factors), names, count, rests, patches))
 }
 
 fn factor_points(
@@ -85,14 +91,20 @@ fn factor_points(
 fn from_points(
     scene: &Scene,
     tracer: &Tracer,
-    by: Option<GroupBy>,
+    (by, sky): (Option<GroupBy>, Option<(SkyDivision, f64)>),
     options: &FormFactorOptions,
     points: Vec<FactorPoint>,
     progress: &Progress,
 ) -> PyResult<SeenFromPoints> {
     let plan = Plan::new(scene, tracer, options).map_err(factors_error)?;
-    let seen = SeenFromPoints::compute(&plan.prepare(), (scene, by), numbered(points), progress);
-    seen.map_err(cancelled)
+    let prepared = plan.prepare();
+    let seen = SeenFromPoints::compute(&prepared, (scene, by), numbered(points), progress);
+    let mut seen = seen.map_err(cancelled)?;
+    if let Some(sky) = sky {
+        let added = seen.add_sky(&prepared, sky, progress);
+        added.map_err(factors_error)?;
+    }
+    Ok(seen)
 }
 
 fn rows<'py>(py: Python<'py>, points: &[PointFactors]) -> PointRows<'py> {

@@ -206,3 +206,27 @@ def test_what_is_refused(cube: az.Scene, refuses) -> None:
     refuses("expected a point and a column", lambda: p[0], TypeError)
     patches = az.point_factors(cube, [[0.5, 0.5, 0.5]], by="patch", patches=6, rays=64)
     refuses("columns are patches, which have no names", lambda: patches[0, "lid"])
+
+
+def test_patches_of_the_sky(cube: az.Scene) -> None:
+    """Shares of patches add up to those of sky and ground, and weigh a sky as it is: rows and points alike."""
+    floor = az.Scene({"floor": (np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), QUAD)})
+    f = az.form_factors(floor, by="object", sky_patches="tregenza")
+    p = az.point_factors(floor, [[0, 0, 1]], [0, 0, 1], sky_patches="tregenza")
+    for seen in (f.sky_patches, p.sky_patches):
+        assert seen is not None and seen.division == "tregenza"
+        assert seen.shares.shape == seen.std_error.shape == (1, 146)
+        assert np.isclose(seen.shares[0, 1:].sum(), 1, atol=1e-6) and seen.shares[0, 0] == 0
+        # By its solid angle and cosine; patches are small.
+        expected = seen.directions[1:, 2] * seen.solid_angles[1:] / np.pi
+        assert np.abs(seen.shares[0, 1:] / expected - 1).max() < 0.1
+        assert not seen.shares.flags.writeable
+    # The first patch is centred on north, which is +y, or +x if north is turned by 90 degrees.
+    turned = az.form_factors(floor, sky_patches="reinhart:2", north=90)
+    assert turned.sky_patches is not None
+    assert turned.sky_patches.directions[1, 0] > 0.99 and f.sky_patches.directions[1, 1] > 0.99
+    blocks = az.form_factors(cube, sky_patches="tregenza", compress=1e-2, patches=200)
+    assert blocks.sky_patches is not None and len(blocks.sky_patches.shares) == len(blocks)
+    assert az.form_factors(floor).sky_patches is None
+    with pytest.raises(az.AzulejoError, match="sky_patches"):
+        az.form_factors(floor, sky_patches="perez")

@@ -24,6 +24,7 @@ mod results;
 mod suite;
 mod work;
 
+use super::child;
 use super::failure::Failure;
 use super::machine_info::MachineInfo;
 use super::report::{Report, number, seconds};
@@ -33,9 +34,9 @@ use azulejo_trace::Progress;
 use plan::{ExperimentPlan, Task};
 use record::{TaskOutcome, TaskRecord};
 use results::StoredResults;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 use suite::{Suite, SuiteSource};
 
@@ -177,7 +178,8 @@ impl SuiteRunner<'_> {
         let key = task.key();
         let program = std::env::current_exe()
             .map_err(|e| Failure::failed(format_args!("cannot find this program: {e}")))?;
-        let child = Command::new(program)
+        let mut command = Command::new(program);
+        command
             .arg("experiment")
             .arg(self.name)
             .arg("--output")
@@ -187,12 +189,7 @@ impl SuiteRunner<'_> {
                 &key,
                 "--threads",
                 &self.machine.threads.to_string(),
-            ])
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|e| Failure::failed(format_args!("cannot start a process: {e}")))?;
+            ]);
         let limit = self.suite.run.timeout.map(|t| t.0);
         let failure = |reason: String| TaskRecord {
             key: key.clone(),
@@ -202,7 +199,7 @@ impl SuiteRunner<'_> {
                 reason,
             },
         };
-        match wait_for(child, limit, progress)? {
+        match child::output(&mut command, limit, progress)? {
             Ok(text) => {
                 let lines = text.lines().map(serde_json::from_str);
                 let records: Result<Vec<TaskRecord>, _> = lines.collect();
@@ -266,63 +263,3 @@ fn obstacle(record: &TaskRecord) -> Option<&TaskOutcome> {
 
 /// Least time between two updates of the report, which grows with the results.
 const UPDATE: Duration = Duration::from_secs(1);
-
-/// Interval at which a child is polled.
-const POLL: Duration = Duration::from_millis(20);
-
-/// Waits for a child, and returns its output or the reason of its failure. The child is killed if
-/// the work is cancelled or the time limit is exceeded.
-fn wait_for(
-    child: Child,
-    limit: Option<Duration>,
-    progress: &Progress,
-) -> Result<Result<String, String>, Failure> {
-    let mut child = KillOnDrop(child);
-    // Pipes are drained meanwhile, otherwise a child that prints much would block forever.
-    let stdout = child.0.stdout.take().map(drain);
-    let stderr = child.0.stderr.take().map(drain);
-    let text = |pipe: Option<std::thread::JoinHandle<String>>| {
-        pipe.and_then(|p| p.join().ok()).unwrap_or_default()
-    };
-    let start = Instant::now();
-    loop {
-        progress.advance(0)?;
-        let status = child.0.try_wait();
-        let status =
-            status.map_err(|e| Failure::failed(format_args!("cannot wait for a process: {e}")))?;
-        match status {
-            Some(status) if status.success() => return Ok(Ok(text(stdout))),
-            Some(status) => {
-                let messages = text(stderr);
-                let last = messages.lines().rev().find(|l| !l.trim().is_empty());
-                let reason = last.map(|l| l.trim_start_matches("error: ").to_owned());
-                return Ok(Err(reason.unwrap_or_else(|| status.to_string())));
-            }
-            None if limit.is_some_and(|l| start.elapsed() > l) => {
-                let limit = limit.unwrap_or_default().as_secs_f64();
-                return Ok(Err(format!("took longer than {}", seconds(limit))));
-            }
-            None => std::thread::sleep(POLL),
-        }
-    }
-}
-
-/// A child process that is killed when dropped.
-struct KillOnDrop(Child);
-
-impl Drop for KillOnDrop {
-    fn drop(&mut self) {
-        // It may have exited already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// Reads a pipe to its end in a thread.
-fn drain(mut pipe: impl Read + Send + 'static) -> std::thread::JoinHandle<String> {
-    std::thread::spawn(move || {
-        let mut bytes = Vec::new();
-        let _ = pipe.read_to_end(&mut bytes);
-        String::from_utf8_lossy(&bytes).into_owned()
-    })
-}

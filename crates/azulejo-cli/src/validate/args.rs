@@ -19,6 +19,10 @@ pub struct ValidateArgs {
     /// Use all rays, pixels and repetitions: eight times as many rays, in ten times the time
     #[arg(long)]
     pub full: bool,
+    /// Also let the other programs for form factors that are installed answer the closed forms: View3D
+    /// (`view3d` on the path), and pyviewfactor, raystrack and OpenViewFactor of Python
+    #[arg(long)]
+    pub peers: bool,
     /// Seed of the random numbers; the same seed gives the same report, except for times
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -31,6 +35,7 @@ Examples:
   azulejo validate -o report --full
   azulejo validate -o report --engine rays,analytic
   azulejo validate -o report --only \"error bars\"
+  azulejo validate -o report --only closed --engine analytic --peers
 
 The report tells what was compared with what, and when a check passes. docs/validation.md has the figures
 of a release.

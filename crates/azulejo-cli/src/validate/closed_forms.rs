@@ -26,7 +26,7 @@ const FACETS: f64 = 0.015;
 const ROUNDING: f64 = 1e-12;
 
 /// All cases: those that test one capability each, and series over ranges of parameters.
-fn all() -> Vec<Case> {
+pub fn all() -> Vec<Case> {
     [cases(), series()].concat()
 }
 

@@ -8,6 +8,7 @@
 //! | `balances` | closure, reciprocity and energy of whole scenes, and their stated errors |
 //! | `error_bars` | how often the truth lies within them |
 //! | `repeatability` | the same bits for any number of threads |
+//! | `peers` | the closed forms by other programs that are installed |
 //! | `engines`, `record` | what is checked, and what came out |
 //! | `report` | page, plots and tables |
 
@@ -17,6 +18,7 @@ mod closed_forms;
 mod engines;
 mod error_bars;
 mod exchanges;
+mod peers;
 mod record;
 mod repeatability;
 mod report;
@@ -29,6 +31,7 @@ use crate::clock::Clock;
 use args::ValidateArgs;
 use azulejo_trace::Progress;
 use engines::CheckedEngines;
+use peers::PeerResults;
 use record::{CheckOutcome, CheckRecord, ValidationPart};
 
 /// How much is computed.
@@ -91,6 +94,8 @@ struct ValidationResults {
     records: Vec<CheckRecord>,
     convergence: Vec<ErrorCurve>,
     coverage: Vec<CoverageCurve>,
+    /// What other programs answered, if they were asked.
+    peers: Option<PeerResults>,
     /// Wall-clock time, s.
     seconds: f64,
 }
@@ -120,6 +125,7 @@ impl Validator<'_> {
             records,
             convergence,
             coverage,
+            peers: None,
             seconds: clock.wall(),
         })
     }
@@ -158,7 +164,11 @@ pub fn run(
             progress,
             say: &|words| session.tell(words),
         };
-        validator.run()
+        let mut results = validator.run()?;
+        if args.peers {
+            results.peers = Some(peers::ask(&validator, folder)?);
+        }
+        Ok::<_, Failure>(results)
     })?;
     if results.records.is_empty() {
         let name = args.only.as_deref().unwrap_or_default();
@@ -195,6 +205,12 @@ fn summary(args: &ValidateArgs, results: &ValidationResults, session: &mut Sessi
             words += &format!(", {failed} FAILED");
         }
         report.line(&part.to_string(), words);
+    }
+    for (name, why) in results.peers.iter().flat_map(|peers| &peers.missing) {
+        session.note(&format!("--peers: {name} was not asked: {why}"));
+    }
+    for peer in results.peers.iter().flat_map(|peers| &peers.answered) {
+        report.line(&peer.program, peer.summary());
     }
     // Name the first failed checks, so that the page need not be opened for them.
     let failed = results

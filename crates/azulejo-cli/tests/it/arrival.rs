@@ -449,3 +449,29 @@ fn regions_of_openfoam_are_named_before_the_work() {
     folder.ok(&format!("{region} -o constant/air --periodic z"));
     assert!(!folder.read("constant/air/F").is_empty());
 }
+
+/// A tube of radius 1 and length 2, as a section beside its axis, closed by disks.
+#[test]
+fn axisymmetric_elements_are_bodies_of_revolution() {
+    let folder = Folder::new();
+    folder.write(
+        "tube.inp",
+        "*NODE\n1,1,0\n2,1.1,0\n3,1.1,2\n4,1,2\n5,0,-.1\n6,1,-.1\n7,0,0\n8,0,2\n9,1,2.1\n10,0,2.1\n\
+         *ELEMENT, TYPE=DCAX4\n1,1,2,3,4\n2,5,6,1,7\n3,8,4,9,10\n\
+         *SURFACE, NAME=tube\n1,S4\n*SURFACE, NAME=bottom\n2,S3\n*SURFACE, NAME=top\n3,S1\n",
+    );
+    let words = folder.ok("info tube.inp").err;
+    assert!(words.contains("--revolve 64"), "{words}");
+    folder.ok("form-factors tube.inp -o f.csv --revolve 96 --by object --patch-size 0 --engine analytic");
+    let found = factors(&folder, "f.csv");
+    for (from, to, expected) in [
+        ("tube", "tube", 0.585_786),
+        ("bottom", "top", 0.171_573),
+        ("bottom", "tube", 0.828_427),
+        ("tube", "top", 0.207_107),
+    ] {
+        let factor = of(&found, from, to);
+        assert!((factor - expected).abs() < 5e-4, "{from} {to}: {factor}");
+    }
+    folder.fails("info tube.inp --revolve 2", 2, "3..=3600");
+}

@@ -16,7 +16,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("merge", 4),
     ("exchange", 48),
     ("experiment", 4),
-    ("validate", 5),
+    ("validate", 6),
     ("text", 18),
     ("font convert", 4),
     ("font sheet", 4),

@@ -6,7 +6,6 @@ use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{RowRemainder, SkyFactors};
 use azulejo_formats::numpy::npy::{self, Element};
 use azulejo_formats::numpy::npz::NpzWriter;
-use azulejo_scene::environment::upright;
 use azulejo_scene::{Up, Zone};
 use std::io::{self, Write};
 use std::ops::Range;
@@ -138,20 +137,15 @@ fn write_shares(factors: &FormFactors, archive: &mut NpzWriter) -> io::Result<()
 pub(crate) fn write_sky(sky: &SkyFactors, up: Up, archive: &mut NpzWriter) -> io::Result<()> {
     let division = sky.division;
     let rows = sky.shares.len() / division.count();
-    let patches = 0..division.count();
     for (name, numbers) in [
         ("sky_patches", &sky.shares),
         ("sky_patches_error", &sky.errors),
     ] {
         archive.add(name, |w| npy::write(&[rows, division.count()], numbers, w))?;
     }
-    let world = upright(up, sky.north);
-    let directions = patches
-        .clone()
-        .map(|k| (world * division.direction(k)).to_array());
+    let directions = sky.directions(up).into_iter().map(|d| d.to_array());
     archive.add("sky_directions", |w| triples(directions, w))?;
-    let angles: Vec<f64> = patches.map(|k| division.solid_angle(k)).collect();
-    archive.add("sky_solid_angles", |w| list(&angles, |&x| x, w))?;
+    archive.add("sky_solid_angles", |w| list(&sky.solid_angles(), |&x| x, w))?;
     archive.add("sky_division", |w| {
         npy::write_texts(&[division.to_string()], w)
     })?;

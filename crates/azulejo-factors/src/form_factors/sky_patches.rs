@@ -4,7 +4,7 @@ use super::points::POINTS;
 use super::{FactorPoint, FormFactors, PointFactors, PreparedPlan, RowRemainder};
 use crate::error::FactorsError;
 use crate::rays::straight;
-use azulejo_scene::Material;
+use azulejo_scene::{Material, Up};
 use azulejo_scene::environment::upright;
 use azulejo_scene::math::Ray;
 use azulejo_scene::sky::SkyDivision;
@@ -39,6 +39,19 @@ pub struct SkyFactors {
 }
 
 impl SkyFactors {
+    /// Unit vectors of the scene to the middles of the patches, straight down for the ground, where `up` is up.
+    pub fn directions(&self, up: Up) -> Vec<DVec3> {
+        let world = upright(up, self.north);
+        let patches = 0..self.division.count();
+        patches.map(|k| world * self.division.direction(k)).collect()
+    }
+
+    /// Solid angles of the patches, sr.
+    pub fn solid_angles(&self) -> Vec<f64> {
+        let patches = 0..self.division.count();
+        patches.map(|k| self.division.solid_angle(k)).collect()
+    }
+
     /// The shares of a row.
     pub fn row(&self, row: usize) -> &[f32] {
         let count = self.division.count();

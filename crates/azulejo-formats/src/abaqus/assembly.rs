@@ -8,6 +8,7 @@ use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
+use std::f64::consts::TAU;
 
 /// A part in its place; what is outside of all parts is the first.
 pub(super) struct PlacedPart<'a> {
@@ -29,7 +30,10 @@ pub(super) struct AbaqusAssembly<'a> {
     pub model: &'a AbaqusModel,
     pub instances: Vec<PlacedPart<'a>>,
     instance_numbers: HashMap<String, u32>,
+    /// All nodes; if bodies are revolved, once more for each further end of a sector.
     pub positions: Vec<DVec3>,
+    /// Sectors of bodies of revolution, 0 if nothing is revolved.
+    pub sectors: u32,
     /// Whether several instances have elements, so that names need those of instances.
     pub is_divided: bool,
     pub budget: Budget,
@@ -38,8 +42,12 @@ pub(super) struct AbaqusAssembly<'a> {
 
 impl<'a> AbaqusAssembly<'a> {
     /// Places all instances.
+    ///
+    /// # Errors
+    /// More than the budget allows, and sections of bodies of revolution that are not beside the axis.
     pub fn new(
         model: &'a AbaqusModel,
+        sectors: Option<u32>,
         budget: Budget,
         warnings: &'a mut Warnings,
     ) -> Result<AbaqusAssembly<'a>, ReadError> {
@@ -48,6 +56,7 @@ impl<'a> AbaqusAssembly<'a> {
             instances: Vec::new(),
             instance_numbers: HashMap::new(),
             positions: model.parts[0].positions.clone(),
+            sectors: 0,
             is_divided: false,
             budget,
             warnings,
@@ -67,7 +76,65 @@ impl<'a> AbaqusAssembly<'a> {
         }
         let with_elements = assembly.instances.iter().filter(|i| is_used(i.part));
         assembly.is_divided = with_elements.count() > 1;
+        if let Some(sectors) = sectors {
+            assembly.revolve(sectors)?;
+        }
         Ok(assembly)
+    }
+
+    /// Adds the nodes of sections of bodies of revolution in all their places around the axis y, x being the distance from
+    /// it. A regular polygon stands for a circle, of the same circumference, so that what is parallel to the axis has the
+    /// right area.
+    fn revolve(&mut self, sectors: u32) -> Result<(), ReadError> {
+        let mut is_section = vec![false; self.positions.len()];
+        for placed in &self.instances {
+            let elements = placed.part.elements.iter();
+            for element in elements.filter(|e| e.kind.swept().is_some()) {
+                self.sectors = sectors;
+                for number in &element.nodes[..element.kind.shape.corner_count()] {
+                    if let Some(index) = placed.part.node_numbers.get(number) {
+                        let node = is_section.get_mut((placed.first_node + index) as usize);
+                        node.map(|is_section| *is_section = true);
+                    }
+                }
+            }
+        }
+        let (nodes, turns) = (self.positions.len(), self.sectors.saturating_sub(1) as usize);
+        self.spend(nodes as u64 * turns as u64)?;
+        if (nodes as u64) * u64::from(self.sectors) >= u64::from(u32::MAX) {
+            let file = &self.model.files[0];
+            return Err(ReadError::whole(file, "too many nodes around the axis", "fewer than 2^32"));
+        }
+        let angle = TAU / f64::from(sectors);
+        let widening = angle / 2.0 / (angle / 2.0).sin();
+        for (p, _) in self.positions.iter_mut().zip(is_section).filter(|(_, is)| *is) {
+            // Instances are placed by rounded numbers.
+            if p.x < 0.0 || p.z.abs() > 1e-6 * p.x.max(p.y.abs()) {
+                let found = format!("a node at {}, {}, {} of an axisymmetric element", p.x, p.y, p.z);
+                let file = &self.model.files[0];
+                return Err(ReadError::whole(file, found, "x >= 0, its distance from the axis y, and z = 0"));
+            }
+            p.x *= widening;
+        }
+        for k in 1..=turns {
+            let (sin, cos) = (k as f64 * angle).sin_cos();
+            let turned = |node: usize| {
+                let p = self.positions[node];
+                DVec3::new(cos * p.x, p.y, sin * p.x)
+            };
+            let places: Vec<DVec3> = (0..nodes).map(turned).collect();
+            self.positions.extend(places);
+        }
+        Ok(())
+    }
+
+    /// A node of a section at the beginning of a sector; on the axis all are the same.
+    pub fn turned(&self, node: u32, sector: u32) -> u32 {
+        let nodes = self.positions.len() as u32 / self.sectors;
+        match self.positions[node as usize].x {
+            0.0 => node,
+            _ => node + sector % self.sectors * nodes,
+        }
     }
 
     /// Places an instance of a part, or of what it lists itself.

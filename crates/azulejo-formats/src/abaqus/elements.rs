@@ -9,8 +9,19 @@ pub(super) struct ElementType {
     pub shape: FiniteShape,
     /// Nodes of an element, those between the corners included.
     pub nodes: usize,
-    /// Whether it is an element of a plane, whose numbered faces are its edges.
-    pub is_plane: bool,
+    /// What its surfaces are.
+    pub domain: ElementDomain,
+}
+
+/// What the surfaces of an element are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ElementDomain {
+    /// Its sides or faces.
+    Space,
+    /// The sheet that it is in its plane; its numbered faces are edges.
+    Plane,
+    /// What its edges, which are its numbered faces, sweep around the axis y: a section of a body of revolution.
+    Meridian,
 }
 
 impl ElementType {
@@ -34,24 +45,24 @@ impl ElementType {
             return is_plain.then_some(ElementType {
                 shape: FiniteShape::Cell(kind),
                 nodes,
-                is_plane: false,
+                domain: ElementDomain::Space,
             });
         }
         if name.starts_with("STRI65") {
-            return ElementType::sheet(6, false);
+            return ElementType::sheet(6, ElementDomain::Space);
         }
         // Plane elements are sheets in their plane; gmsh and meshio write those in space, too.
         const PLANES: [&str; 6] = ["CPS", "CPEG", "CPE", "CAX", "DC2D", "DCAX"];
         const SHELLS: [&str; 6] = ["STRI", "SFM3D", "M3D", "R3D", "DS", "S"];
         let behind = |prefixes: &[&str]| prefixes.iter().find_map(|p| name.strip_prefix(p));
-        let (rest, is_plane) = match behind(&PLANES) {
-            Some(rest) => (rest, true),
-            None => (behind(&SHELLS)?, false),
+        let (rest, domain) = match behind(&PLANES) {
+            Some(rest) => (rest, ElementDomain::Plane),
+            None => (behind(&SHELLS)?, ElementDomain::Space),
         };
-        ElementType::sheet(leading_number(rest)?, is_plane)
+        ElementType::sheet(leading_number(rest)?, domain)
     }
 
-    fn sheet(nodes: usize, is_plane: bool) -> Option<ElementType> {
+    fn sheet(nodes: usize, domain: ElementDomain) -> Option<ElementType> {
         let shape = match nodes {
             3 | 6 => FiniteShape::Triangle,
             4 | 8 | 9 => FiniteShape::Quadrilateral,
@@ -60,8 +71,36 @@ impl ElementType {
         Some(ElementType {
             shape,
             nodes,
-            is_plane,
+            domain,
         })
+    }
+
+    /// The solid that a section of a body of revolution sweeps in a sector, from its corners at one end to those at the
+    /// other.
+    pub fn swept(self) -> Option<FiniteShape> {
+        if self.domain != ElementDomain::Meridian {
+            return None;
+        }
+        match self.shape {
+            FiniteShape::Triangle => Some(FiniteShape::Cell(CellKind::Prism)),
+            FiniteShape::Quadrilateral => Some(FiniteShape::Cell(CellKind::Hexahedron)),
+            FiniteShape::Cell(_) => None,
+        }
+    }
+
+    /// Whether it has an inside.
+    pub fn is_solid(self) -> bool {
+        matches!(self.swept().unwrap_or(self.shape), FiniteShape::Cell(_))
+    }
+
+    /// The corners of a numbered face of a solid, or of what a section sweeps, counter-clockwise from outside.
+    pub fn solid_face(self, number: u8) -> Option<&'static [usize]> {
+        match (self.swept(), self.shape) {
+            // Before what its edges sweep come the two ends.
+            (Some(FiniteShape::Cell(kind)), _) => solid_face(kind, number + 2),
+            (None, FiniteShape::Cell(kind)) => solid_face(kind, number),
+            _ => None,
+        }
     }
 }
 
@@ -98,10 +137,10 @@ impl ElementFace {
 
     /// The face of an element of this type; CalculiX numbers the sides of shells, too, the back first.
     pub fn of(self, kind: ElementType) -> Option<ElementFace> {
-        match (kind.shape, self) {
-            (_, ElementFace::Number(_)) if kind.is_plane => None,
-            (FiniteShape::Cell(_), ElementFace::Number(_) | ElementFace::Free) => Some(self),
-            (FiniteShape::Cell(_), _) => None,
+        match (kind.is_solid(), self) {
+            (_, ElementFace::Number(_)) if kind.domain == ElementDomain::Plane => None,
+            (true, ElementFace::Number(_) | ElementFace::Free) => Some(self),
+            (true, _) => None,
             (_, ElementFace::Number(1) | ElementFace::Back) => Some(ElementFace::Back),
             (_, ElementFace::Number(2) | ElementFace::Free | ElementFace::Front) => {
                 Some(ElementFace::Front)
@@ -113,7 +152,7 @@ impl ElementFace {
 
 /// The corners of a face of a solid by its number, counter-clockwise from outside. The manuals list them from
 /// inside.
-pub(super) fn solid_face(kind: CellKind, number: u8) -> Option<&'static [usize]> {
+fn solid_face(kind: CellKind, number: u8) -> Option<&'static [usize]> {
     let faces: &[&[usize]] = match kind {
         CellKind::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
         CellKind::Pyramid => &[
@@ -155,7 +194,7 @@ mod tests {
             let is_plane = ["CP", "CA", "DC2", "DCA"]
                 .iter()
                 .any(|p| name.starts_with(p));
-            assert_eq!(element.is_plane, is_plane, "{name}");
+            assert_eq!(element.domain == ElementDomain::Plane, is_plane, "{name}");
         };
         for name in [
             "S3", "S3R", "S3RS", "STRI3", "DS3", "R3D3", "M3D3", "SFM3D3",

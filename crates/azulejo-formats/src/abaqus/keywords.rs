@@ -1,7 +1,7 @@
 //! What keywords begin.
 
 use super::data::DataBlock;
-use super::elements::ElementType;
+use super::elements::{ElementDomain, ElementType};
 use super::keyword::KeywordLine;
 use super::part::{AbaqusInstance, AbaqusPart, ElementSurface, NO_SET};
 use super::reader::{AbaqusReader, InputSource};
@@ -92,17 +92,22 @@ impl AbaqusReader<'_> {
 
     fn begin_elements(&mut self, keyword: &KeywordLine, source: &InputSource) {
         let name = keyword.value("TYPE").unwrap_or("?").to_ascii_uppercase();
-        let Some(kind) = ElementType::named(&name) else {
+        let Some(mut kind) = ElementType::named(&name) else {
             let message = format!("elements of type {}: skipped", shortened(&name));
             self.warn(source, keyword.at, message);
             return;
         };
-        if name.contains("CAX") {
-            let message = format!(
-                "elements of type {}, which are axisymmetric: read as a sheet in their plane, and not revolved",
-                shortened(&name)
-            );
-            self.warn(source, keyword.at, message);
+        match (name.contains("CAX"), self.sectors) {
+            (true, Some(_)) => kind.domain = ElementDomain::Meridian,
+            (true, None) => {
+                let message = format!(
+                    "elements of type {}, which are axisymmetric: read as a sheet in their plane, and not revolved \
+                     (--revolve 64 does it)",
+                    shortened(&name)
+                );
+                self.warn(source, keyword.at, message);
+            }
+            (false, _) => {}
         }
         let part = &mut self.model.parts[self.scope];
         let set = keyword.value("ELSET").map_or(NO_SET, |set| part.set(set));

@@ -42,6 +42,8 @@ impl InputSource<'_> {
 pub(super) struct AbaqusReader<'a> {
     includes: IncludeStack<'a>,
     budget: Budget,
+    /// Sectors of bodies of revolution.
+    pub sectors: Option<u32>,
     warnings: Warnings,
     pub model: AbaqusModel,
     /// Index of the part that is being read.
@@ -57,6 +59,7 @@ impl<'a> AbaqusReader<'a> {
         AbaqusReader {
             includes: IncludeStack::new(files, options),
             budget: Budget::new(options),
+            sectors: options.sectors,
             warnings: Warnings::default(),
             model: AbaqusModel::default(),
             scope: 0,
@@ -69,7 +72,7 @@ impl<'a> AbaqusReader<'a> {
     pub fn read(mut self, bytes: &[u8], file: &str) -> Result<Loaded, ReadError> {
         self.includes.begin(file);
         self.run(bytes, file, "")?;
-        let assembly = AbaqusAssembly::new(&self.model, self.budget, &mut self.warnings)?;
+        let assembly = AbaqusAssembly::new(&self.model, self.sectors, self.budget, &mut self.warnings)?;
         let scene = assembly.scene()?;
         Ok(Loaded {
             scene,

@@ -1,7 +1,7 @@
 //! The surfaces of a model as objects.
 
 use super::assembly::{AbaqusAssembly, PlacedElement};
-use super::elements::{ElementFace, solid_face};
+use super::elements::ElementFace;
 use super::part::{AbaqusPart, ElementItem, ElementSurface, NO_SET, PartElement};
 use crate::surface::boundary::VolumeBoundary;
 use crate::surface::finite::{FiniteMesh, FiniteShape, face_key};
@@ -86,6 +86,20 @@ impl<'a> AbaqusAssembly<'a> {
         corners.iter().map(node).collect()
     }
 
+    /// An element by its corners; a section of a body of revolution by the solids that it sweeps, one in each sector.
+    /// `None` if a node does not exist.
+    fn shapes(&self, placed: PlacedElement) -> Option<Vec<(FiniteShape, Vec<u32>)>> {
+        let kind = self.element(placed).kind;
+        let corners = self.corners(placed, &CORNERS[..kind.shape.corner_count()])?;
+        let Some(solid) = kind.swept() else {
+            return Some(vec![(kind.shape, corners)]);
+        };
+        let section = |k| corners.iter().map(move |&node| self.turned(node, k));
+        let sector = |k| section(k).chain(section(k + 1)).collect();
+        let sectors = 0..self.sectors;
+        Some(sectors.map(|k| (solid, sector(k))).collect())
+    }
+
     /// Adds the faces of a surface.
     fn collect(
         &mut self,
@@ -128,6 +142,10 @@ impl<'a> AbaqusAssembly<'a> {
             let number = faces.surfaces.number(&load.cavity);
             self.add_known(placed, load.face, number, load.place, faces);
         }
+        if self.sectors > 0 {
+            let message = "--revolve: a row for each facet around the axis, where *VIEWFACTOR, READ has one for each face";
+            self.warnings.add_whole(&model.files[0], message);
+        }
         if model
             .loads
             .iter()
@@ -167,26 +185,23 @@ impl<'a> AbaqusAssembly<'a> {
         surface: usize,
         faces: &mut SurfaceFaces,
     ) -> Result<(), &'static str> {
-        let shape = self.element(placed).kind.shape;
-        let outlines = match (shape, face) {
-            (FiniteShape::Cell(_), ElementFace::Free) => {
+        let kind = self.element(placed).kind;
+        let shapes = self.shapes(placed).ok_or(NO_NODE)?.into_iter();
+        let outlines = match face {
+            ElementFace::Free => {
                 let free = faces.free.get_or_insert_with(|| self.free_faces());
                 free.get(&placed).cloned().unwrap_or_default()
             }
-            (FiniteShape::Cell(kind), ElementFace::Number(number)) => {
-                let corners = solid_face(kind, number);
+            ElementFace::Number(number) => {
+                let corners = kind.solid_face(number);
                 let corners = corners.ok_or("face that its element does not have: skipped")?;
-                vec![self.corners(placed, corners).ok_or(NO_NODE)?]
+                let outline = |solid: Vec<u32>| corners.iter().map(|&k| solid[k]).collect();
+                shapes.map(|(_, solid)| outline(solid)).collect()
             }
-            _ => {
-                let corner_numbers = [0, 1, 2, 3];
-                let mut corners = self
-                    .corners(placed, &corner_numbers[..shape.corner_count().min(4)])
-                    .ok_or(NO_NODE)?;
-                if face == ElementFace::Back {
-                    corners.reverse();
-                }
-                vec![corners]
+            ElementFace::Front => shapes.map(|(_, shell)| shell).collect(),
+            ElementFace::Back => {
+                let turned = |shell: Vec<u32>| shell.into_iter().rev().collect();
+                shapes.map(|(_, shell)| turned(shell)).collect()
             }
         };
         let mut result = Ok(());
@@ -205,12 +220,11 @@ impl<'a> AbaqusAssembly<'a> {
     fn free_faces(&self) -> HashMap<PlacedElement, Vec<Vec<u32>>> {
         let (mut volumes, mut cells) = (VolumeBoundary::new(), Vec::new());
         for placed in self.all() {
-            if let FiniteShape::Cell(kind) = self.element(placed).kind.shape
-                && let Some(corners) =
-                    self.corners(placed, &[0, 1, 2, 3, 4, 5, 6, 7][..kind.corner_count()])
-            {
-                volumes.add_cell(kind, &corners, cells.len() as u32);
-                cells.push(placed);
+            for (shape, corners) in self.shapes(placed).into_iter().flatten() {
+                if let FiniteShape::Cell(kind) = shape {
+                    volumes.add_cell(kind, &corners, cells.len() as u32);
+                    cells.push(placed);
+                }
             }
         }
         let mut free: HashMap<PlacedElement, Vec<Vec<u32>>> = HashMap::new();
@@ -233,10 +247,7 @@ impl<'a> AbaqusAssembly<'a> {
     /// Counts the shells that no surface has.
     fn count_others(&mut self, faces: &SurfaceFaces) {
         let named: HashSet<PlacedElement> = faces.known.iter().map(|(e, ..)| *e).collect();
-        let is_shell = |e: &PlacedElement| {
-            let shape = self.element(*e).kind.shape;
-            !matches!(shape, FiniteShape::Cell(_))
-        };
+        let is_shell = |e: &PlacedElement| !self.element(*e).kind.is_solid();
         let others = self
             .all()
             .filter(|e| is_shell(e) && !named.contains(e))
@@ -264,11 +275,12 @@ impl<'a> AbaqusAssembly<'a> {
                     let name = self.full_name(instance, name);
                     mesh.surface(if name.is_empty() { "elements" } else { &name })
                 });
-                let shape = part.elements[index].kind.shape;
-                let corner_numbers = [0, 1, 2, 3, 4, 5, 6, 7];
-                match self.corners(placed, &corner_numbers[..shape.corner_count()]) {
-                    Some(corners) => mesh.add(shape, &corners, number),
-                    None => self.warnings.add_whole(&self.model.files[0], NO_NODE),
+                let Some(shapes) = self.shapes(placed) else {
+                    self.warnings.add_whole(&self.model.files[0], NO_NODE);
+                    continue;
+                };
+                for (shape, corners) in shapes {
+                    mesh.add(shape, &corners, number);
                 }
             }
         }
@@ -320,6 +332,9 @@ impl<'a> AbaqusAssembly<'a> {
         Ok(owners)
     }
 }
+
+/// The most corners of an element.
+const CORNERS: [usize; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// The warning for elements that miss a node.
 const NO_NODE: &str = "element with a node that does not exist: skipped";

@@ -508,7 +508,107 @@ fn elements_that_should_be_revolved_are_named() {
     check_warnings(
         &loaded,
         &[
-            "a.inp:10:1: elements of type CAX4, which are axisymmetric: read as a sheet in their plane, and not revolved",
+            "a.inp:10:1: elements of type CAX4, which are axisymmetric: read as a sheet in their plane, and not revolved \
+             (--revolve 64 does it)",
         ],
     );
+}
+
+fn revolved(text: &str, sectors: u32) -> Result<Loaded, ReadError> {
+    let options = ReadOptions {
+        sectors: Some(sectors),
+        ..ReadOptions::default()
+    };
+    try_with(text, &Memory::new(), &options)
+}
+
+/// The sections of a tube between 1 and 3 from the axis, 2 high, and of a solid cylinder below it.
+const SECTIONS: &str = "*NODE
+1, 1, 0
+2, 3, 0
+3, 3, 2
+4, 1, 2
+5, 0, -1
+6, 1, -1
+7, 0, 0
+*ELEMENT, TYPE=DCAX4, ELSET=tube
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=CAX3, ELSET=cylinder
+2, 5, 6, 1
+3, 5, 1, 7
+";
+
+#[test]
+fn axisymmetric_elements_are_revolved() {
+    let loaded = revolved(SECTIONS, 12).unwrap();
+    check_warnings(&loaded, &[]);
+    assert_eq!(names(&loaded), ["tube", "cylinder"]);
+    // Each edge that elements do not share, in twelve facets; none on the axis.
+    let counts = [0, 1].map(|k| mesh(&loaded, k).faces.len());
+    assert_eq!(counts, [4 * 12, 3 * 12]);
+    for k in [0, 1] {
+        assert!(mesh(&loaded, k).is_closed());
+        let volume = mesh(&loaded, k).faces.iter().enumerate();
+        let volume = volume.map(|(f, corners)| {
+            let corner = mesh(&loaded, k).positions[corners[0] as usize];
+            corner.dot(mesh(&loaded, k).face_area_vector(f)) / 3.0
+        });
+        // Of prisms over a regular polygon of the same circumference.
+        let (circle, sides) = ([8.0, 1.0][k], 12.0);
+        let half = std::f64::consts::PI / sides;
+        let expected = circle * [2.0, 1.0][k] * std::f64::consts::PI * half / half.tan();
+        let volume: f64 = volume.sum();
+        assert!((volume / expected - 1.0).abs() < 1e-12, "{volume}");
+    }
+}
+
+#[test]
+fn edges_of_axisymmetric_elements_have_numbers() {
+    let text = "*SURFACE, NAME=wall
+1, S4
+*SURFACE, NAME=lid
+1, S3
+*SURFACE, NAME=axis
+3, S3
+*SURFACE, NAME=free
+2,
+*SURFACE, NAME=none
+1, S5
+1, SPOS
+";
+    let loaded = revolved(&[SECTIONS, text].concat(), 24).unwrap();
+    assert_eq!(names(&loaded), ["wall", "lid", "free"]);
+    let wall = mesh(&loaded, 0);
+    assert!((wall.area() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12);
+    for face in 0..wall.faces.len() {
+        let centre: DVec3 = wall.face_positions(face).iter().sum();
+        assert!(centre.with_y(0.0).dot(wall.face_area_vector(face)) < 0.0);
+    }
+    assert!((0..24).all(|face| mesh(&loaded, 1).face_area_vector(face).normalize() == DVec3::Y));
+    // The side and the bottom of the cylinder.
+    assert_eq!(mesh(&loaded, 2).faces.len(), 2 * 24);
+    check_warnings(
+        &loaded,
+        &[
+            "a.inp: face with fewer than three different corners: skipped (24 times)",
+            "a.inp:20:1: face that its element does not have: skipped (2 times)",
+        ],
+    );
+}
+
+#[test]
+fn sections_are_beside_the_axis() {
+    for (node, place) in [("-1, 0", "-1, 0, 0"), ("1, 0, 2", "1, 0, 2")] {
+        let text = SECTIONS.replace("1, 1, 0\n", &format!("1, {node}\n"));
+        let error = revolved(&text, 12).unwrap_err().to_string();
+        assert!(error.contains(&format!("a node at {place} of an axisymmetric element")), "{error}");
+    }
+    let many: String = (8..2000).map(|k| format!("{k}, 1, {k}\n")).collect();
+    let text = ["*NODE\n", &many, SECTIONS].concat();
+    let options = ReadOptions {
+        sectors: Some(3600),
+        ..ReadOptions::in_proportion(text.len())
+    };
+    let error = try_with(&text, &Memory::new(), &options).unwrap_err();
+    assert!(error.found.contains("expand to more than"), "{error}");
 }

@@ -23,6 +23,9 @@ pub struct ReadOptions {
     /// What the colours of vertices, and of faces of PLY, are in OBJ and PLY; without it they are linear unless
     /// Blender wrote the file, which writes sRGB.
     pub vertex_colors: Option<VertexColors>,
+    /// Facets around the axis y for each edge of axisymmetric elements (Abaqus), >= 3; without it they are sheets in their
+    /// plane.
+    pub sectors: Option<u32>,
 }
 
 /// What the numbers of vertex colours are.
@@ -72,6 +75,7 @@ impl Default for ReadOptions {
             keeps: true,
             darkens_unpainted: true,
             vertex_colors: None,
+            sectors: None,
         }
     }
 }

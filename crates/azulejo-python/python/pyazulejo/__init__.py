@@ -23,6 +23,7 @@ from ._materials import Material
 from ._points import PointFactors, point_factors
 from ._pyazulejo import AzulejoError, __version__
 from ._radiosity import NodeHeat, Radiosity, radiosity
+from ._rows import SkyPatches
 from ._scene import MeshArrays, Scene, load
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "PointFactors",
     "Radiosity",
     "Scene",
+    "SkyPatches",
     "__version__",
     "band_fraction",
     "brdf",

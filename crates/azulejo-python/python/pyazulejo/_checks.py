@@ -168,6 +168,11 @@ def threads(value: int | None) -> int | None:
     return optional_whole("threads", value, 1, 1024)
 
 
+def sky_division(name: str | None, north: float) -> tuple[str, float] | None:
+    """A division of the sky, and the north of the scene in degrees."""
+    return None if name is None else (str(name), real("north", north))
+
+
 def division(patches: int | None, patch_size: float | None) -> dict[str, Any]:
     """How finely faces are divided."""
     if patches is not None and patch_size is not None:

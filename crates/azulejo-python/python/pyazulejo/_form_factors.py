@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, hemicubes, listed, optional_whole, periods, positive, real, whole
+from ._checks import (
+    division,
+    hemicubes,
+    listed,
+    optional_whole,
+    periods,
+    positive,
+    real,
+    sky_division,
+    whole,
+)
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
@@ -71,6 +81,8 @@ def form_factors(
     resolution: int | None = None,
     patch_points: int | None = None,
     periodic: str | Mapping[str, float | None] | None = None,
+    sky_patches: str | None = None,
+    north: float = 0.0,
     compress: None = None,
     seed: int = 0,
     memory: int | str | None = None,
@@ -94,6 +106,8 @@ def form_factors(
     resolution: int | None = None,
     patch_points: int | None = None,
     periodic: str | Mapping[str, float | None] | None = None,
+    sky_patches: str | None = None,
+    north: float = 0.0,
     compress: float,
     seed: int = 0,
     memory: int | str | None = None,
@@ -116,6 +130,8 @@ def form_factors(
     resolution: int | None = None,
     patch_points: int | None = None,
     periodic: str | Mapping[str, float | None] | None = None,
+    sky_patches: str | None = None,
+    north: float = 0.0,
     compress: float | None = None,
     seed: int = 0,
     memory: int | str | None = None,
@@ -158,6 +174,12 @@ def form_factors(
         Axes along which the scene repeats itself without end: ``"x,y"``, or with the distances from
         copy to copy, scene units, where these are not its size: ``{"x": 96.0, "y": None}``. Rays take
         the place of other engines.
+    sky_patches : str, optional
+        Also find what each row sees of the patches of the sky: "tregenza" for 145, "reinhart:2" for 577,
+        "reinhart:4" for 2,305. See :attr:`FormFactors.sky_patches`.
+    north : float, optional
+        Where north is for these patches, degrees clockwise seen from above, from +y where z is up and from
+        −z where y is up.
     compress : float, optional
         The matrix in blocks between clusters of patches, for 100,000 of them and more: the error of
         products with it, relative to the largest that there could be, such as 1e-3. By rays, and
@@ -201,6 +223,7 @@ def form_factors(
         "tolerance": positive("tolerance", tolerance),
         **hemicubes(resolution, patch_points),
         "periodic": periods(periodic),
+        "sky_patches": sky_division(sky_patches, north),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, facing, listed, optional_whole, periods, rows, whole
+from ._checks import division, facing, listed, optional_whole, periods, rows, sky_division, whole
 from ._checks import memory as _memory
 from ._checks import threads as _threads
 from ._form_factors import Factor
 from ._progress import Progress, watching
 from ._pyazulejo import AzulejoError, compute_point_factors
+from ._rows import SkyPatches
+from ._rows import sky_patches as _sky_patches
 from ._scene import Scene, _read_only
 
 if TYPE_CHECKING:
@@ -34,6 +36,8 @@ def point_factors(
     patch_size: float | None = None,
     two_sided: bool = False,
     periodic: str | Mapping[str, float | None] | None = None,
+    sky_patches: str | None = None,
+    north: float = 0.0,
     seed: int = 0,
     memory: int | str | None = None,
     threads: int | None = None,
@@ -62,7 +66,7 @@ def point_factors(
         How finely surfaces are divided, for ``by="patch"``, as for :func:`form_factors`.
     two_sided : bool, optional
         Whether the backs of faces are columns, too. Otherwise what they receive is `hidden`.
-    periodic, seed, memory, threads, progress
+    periodic, sky_patches, north, seed, memory, threads, progress
         As for :func:`form_factors`.
 
     Returns
@@ -99,6 +103,7 @@ def point_factors(
         "resolution": None,
         "patch_points": None,
         "periodic": periods(periodic),
+        "sky_patches": sky_division(sky_patches, north),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }
@@ -122,11 +127,13 @@ class PointFactors:
         names: list[str] | None,
         columns: int,
         rest: list[Floats],
+        sky: tuple[Any, ...] | None,
     ) -> None:
         self._rows = tuple(_read_only(array) for array in rows)
         self._names = None if names is None else tuple(names)
         self._columns = columns
         self._rest = [_read_only(array) for array in rest]
+        self._sky = _sky_patches(sky)
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -177,6 +184,11 @@ class PointFactors:
     def ground_error(self) -> Floats:
         """(n,): standard error of `ground`."""
         return self._rest[3]
+
+    @property
+    def sky_patches(self) -> SkyPatches | None:
+        """What points see of each patch of the sky, if `sky_patches` was asked for, else None."""
+        return self._sky
 
     @property
     def hidden(self) -> Floats:

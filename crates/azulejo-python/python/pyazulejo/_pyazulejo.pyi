@@ -33,6 +33,7 @@ __all__ = [
 __version__: str
 
 _Floats = NDArray[np.float64]
+_SkyArrays = tuple[NDArray[np.float32], NDArray[np.float32], _Floats, _Floats, str]
 _Colour = tuple[float, float, float]
 _Material = tuple[str, _Colour, _Colour, _Colour, bool, str | None]
 _Mesh = tuple[str, _Floats, NDArray[np.uint32], NDArray[np.uint32], int]
@@ -94,6 +95,8 @@ class NativeFormFactors:
     def row_error(self) -> _Floats: ...
     @property
     def outside(self) -> list[_Floats] | None: ...
+    @property
+    def sky_patches(self) -> _SkyArrays | None: ...
     @property
     def ends(self) -> _Floats: ...
     @property
@@ -206,6 +209,7 @@ def compute_point_factors(
     list[str] | None,
     int,
     list[_Floats],
+    _SkyArrays | None,
 ]: ...
 def load_scene(
     path: str | PathLike[str],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,31 @@ from ._scene import _read_only
 
 if TYPE_CHECKING:
     Floats = npt.NDArray[np.float64]
+
+
+class SkyPatches(NamedTuple):
+    """What rows, or points, see of the patches of the sky: the irradiance of each is
+    ``np.pi * p.shares @ radiance``. Patch 0 is the ground; the others follow in the order of Radiance's
+    `gendaymtx`, in bands from the horizon to the zenith, each from north clockwise. All arrays are read-only."""
+
+    shares: npt.NDArray[np.float32]
+    """(n, p): share of each row's light that leaves toward each patch; of points without a normal, of the sphere."""
+    std_error: npt.NDArray[np.float32]
+    """(n, p): their standard errors, as those of independent rays: an upper bound."""
+    directions: npt.NDArray[np.float64]
+    """(p, 3): unit vectors of the scene to the middles of the patches."""
+    solid_angles: npt.NDArray[np.float64]
+    """(p,): sr."""
+    division: str
+    """Name of the division: "tregenza", "reinhart:2", …"""
+
+
+def sky_patches(found: tuple[Any, ...] | None) -> SkyPatches | None:
+    """Of what compiled code found."""
+    if found is None:
+        return None
+    *arrays, division = found
+    return SkyPatches(*map(_read_only, arrays), division)
 
 
 class MatrixRows:
@@ -58,6 +83,11 @@ class MatrixRows:
     def ground_error(self) -> Floats:
         """(n,): standard error of `ground`."""
         return self._rest("ground_error")
+
+    @cached_property
+    def sky_patches(self) -> SkyPatches | None:
+        """What rows see of each patch of the sky, if `sky_patches` was asked for, else None."""
+        return sky_patches(self._native.sky_patches)
 
     @cached_property
     def hidden(self) -> Floats:

@@ -4,6 +4,7 @@ use crate::choices;
 use crate::error::refused;
 use azulejo::periods::Periods;
 use azulejo_factors::{Closure, Engine, FormFactorOptions, GroupBy, Hemicube};
+use azulejo_scene::sky::SkyDivision;
 use pyo3::prelude::*;
 
 /// Options by name; what is `None` is the default.
@@ -24,6 +25,8 @@ pub struct OptionArgs {
     resolution: Option<u32>,
     patch_points: Option<u32>,
     periodic: Option<String>,
+    /// Division of the sky, and north of the scene in degrees.
+    sky_patches: Option<(String, f64)>,
 }
 
 impl OptionArgs {
@@ -74,6 +77,16 @@ impl OptionArgs {
                 .map_err(|e: String| refused(format_args!("periodic: {e}")))
         });
         parsed.transpose()
+    }
+
+    /// The patches of the sky that are asked for, and the north of the scene in radians.
+    pub fn sky(&self) -> PyResult<Option<(SkyDivision, f64)>> {
+        let Some((text, north)) = &self.sky_patches else {
+            return Ok(None);
+        };
+        let division = text.parse();
+        let division = division.map_err(|e| refused(format_args!("sky_patches: {e}")))?;
+        Ok(Some((division, north.to_radians())))
     }
 
     /// A number of rays, or no formulas, choose rays where nothing else does.

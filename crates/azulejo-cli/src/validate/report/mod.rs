@@ -47,6 +47,7 @@ fn json(args: &ValidateArgs, results: &ValidationResults, machine: &MachineInfo)
         "seed": args.seed,
         "seconds": results.seconds,
         "checks": results.records,
+        "peers": results.peers,
     });
     format!("{value:#}\n")
 }

@@ -42,6 +42,7 @@ impl ValidationPage<'_> {
         self.verdict(out)?;
         self.parts(out)?;
         self.engines(out)?;
+        self.peers(out)?;
         machine_table(self.machine, out)?;
         plots(self.figures, |_| ".", out)?;
         out.push_str(ABOUT);
@@ -142,6 +143,44 @@ impl ValidationPage<'_> {
         out.push_str("</tbody></table>\n");
         for (name, why) in &self.engines.missing {
             writeln!(out, "<p>Not checked here: {name}. {}</p>", escaped(why))?;
+        }
+        Ok(())
+    }
+
+    /// One line for each program that answered closed forms, after ours with the same ones.
+    fn peers(&self, out: &mut String) -> std::fmt::Result {
+        let Some(peers) = &self.results.peers else {
+            return Ok(());
+        };
+        out.push_str(
+            "<h2>Other programs</h2>\n<p>Closed forms between whole triangles and quadrilaterals, some with others in \
+             between, by programs that are installed here, and the same ones by azulejo. Of the engines it is the time on \
+             the clock.</p>\n<table><thead><tr><th>program</th><th class=\"n\">cases</th>\
+             <th class=\"n\">relative error, RMS</th><th class=\"n\">largest</th><th class=\"n\">time</th></tr></thead>\
+             <tbody>\n",
+        );
+        let most = (peers.answered.iter()).max_by_key(|peer| peer.answers.len());
+        let engines = self.engines.engines.iter();
+        let ours = engines.filter_map(|e| Some(most?.of_engine(e.name, &self.results.records)));
+        for answers in ours.collect::<Vec<_>>().iter().chain(&peers.answered) {
+            if answers.answers.is_empty() {
+                continue;
+            }
+            let [typical, largest] = answers.errors();
+            writeln!(
+                out,
+                "<tr><th>{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+                 <td class=\"n\">{}</td></tr>",
+                escaped(&answers.program),
+                answers.answers.len(),
+                short(typical),
+                short(largest),
+                seconds(answers.seconds),
+            )?;
+        }
+        out.push_str("</tbody></table>\n");
+        for (name, why) in &peers.missing {
+            writeln!(out, "<p>Not asked: {name}. {}</p>", escaped(why))?;
         }
         Ok(())
     }
