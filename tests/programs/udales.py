@@ -7,6 +7,7 @@ import os
 import sys
 
 from common import azulejo, check, folder, skip
+from udales_models import BLOCK, street
 
 try:
     import numpy as np
@@ -15,46 +16,6 @@ except ImportError:
     skip("NumPy or SciPy is missing (pip install numpy scipy)")
 
 NUMBER = "042"
-
-
-def rectangle(a, b, c, d):
-    """Two triangles; corners are counter-clockwise as seen from the air."""
-    return [(a, b, c), (a, c, d)]
-
-
-# Heights of a court with two houses. What surrounds it is highest, so that no wall sees past the model:
-# uDALES has no place for light that leaves downwards.
-HEIGHTS = [
-    [15, 15, 15, 15, 15],
-    [15, 0, 0, 0, 15],
-    [15, 0, 6, 12, 15],
-    [15, 0, 0, 0, 15],
-    [15, 15, 15, 15, 15],
-]
-SIDE = 8.0
-
-
-def street():
-    """Ground, roofs, and walls where heights differ, in triangles."""
-    facets = []
-    for k, row in enumerate(HEIGHTS):
-        for i, height in enumerate(row):
-            x, y = i * SIDE, k * SIDE
-            low, high = [(x, y), (x + SIDE, y)], [(x + SIDE, y + SIDE), (x, y + SIDE)]
-            facets += rectangle(*((*p, float(height)) for p in low + high))
-            if i + 1 < len(row):
-                facets += wall((x + SIDE, y), (x + SIDE, y + SIDE), height, row[i + 1])
-            if k + 1 < len(HEIGHTS):
-                facets += wall((x + SIDE, y + SIDE), (x, y + SIDE), height, HEIGHTS[k + 1][i])
-    return facets
-
-
-def wall(p, q, height, other):
-    """Between a place and the one to the right of it, as seen along from p to q."""
-    if height < other:
-        p, q = q, p
-    low, high = sorted([float(height), float(other)])
-    return rectangle((*p, low), (*q, low), (*q, high), (*p, high)) if low < high else []
 
 
 def normal(triangle):
@@ -141,9 +102,6 @@ sys.path += [os.path.join(os.environ["UDALES"], "tools", "python", *more) for mo
 import view3d as tools  # noqa: E402
 from scipy.sparse import csr_matrix  # noqa: E402
 
-# The wall stands 10 m from the edge of the ground, and sees past it.
-GROUND = rectangle((0, 0, 0), (30, 0, 0), (30, 30, 0), (0, 30, 0))
-BLOCK = GROUND + rectangle((20, 0, 0), (20, 30, 0), (20, 30, 10), (20, 0, 10))
 for options in [(), ("--rays", "4096"), ("--rays", "1024", "--periodic", "x,y")]:
     strict(f"a wall on open ground, {options}", BLOCK, *options)
     strict(f"a court with houses, {options}", street(), *options)

@@ -39,11 +39,7 @@ pub fn compute_form_factors(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(NativeFormFactors, Vec<String>)> {
     let by = choices::group_by(by)?;
-    let (periods, sky, options) = (
-        options.periods()?,
-        options.sky()?,
-        options.options_for(by)?,
-    );
+    let (periods, sky, options) = (options.periods()?, options.sky()?, options.options_for(by)?);
     let shared = scene.shared();
     let (enclosure, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
@@ -299,7 +295,10 @@ impl NativeFormFactors {
     #[getter]
     fn sky_patches<'py>(&self, py: Python<'py>) -> PyResult<Option<SkyArrays<'py>>> {
         let enclosure = &self.enclosure;
-        let arrays = enclosure.sky.as_ref().map(|sky| sky_arrays(py, sky, enclosure.rows.up));
+        let arrays = enclosure
+            .sky
+            .as_ref()
+            .map(|sky| sky_arrays(py, sky, enclosure.rows.up));
         arrays.transpose()
     }
 

@@ -96,7 +96,8 @@ impl PeerAnswers {
     pub fn of_engine(&self, engine: &str, records: &[CheckRecord]) -> PeerAnswers {
         let answers = self.answers.iter().filter_map(|answer| {
             let record = records.iter().find(|r| {
-                (r.part, &*r.engine, &*r.subject) == (ValidationPart::ClosedForms, engine, &*answer.case)
+                (r.part, &*r.engine, &*r.subject)
+                    == (ValidationPart::ClosedForms, engine, &*answer.case)
             })?;
             Some((record, answer))
         });
@@ -174,7 +175,9 @@ fn write_models(
     for (case, _) in cases {
         let path = folder.join(format!("{}.obj", case.id.replace([' ', '/'], "_")));
         let output = Output::check(&path)?;
-        output.write(validator.progress, |out| out.write_all(obj(case).as_bytes()))?;
+        output.write(validator.progress, |out| {
+            out.write_all(obj(case).as_bytes())
+        })?;
         paths.push(path);
     }
     Ok(paths)

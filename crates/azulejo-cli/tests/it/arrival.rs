@@ -462,7 +462,9 @@ fn axisymmetric_elements_are_bodies_of_revolution() {
     );
     let words = folder.ok("info tube.inp").err;
     assert!(words.contains("--revolve 64"), "{words}");
-    folder.ok("form-factors tube.inp -o f.csv --revolve 96 --by object --patch-size 0 --engine analytic");
+    folder.ok(
+        "form-factors tube.inp -o f.csv --revolve 96 --by object --patch-size 0 --engine analytic",
+    );
     let found = factors(&folder, "f.csv");
     for (from, to, expected) in [
         ("tube", "tube", 0.585_786),

@@ -4,10 +4,10 @@ use super::points::POINTS;
 use super::{FactorPoint, FormFactors, PointFactors, PreparedPlan, RowRemainder};
 use crate::error::FactorsError;
 use crate::rays::straight;
-use azulejo_scene::{Material, Up};
 use azulejo_scene::environment::upright;
 use azulejo_scene::math::Ray;
 use azulejo_scene::sky::SkyDivision;
+use azulejo_scene::{Material, Up};
 use azulejo_trace::Progress;
 use azulejo_trace::follow::{Event, Scratch, follow};
 use azulejo_trace::sampling::{hash, seeds, sobol};
@@ -43,7 +43,9 @@ impl SkyFactors {
     pub fn directions(&self, up: Up) -> Vec<DVec3> {
         let world = upright(up, self.north);
         let patches = 0..self.division.count();
-        patches.map(|k| world * self.division.direction(k)).collect()
+        patches
+            .map(|k| world * self.division.direction(k))
+            .collect()
     }
 
     /// Solid angles of the patches, sr.

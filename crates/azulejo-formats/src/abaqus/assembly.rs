@@ -99,20 +99,39 @@ impl<'a> AbaqusAssembly<'a> {
                 }
             }
         }
-        let (nodes, turns) = (self.positions.len(), self.sectors.saturating_sub(1) as usize);
+        let (nodes, turns) = (
+            self.positions.len(),
+            self.sectors.saturating_sub(1) as usize,
+        );
         self.spend(nodes as u64 * turns as u64)?;
         if (nodes as u64) * u64::from(self.sectors) >= u64::from(u32::MAX) {
             let file = &self.model.files[0];
-            return Err(ReadError::whole(file, "too many nodes around the axis", "fewer than 2^32"));
+            return Err(ReadError::whole(
+                file,
+                "too many nodes around the axis",
+                "fewer than 2^32",
+            ));
         }
         let angle = TAU / f64::from(sectors);
         let widening = angle / 2.0 / (angle / 2.0).sin();
-        for (p, _) in self.positions.iter_mut().zip(is_section).filter(|(_, is)| *is) {
+        for (p, _) in self
+            .positions
+            .iter_mut()
+            .zip(is_section)
+            .filter(|(_, is)| *is)
+        {
             // Instances are placed by rounded numbers.
             if p.x < 0.0 || p.z.abs() > 1e-6 * p.x.max(p.y.abs()) {
-                let found = format!("a node at {}, {}, {} of an axisymmetric element", p.x, p.y, p.z);
+                let found = format!(
+                    "a node at {}, {}, {} of an axisymmetric element",
+                    p.x, p.y, p.z
+                );
                 let file = &self.model.files[0];
-                return Err(ReadError::whole(file, found, "x >= 0, its distance from the axis y, and z = 0"));
+                return Err(ReadError::whole(
+                    file,
+                    found,
+                    "x >= 0, its distance from the axis y, and z = 0",
+                ));
             }
             p.x *= widening;
         }

@@ -72,7 +72,8 @@ impl<'a> AbaqusReader<'a> {
     pub fn read(mut self, bytes: &[u8], file: &str) -> Result<Loaded, ReadError> {
         self.includes.begin(file);
         self.run(bytes, file, "")?;
-        let assembly = AbaqusAssembly::new(&self.model, self.sectors, self.budget, &mut self.warnings)?;
+        let assembly =
+            AbaqusAssembly::new(&self.model, self.sectors, self.budget, &mut self.warnings)?;
         let scene = assembly.scene()?;
         Ok(Loaded {
             scene,

@@ -206,8 +206,11 @@ impl<'a> AbaqusAssembly<'a> {
         };
         let mut result = Ok(());
         for outline in outlines {
-            let key = (placed, face_key(&outline), face == ElementFace::Back);
-            if faces.known.insert(key) {
+            let corners = face_key(&outline);
+            let key = (placed, corners, face == ElementFace::Back);
+            if corners[2] == u32::MAX {
+                result = Err("face with fewer than three different corners: skipped");
+            } else if faces.known.insert(key) {
                 faces.surfaces.push(surface, &outline, &self.positions);
             } else {
                 result = Err("face that an earlier surface has: it stays there");
