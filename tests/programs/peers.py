@@ -1,12 +1,12 @@
-"""Form factors by azulejo and by its peers, View3D, pyviewfactor and raystrack: CPU seconds, errors and peak memory, one
+"""Form factors by azulejo and by its peers, View3D, pyviewfactor and raystrack: CPU seconds, errors and peak memory, a
 Markdown table for each set of models. VIEW3D is View3D's executable if it is not on the path, VIEW3D_UDALES that of the
 fork that uDALES uses; the others are packages of the Python that runs this. Peers that are missing are left out. Needs
 NumPy.
 
-    peers.py [--seconds 300] [--sets figures,room,towns,files] [MODEL...]
+    peers.py [--seconds 300] [--reference-seconds 300] [--sets figures,room,towns,files] [MODEL...]
 
-MODELs are files that azulejo reads; their facets are computed as triangles. The limit holds for each computation, imports
-and compilation included."""
+MODELs are files that azulejo reads, computed as triangles. The limit is in CPU seconds, for each computation with its
+imports and compilation; reported are those of the computation alone."""
 
 import argparse
 import importlib.util
@@ -14,7 +14,6 @@ import json
 import math
 import os
 import random
-import resource
 import shutil
 import signal
 import subprocess
@@ -46,13 +45,13 @@ with open("usage", "w") as out:
     print(used.ru_utime + used.ru_stime, used.ru_maxrss, os.waitstatus_to_exitcode(status), file=out)
 """
 
-# Name, environment, and arguments of the adapter after the model.
+# Name, environment, and arguments of the adapter before the model.
 PEERS = [
     ("View3D", "view3d", "VIEW3D", []),
     ("View3D, uDALES's fork", "view3d", "VIEW3D_UDALES", []),
     ("pyviewfactor", "pyviewfactor", None, []),
     ("raystrack", "raystrack", None, []),
-    ("raystrack, 4,096 rays", "raystrack", None, ["4096"]),
+    ("raystrack, 4,096 rays", "raystrack", None, ["--fineness", "4096"]),
 ]
 AZULEJO = [("azulejo", []), ("azulejo `--rays 4096`", ["--rays", "4096"])]
 
@@ -62,13 +61,21 @@ class Failed(Exception):
 
 
 def measured(command, limit, environment=os.environ):
-    """Runs a command in a folder of its own; its output, CPU seconds and peak in MiB."""
+    """Runs a command in a folder of its own; the folder, CPU seconds and peak in MiB."""
     place = folder()
+    try:
+        return place, *usage(command, limit, environment, place)
+    except Failed:
+        shutil.rmtree(place)
+        raise
+
+
+def usage(command, limit, environment, place):
     with open(os.path.join(place, "stdout"), "w") as out, open(os.path.join(place, "stderr"), "w") as messages:
         process = subprocess.Popen([sys.executable, "-c", BETWEEN, str(limit), *command], cwd=place, env=environment,
                                    stdout=out, stderr=messages, start_new_session=True)  # fmt: skip
         try:
-            # More than one thread takes less than this, a waiting one or another's load may take longer.
+            # Busy threads reach the limit earlier; beside other work, or waiting, a program may take longer.
             process.wait(2 * limit + 60)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
@@ -76,7 +83,7 @@ def measured(command, limit, environment=os.environ):
             raise Failed(f"over {2 * limit + 60} s") from None
     with open(os.path.join(place, "usage")) as file:
         seconds, peak, code = map(float, file.read().split())
-    if seconds >= 0.99 * limit:
+    if code == -signal.SIGXCPU or seconds >= limit:
         raise Failed(f"over {limit} CPU s")
     if code == 3:
         raise Failed("missing")
@@ -84,11 +91,11 @@ def measured(command, limit, environment=os.environ):
         with open(os.path.join(place, "stderr")) as messages:
             print(messages.read()[-2000:], file=sys.stderr)
         raise Failed(f"failed ({code:.0f})")
-    return place, seconds, peak / (2**20 if sys.platform == "darwin" else 2**10)
+    return seconds, peak / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 def by_azulejo(model, limit, *options):
-    """CPU seconds, MiB and factors."""
+    """CPU seconds, MiB, factors, and the error of a row that it states, RMS."""
     command = [shutil.which(os.environ.get("AZULEJO", "azulejo")), "form-factors", model, "-o", "f.npz",
                "--patch-size", "0", "--no-journal", *options]  # fmt: skip
     place, seconds, peak = measured(command, limit)
@@ -96,8 +103,9 @@ def by_azulejo(model, limit, *options):
     n = file["shape"][0]
     factors = np.zeros((n, n))
     factors[np.repeat(np.arange(n), np.diff(file["indptr"])), file["indices"]] = file["data"]
+    stated = math.sqrt(np.mean(file["row_error"] ** 2))
     shutil.rmtree(place)
-    return seconds, peak, factors
+    return seconds, peak, factors, stated
 
 
 def by_peer(peer, variable, model, limit, fineness):
@@ -105,7 +113,7 @@ def by_peer(peer, variable, model, limit, fineness):
     environment = dict(os.environ)
     if variable is not None:
         environment["VIEW3D"] = os.environ.get(variable, "view3d" if variable == "VIEW3D" else "missing")
-    command = [sys.executable, os.path.abspath(ADAPTER), peer, model, *fineness]
+    command = [sys.executable, os.path.abspath(ADAPTER), peer, *fineness, model]
     place, _, _ = measured(command, limit, environment)
     with open(os.path.join(place, "stdout")) as file:
         found = json.load(file)
@@ -122,18 +130,19 @@ def version():
 def compare(models, limit, columns, options=()):
     """A table: for each program the CPU seconds and errors of all models, and the largest peak of memory. `columns` are
     (heading, model, error of a matrix); `options` are for azulejo. Several columns may be of one model."""
-    print("| program | " + " | ".join(heading for heading, _, _ in columns) + " | CPU s | MiB |")
+    print("| " + " | ".join(["program", *(heading for heading, _, _ in columns), "CPU s", "MiB"]) + " |")
     print("|---|" + "---|" * (len(columns) + 2), flush=True)
-    versions = {}
+    versions = [version()]
     programs = [(name, None, None, extra) for name, extra in AZULEJO] + PEERS
     for name, peer, variable, extra in programs:
         cells, seconds, peak, results, failure = [], 0.0, 0.0, {}, None
         for key, model in models.items():
             try:
                 if peer is None:
-                    used, most, factors = by_azulejo(model, limit, *extra, *options)
+                    used, most, factors, _ = by_azulejo(model, limit, *extra, *options)
                 else:
-                    versions[name], used, most, factors = by_peer(peer, variable, model, limit, extra)
+                    found, used, most, factors = by_peer(peer, variable, model, limit, extra)
+                    versions += [found] if found not in versions else []
             except Failed as why:
                 failure = str(why)
                 break
@@ -143,8 +152,8 @@ def compare(models, limit, columns, options=()):
         for _, key, error in columns:
             cells.append(f"{error(results[key]):.1e}" if key in results else "-")
         spent = failure or (f"{seconds:.3f}" if seconds < 1 else f"{seconds:.1f}")
-        print(f"| {name} | " + " | ".join(cells) + f" | {spent} | {peak:.0f} |", flush=True)
-    print("\n" + version() + "".join(f"; {name}: {found}" for name, found in versions.items()) + "\n", flush=True)
+        print("| " + " | ".join([name, *cells, spent, f"{peak:.0f}" if peak else "-"]) + " |", flush=True)
+    print("\n" + ", ".join(versions) + "\n", flush=True)
 
 
 def entry(i, j, true):
@@ -167,8 +176,8 @@ def square(half, z):
 
 
 def blocked(side):
-    """From one unit square to another at distance 1, of what a centred square halfway blocks. It depends on both ends by
-    their displacement alone: how much of each axis has its middle in the blocker, times the kernel."""
+    """From one unit square to another at distance 1, of what a centred square halfway blocks. The kernel depends on
+    the displacement alone; along each axis, as much of it counts as has its middle in the blocker."""
     nodes, weights = np.polynomial.legendre.leggauss(40)
     ends = [0.0, 1.0 - side, 1.0]
     at = np.concatenate([(nodes + 1) / 2 * (b - a) + a for a, b in zip(ends, ends[1:])])
@@ -212,8 +221,8 @@ def write(place, scenes):
 
 
 def furnished():
-    """A room of 5 × 4 × 3 m with a table, a wardrobe and a chest, between the lines of a grid: what is solid is a set of its
-    cells, and each side of a cell between solid and air is a facet. So no facet touches another one partly."""
+    """A room of 5 × 4 × 3 m with a table, a wardrobe and a chest, between the lines of a grid: what is solid is a set
+    of its cells, and each side of a cell between solid and air is a facet."""
     x = [0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5]
     y = [0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4]
     z = [0, 0.35, 0.7, 0.75, 1.2, 1.8, 2.4, 3]
@@ -258,25 +267,26 @@ def side(low, high, axis, step):
 def room(place, limit):
     facets = furnished()
     model = write(place, {"room": facets})
-    reference = by_azulejo(model["room"], 10 * limit, "--engine", "analytic", "--tolerance", "1e-9", "--closure=never")
-    print(f"A furnished room of {len(facets)} quads, closed: row sums (RMS), and errors of rows by azulejo's formulas with")
-    print(f"`--tolerance 1e-9`, which took {reference[0]:.1f} CPU s (its sums: {sums(reference[2]):.1e}).")
-    print("azulejo with `--closure=never`.\n")
-    columns = [("row sums", "room", sums), ("error of a row", "room", rows(reference[2]))]
+    exact = ["--engine", "analytic", "--tolerance", "1e-9", "--closure=never"]
+    seconds, _, reference, stated = by_azulejo(model["room"], limit, *exact)
+    print(f"A furnished room of {len(facets)} quads, closed: row sums (RMS), and errors of rows by azulejo's formulas")
+    print(f"with `--tolerance 1e-9` ({seconds:.1f} CPU s; its own errors: sums {sums(reference):.1e}, rows")
+    print(f"{stated:.1e}). azulejo with `--closure=never`.\n")
+    columns = [("row sums", "room", sums), ("error of a row", "room", rows(reference))]
     compare(model, limit, columns, ["--closure=never"])
 
 
 def town(n):
-    """n × n blocks of 20 m, each with a building of 12 × 12 m in its middle, of five heights: the ground around it in four
-    strips, four walls and a roof, in triangles."""
+    """n × n blocks of 20 m, each with a building of 12 × 12 m in its middle, of five heights: the ground around it in
+    four strips, four walls and a roof, in triangles."""
     heights = random.Random(7)
     polygons = []
     for i in range(n):
         for j in range(n):
             x, y, h = 20.0 * i, 20.0 * j, float(heights.choice([6, 9, 12, 15, 21]))
             # Strips of ground, the first and the last as wide as the block; then the roof.
-            levels = [(0, 0, 20, 4, 0.0), (0, 16, 20, 20, 0.0), (0, 4, 4, 16, 0.0), (16, 4, 20, 16, 0.0), (4, 4, 16, 16, h)]
-            for a, b, c, d, z in levels:
+            ground = [(0, 0, 20, 4), (0, 16, 20, 20), (0, 4, 4, 16), (16, 4, 20, 16)]
+            for a, b, c, d, z in [(*strip, 0.0) for strip in ground] + [(4, 4, 16, 16, h)]:
                 polygons.append([(x + a, y + b, z), (x + c, y + b, z), (x + c, y + d, z), (x + a, y + d, z)])
             foot = [(x + 4, y + 4), (x + 16, y + 4), (x + 16, y + 16), (x + 4, y + 16)]
             for p, q in zip(foot, foot[1:] + foot[:1]):
@@ -284,53 +294,71 @@ def town(n):
     return adapter.split(polygons)[0]
 
 
-def with_reference(name, model, facets, limit):
-    """A table of a model that isn't closed, by the rows of azulejo's formulas if they come in time."""
-    try:
-        seconds, _, reference = by_azulejo(model, limit, "--engine", "analytic", "--tolerance", "1e-5")
-        print(f"{name}, {facets:,} facets: errors of rows by azulejo's formulas with `--tolerance 1e-5`, which took")
-        print(f"{seconds:.1f} CPU s.\n")
+REFERENCES = [
+    ("formulas with `--tolerance 1e-5`", ["--engine", "analytic", "--tolerance", "1e-5"]),
+    ("rays, 65,536 from each facet", ["--rays", "65536"]),
+]
+
+
+def with_reference(name, model, facets, limit, patience):
+    """A table of a model that is not closed, by the rows of the first of azulejo's references that comes in time."""
+    columns, text = [], "no reference"
+    for what, options in REFERENCES if patience > 0 else []:
+        try:
+            seconds, _, reference, stated = by_azulejo(model, patience, *options)
+        except Failed as why:
+            print(f"{what}: {why}", file=sys.stderr)
+            continue
         columns = [("error of a row", name, rows(reference))]
-    except Failed as why:
-        print(f"{name}, {facets:,} facets; no reference: azulejo's formulas with `--tolerance 1e-5`: {why}.\n")
-        columns = []
+        text = f"errors of rows by azulejo's {what} ({seconds:.1f} CPU s; its own error: {stated:.1e})"
+        break
+    print(f"{name}, {facets:,} facets: {text}.\n")
     compare({name: model}, limit, columns)
 
 
-def towns(place, limit):
+def towns(place, limit, patience):
     for n in (4, 8):
         facets = town(n)
-        name = f"town of {n} × {n} blocks"
-        with_reference(name, write(place, {name: facets})[name], len(facets), limit)
+        name = f"Town of {n} × {n} blocks"
+        with_reference(name, write(place, {name: facets})[name], len(facets), limit, patience)
 
 
-def files(place, limit, paths):
+def files(place, limit, patience, paths):
     for path in paths:
         name = os.path.basename(path)
-        # STL has triangles alone.
+        # By way of STL all are triangles; its coordinates are in single precision, so the model is moved to its origin.
         stl, model = os.path.join(place, "model.stl"), os.path.join(place, "model.obj")
-        azulejo("convert", path, "-o", stl)
+        azulejo("convert", path, "-o", model)
+        with open(model) as lines:
+            points = [list(map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
+        shift = ",".join(f"{-math.floor(min(axis))}" for axis in zip(*points))
+        azulejo("convert", path, "-o", stl, "--place", f"{path}:translate={shift}")
         azulejo("convert", stl, "-o", model)
         facets = adapter.read_obj(model)
         write_obj(model, {"model": facets})
-        with_reference(name, model, len(facets), limit)
+        with_reference(name, model, len(facets), limit, patience)
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--seconds", type=int, default=300)
+    parser.add_argument("--reference-seconds", type=int, default=300, help="for azulejo's references, 0 for none")
     parser.add_argument("--sets", default="figures,room,towns,files")
     parser.add_argument("models", nargs="*")
     arguments = parser.parse_args()
-    place, limit = folder(), arguments.seconds
+    place, limit, patience = folder(), arguments.seconds, arguments.reference_seconds
     chosen = arguments.sets.split(",")
     if shutil.which(os.environ.get("AZULEJO", "azulejo")) is None:
         skip("azulejo is missing: set AZULEJO to the program")
-    for name, table in [("figures", figures), ("room", room), ("towns", towns)]:
-        if name in chosen:
-            table(place, limit)
+    if "figures" in chosen:
+        figures(place, limit)
+    if "room" in chosen:
+        room(place, limit)
+    if "towns" in chosen:
+        towns(place, limit, patience)
     if "files" in chosen:
-        files(place, limit, arguments.models)
+        files(place, limit, patience, arguments.models)
+    shutil.rmtree(place)
 
 
 main()

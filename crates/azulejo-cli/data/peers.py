@@ -1,8 +1,9 @@
-"""Runs another program for form factors on a model: python3 peers.py PEER MODEL.obj [FINENESS], or PEER --version.
+"""Runs another program for form factors on models: python3 peers.py PEER [--fineness X] MODEL.obj..., or PEER --version.
 
-PEER is view3d, pyviewfactor or raystrack. The OBJ has triangles and quads, counter-clockwise as seen from
-the front, each of which is a row; all block light from both sides. Printed is one JSON object: `program`, `seconds` of CPU
-for the computation, `peak_mib` of memory, and `factors`, the full matrix. Exit code 3 says that the program is missing.
+PEER is view3d, pyviewfactor or raystrack. An OBJ has triangles and quads, counter-clockwise as seen from the front,
+each of which is a row; all block light from both sides. Printed is one JSON object for each model, in a line: `program`,
+`seconds` of CPU for the computation, `peak_mib` of memory, and `factors`, the full matrix; or `program` and `error`, if
+there are several models and the program fails with one. Exit code 3 says that the program is missing.
 """
 
 import json
@@ -150,7 +151,7 @@ def pyviewfactor(polygons, fineness):
 
 
 def raystrack(polygons, fineness):
-    """Without FINENESS its own choice of rays, up to 204,800 for each unit of area; with it that many from each facet."""
+    """FINENESS is the number of rays from each facet; by default there are 10,240 to 204,800 for each unit of area."""
     try:
         import numpy
         import raystrack
@@ -192,14 +193,27 @@ PEERS = {"view3d": view3d, "pyviewfactor": pyviewfactor, "raystrack": raystrack}
 
 
 def main(arguments):
-    if len(arguments) not in (2, 3) or arguments[0] not in PEERS:
-        sys.exit(f"usage: peers.py {'|'.join(PEERS)} MODEL.obj [FINENESS], or PEER --version")
-    peer = PEERS[arguments[0]]
-    if arguments[1] == "--version":
-        print(peer(SQUARES, None)["program"])
+    if len(arguments) < 2 or arguments[0] not in PEERS:
+        sys.exit(f"usage: peers.py {'|'.join(PEERS)} [--fineness X] MODEL.obj..., or PEER --version")
+    name, *models = arguments
+    if models == ["--version"]:
+        print(PEERS[name](SQUARES, None)["program"])
         return
-    fineness = float(arguments[2]) if len(arguments) == 3 else None
-    found = peer(read_obj(arguments[1]), fineness)
+    fineness = None
+    if models[0] == "--fineness":
+        fineness, models = float(models[1]), models[2:]
+    for model in models:
+        try:
+            found = PEERS[name](read_obj(model), fineness)
+        except SystemExit as stop:
+            if stop.code == 3 or len(models) == 1:
+                raise
+            print(json.dumps({"program": name, "error": str(stop.code)}))
+            continue
+        write(found)
+
+
+def write(found):
     # Row by row, and most are zeros: matrices of thousands of rows would take gigabytes otherwise.
     rows = found.pop("factors")
     sys.stdout.write(json.dumps(found)[:-1] + ', "factors": [')

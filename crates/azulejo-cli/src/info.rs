@@ -3,20 +3,23 @@
 use super::failure::Failure;
 use super::input::{self, ClockArgs, InputArgs};
 use super::inventory::Inventory;
+use super::luminaires;
 use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
+use azulejo::output::Output;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{
     LightKind, MaterialId, Mesh, Object, PlacedMesh, PrimitiveKind, Rgb, Scene, Shape, Up,
 };
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 use glam::DVec3;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// `info`
@@ -34,6 +37,9 @@ pub struct InfoArgs {
         requires = "table"
     )]
     pub format: TableFormat,
+    /// Write a polar plot of the luminaires (.svg), the aim downwards
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "table")]
+    pub output: Option<PathBuf>,
     #[command(flatten)]
     pub clock: ClockArgs,
     #[command(flatten)]
@@ -58,6 +64,7 @@ Examples:
   azulejo info drawing.dxf --strict
   azulejo info --table *.3ds *.obj --format markdown
   azulejo info f.npz
+  azulejo info downlight.ies -o polar.svg
   azulejo info room.grf --json | python3 -m json.tool";
 
 /// Objects listed in the text; the JSON has all of them.
@@ -85,6 +92,8 @@ struct ObjectSummary<'s> {
 /// Runs `info`.
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     session.list_warnings();
+    let output = args.output.as_deref().map(Output::check).transpose()?;
+    session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
     let scene = input::read_all(&args.input, args.clock, session)?;
     // The mean of a picture is near enough here to what shines of it.
     let scene = scene.with_even_emission().unwrap_or(scene);
@@ -94,6 +103,15 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     contents(&scene, &parts, &mut report);
     extent(&scene, &parts, &mut report);
     lights(&scene, &parts, &mut report);
+    luminaires::describe(&scene, &mut report);
+    if let Some(output) = output {
+        let plot = luminaires::plot(&scene);
+        let plot =
+            plot.ok_or_else(|| Failure::failed("--output: there is no luminaire to plot"))?;
+        output.write(session.progress(), |out| out.write_all(plot.as_bytes()))?;
+        let path = output.path().display().to_string();
+        report.fact("output", path.clone(), "wrote", path);
+    }
     viewpoints(&scene, &mut report);
     let solved = scene.is_solved();
     let mapped = (scene.objects.iter())
@@ -339,6 +357,7 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
         ("directional", 0),
         ("ambient", 0),
         ("environment", 0),
+        ("luminaire", 0),
     ];
     for light in &scene.lights {
         let kind = match light.kind {
@@ -347,6 +366,7 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
             LightKind::Directional { .. } => 2,
             LightKind::Ambient { .. } => 3,
             LightKind::Environment(_) => 4,
+            LightKind::Luminaire { .. } => 5,
         };
         kinds[kind].1 += 1;
     }
@@ -428,12 +448,7 @@ fn enclosable(
         )
     };
     let objects = boxes.iter().enumerate().filter(|(_, b)| !b.is_empty());
-    let lights = scene.lights.iter().filter_map(|l| match l.kind {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
-        LightKind::Directional { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
-            None
-        }
-    });
+    let lights = scene.lights.iter().filter_map(|l| l.kind.position());
     let places = scene.cameras.iter().map(|c| c.eye).chain(lights);
     let objects = objects.map(|(k, b)| entry(b.min, b.max, Some(k)));
     RTree::bulk_load(objects.chain(places.map(|p| entry(p, p, None))).collect())

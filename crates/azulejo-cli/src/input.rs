@@ -7,6 +7,7 @@ use super::session::Session;
 use super::surroundings;
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, UpArg};
+use azulejo::luminaire::PlacedLuminaire;
 use azulejo::models::{self, read_bytes};
 use azulejo::recipe::Recipe;
 use azulejo_formats::{Lod, ReadOptions, VertexColors, camera_json};
@@ -28,6 +29,15 @@ pub struct InputArgs {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           help_heading = "Light from outside")]
     pub lights: Option<PathBuf>,
+    /// Add a luminaire of a photometric file (.ies, .ldt): FILE@X,Y,Z[,TILT,ROTATE,SPIN], then lm=LUMENS, cct=KELVIN or
+    /// set=N if wanted. May be given several times
+    ///
+    /// It hangs at X,Y,Z, in units of the scene, and aims down. In degrees, TILT takes its aim toward its plane of 0
+    /// degrees, ROTATE turns that plane from +x, counter-clockwise as seen from above, and SPIN turns it about its own
+    /// axis before. Lamp set N is one of EULUMDAT.
+    #[arg(long, value_name = "FILE@X,Y,Z,...", value_parser = placement::luminaire, allow_hyphen_values = true,
+          help_heading = "Light from outside")]
+    pub lamp: Vec<PlacedLuminaire>,
     #[command(flatten)]
     pub reading: ReadingArgs,
     #[command(flatten)]
@@ -39,7 +49,8 @@ impl InputArgs {
     pub fn files_mut(&mut self) -> Vec<&mut PathBuf> {
         let named = self.scenes.iter_mut().chain(&mut self.lights);
         let more = (self.reading.recipe.iter_mut()).chain(&mut self.outside.environment);
-        named.chain(more).collect()
+        let lamps = self.lamp.iter_mut().map(|lamp| &mut lamp.file);
+        named.chain(more).chain(lamps).collect()
     }
 }
 
@@ -81,6 +92,9 @@ pub struct ReadingArgs {
     /// sRGB if Blender wrote the file]
     #[arg(long, value_name = "linear|srgb")]
     pub vertex_colors: Option<VertexColors>,
+    /// Set of lamps of a model in EULUMDAT, from 1 [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub lamp_set: Option<u32>,
     /// Revolve axisymmetric elements (CAX, DCAX of Abaqus and CalculiX) around the axis y, as N facets for each edge
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=3600))]
     pub revolve: Option<u32>,
@@ -113,6 +127,7 @@ impl ReadingArgs {
             darkens_unpainted,
             vertex_colors: self.vertex_colors,
             sectors: self.revolve,
+            lamp_set: self.lamp_set.map(|set| set as usize),
             ..ReadOptions::default()
         }
     }
@@ -245,6 +260,10 @@ fn read_all_for(
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);
+    }
+    for lamp in &input.lamp {
+        let lights = lamp.lights(scene.units).map_err(Failure::failed)?;
+        scene.lights.extend(lights);
     }
     surroundings::add(
         &mut scene,

@@ -28,6 +28,7 @@ mod interrupt;
 mod inventory;
 mod known;
 mod lettering;
+mod luminaires;
 mod machine_info;
 mod matrix_info;
 mod matrix_metrics;

@@ -82,6 +82,7 @@ fn row(path: &Path, input: &InputArgs, session: &mut Session) -> Result<ModelRow
     let one = InputArgs {
         scenes: vec![path.to_owned()],
         lights: None,
+        lamp: Vec::new(),
         outside: SurroundingsArgs::default(),
         reading: input.reading.clone(),
     };

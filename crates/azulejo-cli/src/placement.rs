@@ -2,6 +2,7 @@
 
 use super::surroundings::args::{Site, site};
 use super::values;
+use azulejo::luminaire::PlacedLuminaire;
 use azulejo_scene::Up;
 use azulejo_scene::math::Aabb;
 use glam::{DAffine3, DMat3, DVec3};
@@ -66,6 +67,45 @@ pub fn place(text: &str) -> Result<PlaceArg, String> {
         Some(site) => site.map(PlaceArg::Site),
         None => parse(text).map(PlaceArg::Model),
     }
+}
+
+/// Parses `FILE@X,Y,Z[,TILT,ROTATE,SPIN][,lm=..][,cct=..][,set=..]`. The file name may contain `@`.
+pub fn luminaire(text: &str) -> Result<PlacedLuminaire, String> {
+    let expected = "expected FILE@X,Y,Z, as in downlight.ies@2,1.5,2.8";
+    let (file, place) = text.rsplit_once('@').ok_or(expected)?;
+    let mut lamp = PlacedLuminaire::of(file);
+    let mut numbers = Vec::new();
+    for piece in place.split(',') {
+        match piece.split_once('=') {
+            None => numbers.push(values::number(piece.trim())?),
+            Some(("lm", value)) => lamp.lumens = Some(values::number(value)?),
+            Some(("cct", value)) => lamp.temperature = Some(values::number(value)?),
+            Some(("set", value)) => {
+                let set = value
+                    .parse()
+                    .map_err(|_| format!("\"{value}\" is no lamp set, expected 1, 2, ..."))?;
+                lamp.lamp_set = Some(set);
+            }
+            Some((key, _)) => return Err(format!("unknown \"{key}\", expected lm, cct or set")),
+        }
+    }
+    let (position, angles) = numbers.split_at_checked(3).ok_or(expected)?;
+    lamp.position = DVec3::from_slice(position);
+    match *angles {
+        [] => {}
+        [tilt] => lamp.tilt = tilt,
+        [tilt, rotation] => (lamp.tilt, lamp.rotation) = (tilt, rotation),
+        [tilt, rotation, spin] => {
+            (lamp.tilt, lamp.rotation, lamp.spin) = (tilt, rotation, spin);
+        }
+        _ => {
+            return Err(format!(
+                "{} numbers, expected X,Y,Z,TILT,ROTATE,SPIN",
+                numbers.len()
+            ));
+        }
+    }
+    Ok(lamp)
 }
 
 /// Parses `FILE:key=value,...`. A value extends over commas to the next key; the file name may

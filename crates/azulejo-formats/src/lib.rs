@@ -38,6 +38,7 @@ pub mod off;
 pub mod openflight;
 pub mod openfoam;
 pub mod outline;
+pub mod photometry;
 pub mod picture;
 pub mod ply;
 mod read;

@@ -11,7 +11,7 @@ use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions, Warning}
 use crate::{
     abaqus, cityjson, dxf, energyplus, gltf, gmsh, grf, mgf, nastran, obj, off, openflight,
 };
-use crate::{openfoam, ply, scn, sff, stl, studio3ds, view3d, vrml, vtk};
+use crate::{openfoam, photometry, ply, scn, sff, stl, studio3ds, view3d, vrml, vtk};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -54,6 +54,7 @@ impl Format {
             Format::OpenFoam => ("OpenFOAM", openfoam::read),
             Format::CityJson => ("CityJSON", cityjson::read),
             Format::EnergyPlus => ("EnergyPlus", energyplus::read),
+            Format::Photometry => ("photometric file (IES LM-63, EULUMDAT)", photometry::read),
         }
     }
 }

@@ -59,7 +59,7 @@ pub fn compute_point_factors<'py>(
         let tracer = shared.repeated(periods)?;
         from_points(&shared.scene, &tracer, (by, sky), &options, points, p)
     })?;
-    let up = scene.shared().scene.up;
+    let up = scene.shared().scene.units.up;
     let patches = seen.sky.as_ref().map(|sky| sky_arrays(py, sky, up));
     let patches = patches.transpose()?;
     let (factors, groups) = (seen.seen, seen.groups);

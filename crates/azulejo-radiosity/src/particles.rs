@@ -139,14 +139,18 @@ fn sources(gatherer: &Gatherer, patches: &Patches) -> Vec<ParticleSource> {
     let light = |kind: &LightKind| match *kind {
         LightKind::Point { intensity, .. } => ParticleSource {
             power: intensity * (4.0 * PI),
-            kind: SourceKind::Point(*kind),
+            kind: SourceKind::Point(kind.clone()),
+        },
+        LightKind::Luminaire { scale, ref web, .. } => ParticleSource {
+            power: scale * web.sphere_integral(),
+            kind: SourceKind::Point(kind.clone()),
         },
         LightKind::Spot {
             intensity, outer, ..
         } => ParticleSource {
             // More than it emits: particles between the full cone and its edge are lighter.
             power: intensity * (TAU * (1.0 - outer.cos())),
-            kind: SourceKind::Point(*kind),
+            kind: SourceKind::Point(kind.clone()),
         },
         LightKind::Directional {
             direction,
@@ -367,14 +371,29 @@ impl ParticleTracing<'_> {
         }
     }
 
-    /// Particle `k` of a light without area, of weight 1 or less.
+    /// Particle `k` of a light without area: of weight 1 on average, or 1 at most and less where the source has more power
+    /// than it emits.
     fn light_particle(&self, source: usize, k: u32, scrambling: [u32; 4]) -> Path {
         let u: [f64; 4] = std::array::from_fn(|d| f64::from(sobol(k, d, scrambling[d])));
         let (centre, radius) = ball(self.gatherer);
         let mut weight = Rgb::WHITE;
         let (origin, direction) = match self.sources[source].kind {
-            SourceKind::Point(light) => {
-                let (position, axis, lowest) = match light {
+            SourceKind::Point(LightKind::Luminaire {
+                position,
+                world_from_web,
+                ref web,
+                ..
+            }) => match web.sample([u[0], u[1]]) {
+                Some((direction, density)) => {
+                    let expected = density * web.sphere_integral();
+                    weight = Rgb::grey(web.toward(direction) / expected);
+                    (position, world_from_web * direction)
+                }
+                // It has no power.
+                None => (position, world_from_web * DVec3::NEG_Z),
+            },
+            SourceKind::Point(ref light) => {
+                let (position, axis, lowest) = match *light {
                     LightKind::Spot {
                         position,
                         direction,

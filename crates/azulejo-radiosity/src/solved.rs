@@ -127,7 +127,8 @@ impl<'a> SolvedPatches<'a> {
             return Err(SolveError::NoLight);
         }
         let patches = Patches::new(scene, pass.size);
-        if patches.is_empty() {
+        // Points are sensors, which need nothing around them.
+        if patches.is_empty() && !matches!(purpose, PatchPurpose::Points(_)) {
             return Err(SolveError::NoSurface);
         }
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));

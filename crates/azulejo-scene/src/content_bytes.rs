@@ -1,6 +1,6 @@
 //! What has a content as bytes, and the contents of numbers, lists and texts.
 
-use glam::{DAffine3, DQuat, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use std::sync::Arc;
 
 /// Receives the bytes of a content, part by part.
@@ -80,6 +80,7 @@ content_as! {
     [] DVec2: x => x.to_array();
     [] DVec3: x => x.to_array();
     [] DQuat: x => x.to_array();
+    [] DMat3: x => x.to_cols_array();
     [] DAffine3: x => x.to_cols_array();
     [T: ContentBytes] Vec<T>: x => x.as_slice();
     [T: ContentBytes + ?Sized] Box<T>: x => **x;

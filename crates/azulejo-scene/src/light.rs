@@ -1,7 +1,8 @@
 //! Light sources without area. Area lights are objects whose material emits.
 
-use crate::{Environment, Rgb, TextureId};
-use glam::DVec3;
+use crate::{Environment, PhotometricWeb, Rgb, TextureId};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 /// A named light source.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +14,7 @@ pub struct Light {
 }
 
 /// The kinds of light sources without area.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LightKind {
     /// Emits equally in all directions; irradiance falls with the square of the distance.
     Point {
@@ -35,6 +36,17 @@ pub enum LightKind {
         /// Half angle, radians, outside which there is no light; `<= π`. Between the two the
         /// intensity falls by smoothstep of the angle's cosine.
         outer: f64,
+    },
+    /// A point light whose intensity was measured in many directions.
+    Luminaire {
+        /// World position.
+        position: DVec3,
+        /// The axes of the luminaire's frame as unit vectors of the world, orthogonal; left-handed of a mirror image.
+        world_from_web: DMat3,
+        /// Radiant intensity where the web says 1, W/sr.
+        scale: Rgb,
+        /// The intensities by direction.
+        web: Arc<PhotometricWeb>,
     },
     /// Parallel light from infinitely far away.
     Directional {
@@ -88,9 +100,56 @@ impl LightKind {
                 };
                 intensity * (x * x * (3.0 - 2.0 * x))
             }
+            LightKind::Luminaire {
+                world_from_web,
+                scale,
+                ref web,
+                ..
+            } => scale * web.toward(world_from_web.transpose() * w),
             LightKind::Directional { .. }
             | LightKind::Ambient { .. }
             | LightKind::Environment(_) => Rgb::BLACK,
+        }
+    }
+
+    /// The world position; `None` of lights infinitely far away.
+    pub fn position(&self) -> Option<DVec3> {
+        match *self {
+            LightKind::Point { position, .. }
+            | LightKind::Spot { position, .. }
+            | LightKind::Luminaire { position, .. } => Some(position),
+            LightKind::Directional { .. }
+            | LightKind::Ambient { .. }
+            | LightKind::Environment(_) => None,
+        }
+    }
+
+    /// The strength by which two lights of a kind are compared: the largest radiant intensity, W/sr, the irradiance, W/m²,
+    /// or the radiance, W/(sr·m²); of an environment the factor of its radiance.
+    pub fn strength(&self) -> Rgb {
+        match *self {
+            LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
+            LightKind::Luminaire { scale, ref web, .. } => scale * web.most(),
+            LightKind::Directional { irradiance, .. } => irradiance,
+            LightKind::Ambient { radiance } => radiance,
+            LightKind::Environment(environment) => environment.scale,
+        }
+    }
+
+    /// A luminaire as a point light of the same power, for formats that know no more; other lights as they are.
+    #[must_use]
+    pub fn without_web(&self) -> LightKind {
+        match *self {
+            LightKind::Luminaire {
+                position,
+                scale,
+                ref web,
+                ..
+            } => LightKind::Point {
+                position,
+                intensity: scale * (web.sphere_integral() / (4.0 * std::f64::consts::PI)),
+            },
+            _ => self.clone(),
         }
     }
 }

@@ -234,7 +234,6 @@ impl Scene {
 
     /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
-        use LightKind::*;
         let shines = |m: MaterialId| {
             self.materials
                 .get(m as usize)
@@ -250,12 +249,7 @@ impl Scene {
             Shape::Primitive(p) => shines(p.material),
             Shape::Exact(exact) => exact.leaves().iter().any(|l| shines(l.material())),
         };
-        let light = |l: &Light| match l.kind {
-            Point { intensity, .. } | Spot { intensity, .. } => !intensity.is_black(),
-            Directional { irradiance, .. } => !irradiance.is_black(),
-            Ambient { radiance } => !radiance.is_black(),
-            Environment(environment) => !environment.scale.is_black(),
-        };
+        let light = |l: &Light| !l.kind.strength().is_black();
         self.objects.iter().any(lamp) || self.lights.iter().any(light)
     }
 

@@ -167,31 +167,63 @@ impl Mesh {
 }
 
 impl Light {
-    fn transform(&mut self, map: &DAffine3, scale: f64) {
-        let turned = |d: DVec3| (map.matrix3 * d).try_normalize().unwrap_or(d);
+    /// Puts it where a map puts it; its intensity stays. Says whether it is anywhere: a direction that the map takes away
+    /// stays, too.
+    pub fn move_by(&mut self, map: &DAffine3) -> bool {
+        let turn = |direction: &mut DVec3| {
+            let turned = (map.matrix3 * *direction).try_normalize();
+            *direction = turned.unwrap_or(*direction);
+            turned.is_some()
+        };
+        let moved = |position: &mut DVec3| {
+            *position = map.transform_point3(*position);
+            position.is_finite()
+        };
         match &mut self.kind {
-            LightKind::Point {
-                position,
-                intensity,
-            } => {
-                *position = map.transform_point3(*position);
-                *intensity *= scale * scale;
-            }
+            LightKind::Point { position, .. } => moved(position),
             LightKind::Spot {
                 position,
                 direction,
-                intensity,
+                ..
+            } => moved(position) & turn(direction),
+            LightKind::Luminaire {
+                position,
+                world_from_web,
                 ..
             } => {
-                *position = map.transform_point3(*position);
-                *direction = turned(*direction);
-                *intensity *= scale * scale;
+                let turned = frame_of(&(map.matrix3 * *world_from_web));
+                *world_from_web = turned.unwrap_or(*world_from_web);
+                moved(position) & turned.is_some()
             }
-            LightKind::Directional { direction, .. } => *direction = turned(*direction),
-            LightKind::Ambient { .. } => {}
-            LightKind::Environment(environment) => environment.turn(&map.matrix3),
+            LightKind::Directional { direction, .. } => turn(direction),
+            LightKind::Ambient { .. } => true,
+            LightKind::Environment(environment) => {
+                environment.turn(&map.matrix3);
+                true
+            }
         }
     }
+
+    fn transform(&mut self, map: &DAffine3, scale: f64) {
+        self.move_by(map);
+        match &mut self.kind {
+            LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => {
+                *intensity *= scale * scale;
+            }
+            LightKind::Luminaire { scale: power, .. } => *power *= scale * scale,
+            LightKind::Directional { .. }
+            | LightKind::Ambient { .. }
+            | LightKind::Environment(_) => {}
+        }
+    }
+}
+
+/// The orthonormal axes nearest to those of a map, of the same handedness; `None` if they span no space.
+fn frame_of(map: &DMat3) -> Option<DMat3> {
+    let x = map.x_axis.try_normalize()?;
+    let z = x.cross(map.y_axis).try_normalize()?;
+    let side = map.determinant().signum();
+    Some(DMat3::from_cols(x, z.cross(x), side * z))
 }
 
 impl Camera {

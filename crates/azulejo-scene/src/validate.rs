@@ -183,6 +183,16 @@ impl Scene {
                     })?;
                     (position.is_finite(), is_light(intensity), unit(direction))
                 }
+                LightKind::Luminaire {
+                    position,
+                    world_from_web,
+                    scale,
+                    ..
+                } => {
+                    let product = world_from_web.transpose() * world_from_web;
+                    let is_frame = product.abs_diff_eq(glam::DMat3::IDENTITY, 1e-3);
+                    (position.is_finite(), is_light(scale), is_frame)
+                }
                 LightKind::Directional {
                     direction,
                     irradiance,
@@ -205,7 +215,7 @@ impl Scene {
                 "the colour is negative or not finite".into()
             })?;
             ensure(direction, place, || {
-                "the direction is not a unit vector".into()
+                "the direction is not a unit vector, or the axes are not orthogonal ones".into()
             })?;
         }
         Ok(())
@@ -639,7 +649,7 @@ mod tests {
             |s| {
                 s.lights.push(Light {
                     name: "l".into(),
-                    kind: spot,
+                    kind: spot.clone(),
                 })
             },
             "unit vector",

@@ -89,7 +89,7 @@ impl<'a> Lights<'a> {
                 LightKind::Ambient { radiance } => ambient += radiance,
                 LightKind::Environment(environment) => ambient += environment.split_even().0,
                 LightKind::Directional { half_angle, .. } if half_angle > 0.0 => {}
-                kind => delta.push(kind),
+                ref kind => delta.push(kind.clone()),
             }
         }
         let outside = Outside::new(surfaces.scene);

@@ -14,6 +14,7 @@
 //! | [`mod@bake`], [`lightmap`] | third pass: from a scene to the irradiance in the texels of a lightmap |
 //! | [`models`] | model files: reading, merging, atomic writing |
 //! | [`surroundings`] | light from outside: suns, skies, pictures, a studio |
+//! | [`luminaire`] | luminaires of photometric files at their places |
 //! | [`recipe`] | files of rules that are applied to a model each time it is read |
 //! | [`output`] | files written atomically |
 //! | [`files`], [`machine`] | messages for errors of the file system; memory of the machine |
@@ -30,6 +31,7 @@
 
 pub mod files;
 pub mod lightmap;
+pub mod luminaire;
 pub mod machine;
 pub mod models;
 pub mod output;

@@ -24,6 +24,7 @@ pub fn run(
         let input = InputArgs {
             scenes: vec![path.to_owned()],
             lights: None,
+            lamp: Vec::new(),
             outside: SurroundingsArgs::default(),
             reading: ReadingArgs {
                 place: Vec::new(),

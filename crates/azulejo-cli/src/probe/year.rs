@@ -129,6 +129,7 @@ fn without_sky(input: &InputArgs) -> InputArgs {
     InputArgs {
         scenes: input.scenes.clone(),
         lights: None,
+        lamp: Vec::new(),
         reading,
         outside: SurroundingsArgs::default(),
     }

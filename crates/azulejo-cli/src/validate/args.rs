@@ -20,7 +20,7 @@ pub struct ValidateArgs {
     #[arg(long)]
     pub full: bool,
     /// Also let the other programs for form factors that are installed answer the closed forms: View3D
-    /// (`view3d` on the path), and pyviewfactor, raystrack and OpenViewFactor of Python
+    /// (`view3d` on the path, or named by VIEW3D), and pyviewfactor and raystrack of `python3`
     #[arg(long)]
     pub peers: bool,
     /// Seed of the random numbers; the same seed gives the same report, except for times

@@ -19,7 +19,7 @@ use std::time::Duration;
 const ADAPTER: &str = include_str!("../../data/peers.py");
 
 /// The programs that the script knows, as it names them.
-const PEERS: [&str; 4] = ["view3d", "pyviewfactor", "raystrack", "openviewfactor"];
+const PEERS: [&str; 3] = ["view3d", "pyviewfactor", "raystrack"];
 
 /// Longest time for all models of a program.
 const LIMIT: Duration = Duration::from_secs(600);

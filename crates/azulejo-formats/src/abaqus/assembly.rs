@@ -94,7 +94,9 @@ impl<'a> AbaqusAssembly<'a> {
                 for number in &element.nodes[..element.kind.shape.corner_count()] {
                     if let Some(index) = placed.part.node_numbers.get(number) {
                         let node = is_section.get_mut((placed.first_node + index) as usize);
-                        node.map(|is_section| *is_section = true);
+                        if let Some(is_section) = node {
+                            *is_section = true;
+                        }
                     }
                 }
             }

@@ -54,26 +54,8 @@ fn spot(record: &Record, position: DVec3, direction: DVec3, intensity: Rgb) -> L
 /// does not depend on the scale.
 pub(super) fn transformed(light: &Light, map: &DAffine3) -> Option<Light> {
     let mut light = light.clone();
-    let turned = |d: DVec3| (map.matrix3 * d).try_normalize().unwrap_or(d);
-    match &mut light.kind {
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            *position = map.transform_point3(*position);
-            *direction = turned(*direction);
-        }
-        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
-        LightKind::Directional { direction, .. } => *direction = turned(*direction),
-        LightKind::Ambient { .. } => {}
-        LightKind::Environment(environment) => environment.turn(&map.matrix3),
-    }
-    let place = match light.kind {
-        LightKind::Spot { position, .. } | LightKind::Point { position, .. } => position,
-        LightKind::Directional { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
-            DVec3::ZERO
-        }
-    };
-    place.is_finite().then_some(light)
+    // A direction that a flat block takes away stays.
+    light.move_by(map);
+    let is_anywhere = light.kind.position().is_none_or(DVec3::is_finite);
+    is_anywhere.then_some(light)
 }

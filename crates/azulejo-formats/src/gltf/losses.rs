@@ -90,6 +90,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             lights(|l| matches!(l, LightKind::Spot { outer, .. } if *outer > MOST_CONE)),
             "spot lights wider than a half space",
         )
+        .count(
+            lights(|l| matches!(l, LightKind::Luminaire { .. })),
+            "luminaires that become point lights of the same power",
+        )
         .count(usize::from(scene.background.is_some()), "background")
         .count(usize::from(scene.fog.is_some()), "fog")
         .count(

@@ -185,7 +185,7 @@ impl<'a> Document<'a> {
 
     fn light(&mut self, light: &Light) {
         let size = self.scene.units.metres();
-        let (kind, colour, position, direction) = match light.kind {
+        let (kind, colour, position, direction) = match light.kind.without_web() {
             // glTF's falloff uses distances in metres.
             LightKind::Point {
                 position,
@@ -205,7 +205,9 @@ impl<'a> Document<'a> {
                 irradiance,
                 ..
             } => ("directional", irradiance, None, Some(direction)),
-            LightKind::Ambient { .. } | LightKind::Environment(_) => return,
+            LightKind::Luminaire { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
+                return;
+            }
         };
         let (factor, strength) = factor_and_strength(colour);
         let mut json = named(&light.name);

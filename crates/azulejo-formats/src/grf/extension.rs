@@ -220,6 +220,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 intensity: self.needed_rgb(entries, "intensity")?,
             },
             "spot" => self.spot(entries)?,
+            "luminaire" => self.luminaire(entries)?,
             "directional" => LightKind::Directional {
                 direction: self.needed_direction(entries)?,
                 irradiance: self.needed_rgb(entries, "irradiance")?,
@@ -233,7 +234,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 return Err(self.fail(
                     offset,
                     format!("`{kind}`"),
-                    "`point`, `spot`, `directional`, `ambient` or `environment`",
+                    "`point`, `spot`, `luminaire`, `directional`, `ambient` or `environment`",
                 ));
             }
         };

@@ -25,6 +25,7 @@ mod instances;
 mod layout;
 mod lint;
 mod literal;
+mod luminaire;
 mod materials;
 mod mesh;
 mod parse;

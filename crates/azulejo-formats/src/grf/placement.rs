@@ -1,8 +1,7 @@
 //! Applies transforms to faces, cameras and lights.
 
 use super::document::{SourcePosition, TransformStep};
-use super::unit;
-use azulejo_scene::{Camera, Faces, Light, LightKind, Mesh};
+use azulejo_scene::{Camera, Faces, Light, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The product of the enclosing transforms; `None` if there is none, so that numbers stay as
@@ -90,24 +89,6 @@ pub(super) fn moved_camera(camera: &Camera, outer: OuterTransform) -> Camera {
 /// A transformed light; `None` if it loses its direction. Its intensity does not change.
 pub(super) fn moved_light(light: &Light, outer: OuterTransform) -> Option<Light> {
     let mut light = light.clone();
-    let Some(map) = outer else {
-        return Some(light);
-    };
-    match &mut light.kind {
-        LightKind::Point { position, .. } => *position = map.transform_point3(*position),
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            *position = map.transform_point3(*position);
-            *direction = unit(map.matrix3 * *direction)?;
-        }
-        LightKind::Directional { direction, .. } => {
-            *direction = unit(map.matrix3 * *direction)?;
-        }
-        LightKind::Ambient { .. } => {}
-        LightKind::Environment(environment) => environment.turn(&map.matrix3),
-    }
-    Some(light)
+    let is_anywhere = outer.is_none_or(|map| light.move_by(&map));
+    is_anywhere.then_some(light)
 }

@@ -11,7 +11,7 @@ use azulejo_scene::{
     PrimitiveKind, ReliefKind, Rgb, Sidedness, SurfaceLight, Units, Up, WrapMode,
 };
 
-use super::{instances, solids, surroundings};
+use super::{instances, luminaire, solids, surroundings};
 use glam::{DAffine3, DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -529,6 +529,12 @@ fn light(out: &mut GrfOutput<'_>, light: &Light) -> io::Result<()> {
             Angle("inner", inner),
             Angle("outer", outer),
         ),
+        LightKind::Luminaire {
+            position,
+            ref world_from_web,
+            scale,
+            ref web,
+        } => luminaire::write(out, position, world_from_web, scale, web),
         LightKind::Directional {
             direction,
             irradiance,

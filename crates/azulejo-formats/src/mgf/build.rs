@@ -80,11 +80,6 @@ impl MgfBuilder {
         self.groups.last().map_or(WORLD, |group| group.frame)
     }
 
-    /// Path of the open groups, for names of objects.
-    pub fn path(&self) -> &str {
-        &self.path
-    }
-
     /// Whether there are no objects and no lights yet.
     pub fn is_empty(&self) -> bool {
         self.scene.objects.is_empty() && self.scene.lights.is_empty()

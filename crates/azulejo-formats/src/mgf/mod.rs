@@ -6,8 +6,6 @@
 mod build;
 mod color;
 mod context;
-
-mod ies;
 mod lines;
 mod luminaire;
 mod material;

@@ -3,11 +3,11 @@
 use super::build::MgfBuilder;
 use super::color::Chroma;
 use super::context::{ContextError, ContextTable};
-use super::ies::Luminaire;
 use super::lines::{MgfLines, StatementMark, number};
 use super::material::{MaterialComponent, MgfMaterial};
 use super::sharing::{ContentFrames, FrameId, RepeatedOrigin, WORLD};
 use super::transform::MgfTransform;
+use crate::photometry::PhotometricFile;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
 use crate::reading::text::{decoded, quoted, text};
@@ -97,11 +97,6 @@ impl TransformState {
             serial,
         }
     }
-
-    /// Whether it reverses orientation.
-    pub fn mirrors(&self) -> bool {
-        self.map.matrix3.determinant() < 0.0
-    }
 }
 
 /// A file being read.
@@ -166,7 +161,7 @@ pub(super) struct MgfReader<'r> {
     texts: HashMap<String, Option<Rc<[u8]>>>,
     /// Remaining budget of bytes in other files.
     bytes_left: u64,
-    pub(super) luminaires: HashMap<String, Option<Rc<Luminaire>>>,
+    pub(super) luminaires: HashMap<String, Option<Rc<PhotometricFile>>>,
     /// The number of array instances and included files around the current statement.
     pub(super) repeated: usize,
     /// Factor of emittance: the product of an IES file's factors, in the geometry that it names.

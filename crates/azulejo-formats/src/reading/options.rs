@@ -26,6 +26,8 @@ pub struct ReadOptions {
     /// Facets around the axis y for each edge of axisymmetric elements (Abaqus), >= 3; without it they are sheets in their
     /// plane.
     pub sectors: Option<u32>,
+    /// The set of lamps of a luminaire in EULUMDAT, from 1; without it the first, with a warning if there are more.
+    pub lamp_set: Option<usize>,
 }
 
 /// What the numbers of vertex colours are.
@@ -76,6 +78,7 @@ impl Default for ReadOptions {
             darkens_unpainted: true,
             vertex_colors: None,
             sectors: None,
+            lamp_set: None,
         }
     }
 }

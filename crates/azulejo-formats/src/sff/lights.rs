@@ -104,7 +104,7 @@ pub(super) fn rtrace_light(light: &LightKind, view: &SffView) -> Option<RtraceLi
         let distance = distance.max(1e-3 * view.eye.distance(view.target));
         intensity / (PI * distance * distance)
     };
-    let (position, brightness, kind) = match *light {
+    let (position, brightness, kind) = match light.without_web() {
         LightKind::Point {
             position,
             intensity,
@@ -135,7 +135,9 @@ pub(super) fn rtrace_light(light: &LightKind, view: &SffView) -> Option<RtraceLi
             let position = view.target - DISTANT * direction;
             (position, irradiance / PI, RtraceLightKind::Point)
         }
-        LightKind::Ambient { .. } | LightKind::Environment(_) => return None,
+        LightKind::Luminaire { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
+            return None;
+        }
     };
     // Without fading, light arrives at the target as bright as it starts.
     Some(RtraceLight {

@@ -186,6 +186,7 @@ fn lights_with_area_are_bodies_behind_all_objects() {
         LightKind::Directional { .. } => 'd',
         LightKind::Ambient { .. } => 'a',
         LightKind::Environment(_) => 'e',
+        LightKind::Luminaire { .. } => 'l',
     });
     assert_eq!(kinds.collect::<String>(), "pspppa");
 }

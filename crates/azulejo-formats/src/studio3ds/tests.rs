@@ -606,7 +606,7 @@ fn lights() {
     let cone = chunk(0x4610, &floats(&[0., 0., 0., 40., 90.]));
     let spot = light([0., 0., 5.], &[cone, chunk(0x4625, &[])]);
     let loaded = load(&file(&[square("floor"), omni, off, dark, spot], &[]));
-    let kinds: Vec<LightKind> = loaded.scene.lights.iter().map(|l| l.kind).collect();
+    let kinds: Vec<LightKind> = loaded.scene.lights.iter().map(|l| l.kind.clone()).collect();
     let intensity = Rgb::new(1.0, 0.5, 0.25);
     let expected = [
         LightKind::Point {

@@ -196,9 +196,13 @@ fn pictured_finishes_are_those_of_the_model() {
             }),
             ..model(0.5 * (metallic + 0.5), 0.5 * (roughness + 1.0))
         };
-        for light in [sky, lamp] {
+        for light in [sky.clone(), lamp.clone()] {
             let found = seen(
-                &sheet(pictured.clone(), std::slice::from_ref(&picture), light),
+                &sheet(
+                    pictured.clone(),
+                    std::slice::from_ref(&picture),
+                    light.clone(),
+                ),
                 4096,
             );
             let expected = seen(&sheet(model(metallic, roughness), &[], light), 4096)[1];

@@ -6,8 +6,9 @@ use crate::sky::{CieSky, PerezSky, Sky, SkyDistribution};
 use crate::{
     Attribute, BackIrradiance, Backplate, BackplateFit, BicubicPatch, Camera, Contour, Csg, Curve,
     Environment, EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh,
-    MeshInstance, Object, Operation, Primitive, PrimitiveKind, Prism, Projection, Scene,
-    SceneBackground, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
+    MeshInstance, Object, Operation, PhotometricWeb, Primitive, PrimitiveKind, Prism, Projection,
+    Scene, SceneBackground, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
+    WebType,
 };
 
 // Zones say which rows are written together, not what they see. RTRACE's own parameters are read by its own shading alone, which has no first pass; what a mesh was before it was
@@ -50,7 +51,9 @@ content_of_variants! {
         2 = Directional { direction, irradiance, half_angle },
         3 = Ambient { radiance },
         4 = Environment(environment),
+        5 = Luminaire { position, world_from_web, scale, web },
     }
+    WebType { 0 = A, 1 = B, 2 = C }
     SceneBackground { 0 = Color(color), 1 = Environment(environment), 2 = Backplate(plate) }
     EnvironmentSource { 0 = Picture { texture, projection }, 1 = Sky(sky) }
     SkyDistribution { 0 = Uniform, 1 = Cie(sky), 2 = Perez(sky) }
@@ -76,6 +79,16 @@ content_of_variants! {
     Operation { 0 = Union, 1 = Difference, 2 = Intersection }
     FillRule { 0 = EvenOdd, 1 = NonZero }
     Curve { 0 = Line { start }, 1 = Cubic { start, control1, control2 } }
+}
+
+impl ContentBytes for PhotometricWeb {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        let [vertical, horizontal] = self.angles();
+        self.kind().feed(sink);
+        for numbers in [vertical, horizontal, self.values()] {
+            numbers.feed(sink);
+        }
+    }
 }
 
 impl ContentBytes for CieSky {

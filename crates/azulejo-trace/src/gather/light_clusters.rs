@@ -187,6 +187,20 @@ impl Member {
                 intensity.max_channel(),
                 intensity.max_channel() * direction.normalize_or_zero(),
             ),
+            LightKind::Luminaire {
+                position,
+                world_from_web,
+                scale,
+                ref web,
+            } => {
+                // Of the same flux as a spot whose beam is as wide.
+                let mean = scale.max_channel() * web.sphere_integral() / PI;
+                (
+                    position,
+                    mean,
+                    mean * (world_from_web * web.mean_direction()),
+                )
+            }
             LightKind::Directional { .. }
             | LightKind::Ambient { .. }
             | LightKind::Environment(_) => return None,

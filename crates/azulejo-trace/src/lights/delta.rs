@@ -1,10 +1,10 @@
-//! Lights without area: point, spot and directional lights, and their mirror images.
+//! Lights without area: point, spot and directional lights, luminaires, and their mirror images.
 
 use crate::Surfaces;
 use crate::lambert::mirror_point;
 use azulejo_scene::math::reflect;
 use azulejo_scene::{LightKind, Rgb};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Where a shadow ray from `p` to a light without area ends, and the irradiance of a surface of
 /// normal `n` there if nothing stands between, W/m²; `None` if the light is below the horizon.
@@ -15,7 +15,9 @@ pub(crate) fn unoccluded(
     surfaces: &Surfaces,
 ) -> Option<(DVec3, Rgb)> {
     match *light {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+        LightKind::Point { position, .. }
+        | LightKind::Spot { position, .. }
+        | LightKind::Luminaire { position, .. } => {
             let d = position - p;
             let r2 = d.length_squared();
             let cos = d.dot(n) / r2.sqrt();
@@ -67,6 +69,21 @@ pub(crate) fn unoccluded_image(
             intensity,
             inner,
             outer,
+        },
+        LightKind::Luminaire {
+            position,
+            world_from_web,
+            scale,
+            ref web,
+        } => LightKind::Luminaire {
+            position: mirror_point(position, plane, normal),
+            world_from_web: DMat3::from_cols(
+                flip(world_from_web.x_axis),
+                flip(world_from_web.y_axis),
+                flip(world_from_web.z_axis),
+            ),
+            scale,
+            web: web.clone(),
         },
         LightKind::Directional {
             direction,

@@ -14,7 +14,9 @@ pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
         bounds
     };
     match *kind {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
+        LightKind::Point { position, .. }
+        | LightKind::Spot { position, .. }
+        | LightKind::Luminaire { position, .. } => position,
         LightKind::Directional { direction, .. } => {
             bounds.centre() - direction * (0.7 * bounds.diagonal().max(1.0))
         }

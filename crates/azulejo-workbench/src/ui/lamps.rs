@@ -7,7 +7,7 @@ use super::{emitter, inputs, surroundings};
 use crate::document::{Edit, ItemId, SceneLight};
 use azulejo::scene::{EnvironmentSource, Light, LightKind, Rgb, Units};
 use egui::{Grid, Ui};
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// Draws the properties.
@@ -52,6 +52,25 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
             let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
             let dimmed = light_color(ui, cx, lamp, name, (unit, square), intensity);
             moved | dimmed | cone(ui, cx, inner, outer)
+        }
+        LightKind::Luminaire {
+            position,
+            world_from_web,
+            scale,
+            web,
+        } => {
+            let aim = -world_from_web.z_axis;
+            let mut turned = aim;
+            let moved = vector(ui, cx.tr("Position"), position, step)
+                | unit_vector(ui, cx.tr("Direction"), &mut turned);
+            if turned != aim {
+                let turn = DMat3::from_quat(DQuat::from_rotation_arc(aim, turned));
+                *world_from_web = turn * *world_from_web;
+            }
+            let (name, unit) = (cx.tr("Greatest intensity"), unit(units, "W/sr", "cd"));
+            let dimmed = light_color(ui, cx, lamp, name, (unit, square * web.most()), scale);
+            total(ui, cx, web.sphere_integral() * square * scale.luminance());
+            moved | dimmed
         }
         LightKind::Directional {
             direction,
@@ -141,7 +160,7 @@ fn light_color(
 /// The attenuation of a light with distance, which follows from its type.
 fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
     match light.kind {
-        LightKind::Point { .. } | LightKind::Spot { .. } => {
+        LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Luminaire { .. } => {
             cx.tr("Falls off with the square of the distance.")
         }
         LightKind::Directional { .. } => cx.tr("Independent of the distance."),

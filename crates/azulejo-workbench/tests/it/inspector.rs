@@ -148,6 +148,7 @@ fn the_other_lights_have_theirs() {
 fn shine_of(kind: &mut LightKind) -> &mut Rgb {
     match kind {
         LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
+        LightKind::Luminaire { scale, .. } => scale,
         LightKind::Directional { irradiance, .. } => irradiance,
         LightKind::Ambient { radiance } => radiance,
         LightKind::Environment(environment) => &mut environment.scale,
@@ -165,7 +166,7 @@ fn shine(window: &mut TestWindow, color: Rgb) {
 }
 
 fn check_shines(window: &TestWindow, expected: Rgb) {
-    let mut kind = window.state().app.document.lights[0].light.kind;
+    let mut kind = window.state().app.document.lights[0].light.kind.clone();
     let shine = *shine_of(&mut kind);
     let differs = (shine - expected)
         .max_channel()
@@ -188,7 +189,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
     let square = open_picker(&mut window, "Emission colour");
     let shine = |window: &TestWindow| {
-        let mut kind = window.state().app.document.lights[0].light.kind;
+        let mut kind = window.state().app.document.lights[0].light.kind.clone();
         *shine_of(&mut kind)
     };
     assert_eq!(

@@ -17,7 +17,7 @@ fn with_light(kind: NewLightKind) -> TestWindow {
 }
 
 fn kind(window: &TestWindow) -> LightKind {
-    window.state().app.document.lights[0].light.kind
+    window.state().app.document.lights[0].light.kind.clone()
 }
 
 fn sky(window: &TestWindow) -> Sky {

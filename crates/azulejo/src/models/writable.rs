@@ -1,6 +1,6 @@
 //! What no reader would accept is refused before it is written.
 
-use azulejo_scene::{BackIrradiance, LightKind, Mesh, Rgb, Scene, Shape};
+use azulejo_scene::{BackIrradiance, Mesh, Rgb, Scene, Shape};
 
 /// Why a scene must not be written, if so: it breaks the promises of scenes, as one does whose light
 /// overflowed, or `is_single` and it has light that numbers of 32 bits cannot hold.
@@ -37,13 +37,6 @@ fn brightest(scene: &Scene) -> f64 {
         Shape::Exact(exact) => exact.proxy.iter().map(|m| mesh(m)).fold(0.0, f64::max),
     });
     let emitted = scene.materials.iter().map(|m| m.emission.max_channel());
-    let lights = scene.lights.iter().map(|l| match l.kind {
-        LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => {
-            intensity.max_channel()
-        }
-        LightKind::Directional { irradiance, .. } => irradiance.max_channel(),
-        LightKind::Ambient { radiance } => radiance.max_channel(),
-        LightKind::Environment(environment) => environment.scale.max_channel(),
-    });
+    let lights = scene.lights.iter().map(|l| l.kind.strength().max_channel());
     objects.chain(emitted).chain(lights).fold(0.0, f64::max)
 }

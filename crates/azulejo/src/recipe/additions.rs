@@ -1,8 +1,8 @@
 //! What a recipe adds: lights, cameras, background and fog.
 
 use super::RecipeError;
-use super::surface;
 use super::tables::{CameraTable, LightTable, RecipeSource, RecipeTables};
+use crate::luminaire::{PlacedLuminaire, flux};
 use azulejo_scene::{Camera, Fog, Light, LightKind, Scene, SceneBackground};
 use glam::DVec3;
 
@@ -13,9 +13,14 @@ pub(super) fn add(
     source: &RecipeSource,
 ) -> Result<(), RecipeError> {
     for table in &recipe.light {
-        scene
-            .lights
-            .push(light(table.get_ref(), table.span().start, scene, source)?);
+        let (table, at) = (table.get_ref(), table.span().start);
+        match table.kind.as_str() {
+            "luminaire" => {
+                let lights = luminaire(table, at, scene, source)?;
+                scene.lights.extend(lights);
+            }
+            _ => scene.lights.push(light(table, at, scene, source)?),
+        }
     }
     for table in &recipe.camera {
         let camera = camera(table.get_ref());
@@ -61,6 +66,44 @@ fn camera(table: &CameraTable) -> Camera {
     }
 }
 
+/// The lights of a photometric file.
+fn luminaire(
+    table: &LightTable,
+    at: usize,
+    scene: &Scene,
+    source: &RecipeSource,
+) -> Result<Vec<Light>, RecipeError> {
+    let wrong = |message: &str| source.wrong(at, message);
+    let file = table.file.as_ref();
+    let file = file.ok_or_else(|| wrong("a luminaire needs a `file`, IES or EULUMDAT"))?;
+    let position = table.position;
+    let position = position.ok_or_else(|| wrong("this light needs a `position`"))?;
+    if table.intensity.is_some() || table.direction.is_some() {
+        return Err(wrong(
+            "a luminaire has `lumens`, `tilt`, `rotation` and `spin`, and neither `intensity` nor `direction`",
+        ));
+    }
+    let placed = PlacedLuminaire {
+        position: position.into(),
+        tilt: table.tilt,
+        rotation: table.rotation,
+        spin: table.spin,
+        lumens: table.lumens,
+        temperature: table.temperature,
+        lamp_set: table.lamp_set,
+        // Beside the recipe, if it is not elsewhere.
+        ..PlacedLuminaire::of(source.beside(file))
+    };
+    let lights = placed.lights(scene.units);
+    let mut lights = lights.map_err(|e| source.wrong(at, e))?;
+    if !table.name.is_empty() {
+        lights
+            .iter_mut()
+            .for_each(|light| light.name.clone_from(&table.name));
+    }
+    Ok(lights)
+}
+
 fn light(
     table: &LightTable,
     at: usize,
@@ -72,7 +115,7 @@ fn light(
     let intensity = match (&table.intensity, table.lumens) {
         (Some(color), None) => source.light(color)?,
         (None, Some(lumens)) => {
-            let flux = surface::flux(lumens, table.temperature, scene.units.photometric);
+            let flux = flux(lumens, table.temperature, scene.units.photometric);
             let flux = flux.ok_or_else(|| wrong("lumens and temperature must be above 0"))?;
             flux / (4.0 * std::f64::consts::PI)
         }
@@ -118,7 +161,11 @@ fn light(
                 "`lumens` is for point lights and objects; give `intensity`",
             ));
         }
-        _ => return Err(wrong("kind: expected point, spot or directional")),
+        _ => {
+            return Err(wrong(
+                "kind: expected point, spot, directional or luminaire",
+            ));
+        }
     };
     Ok(Light {
         name: table.name.clone(),

@@ -2,15 +2,12 @@
 
 use super::RecipeError;
 use super::tables::{RecipePatterns, RecipeSource, RuleTable};
-use azulejo_formats::mgf::black_body_color;
+use crate::luminaire::flux;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Brdf, Dielectric, Material, Rgb};
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-/// Luminous efficacy of white light, lm/W, by which Radiance and MGF convert.
-const EFFICACY: f64 = 179.0;
 
 /// What the names of a rule are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,15 +184,4 @@ impl<'r> SurfaceRule<'r> {
             Err(failed("a lamp without area"))
         }
     }
-}
-
-/// A luminous flux of a colour temperature per channel, in W, or lm in photometric scenes; white
-/// without a temperature. `None` if it is not light.
-pub(super) fn flux(lumens: f64, temperature: Option<f64>, photometric: bool) -> Option<Rgb> {
-    let color = match temperature {
-        None => Rgb::WHITE,
-        Some(kelvin) => black_body_color(kelvin)?,
-    };
-    let unit = if photometric { 1.0 } else { EFFICACY };
-    (lumens > 0.0 && lumens.is_finite()).then_some(color * (lumens / unit))
 }

@@ -85,15 +85,17 @@ pub(super) struct LightTable {
     /// Its name.
     #[serde(default)]
     pub name: String,
-    /// point, spot or directional.
+    /// point, spot, directional or luminaire.
     pub kind: String,
-    /// Of point lights and spots.
+    /// The photometric file of a luminaire.
+    pub file: Option<String>,
+    /// Of point lights, spots and luminaires.
     pub position: Option<[f64; 3]>,
     /// Of spots and directional lights.
     pub direction: Option<[f64; 3]>,
     /// W/sr, or W/m² of directional lights.
     pub intensity: Option<Spanned<RecipeColor>>,
-    /// Luminous flux of a point light.
+    /// Luminous flux of a point light, or of a luminaire in place of its file's.
     pub lumens: Option<f64>,
     /// Colour temperature of that light, kelvin.
     pub temperature: Option<f64>,
@@ -103,6 +105,17 @@ pub(super) struct LightTable {
     /// Half angle beyond which a spot is dark, degrees.
     #[serde(default = "half_right")]
     pub outer: f64,
+    /// By how many degrees a luminaire is tilted from straight down.
+    #[serde(default)]
+    pub tilt: f64,
+    /// Where its plane of 0 degrees points, degrees from +x, counter-clockwise as seen from above.
+    #[serde(default)]
+    pub rotation: f64,
+    /// By how many degrees it is turned about its own axis.
+    #[serde(default)]
+    pub spin: f64,
+    /// Its set of lamps, from 1.
+    pub lamp_set: Option<usize>,
 }
 
 fn half_right() -> f64 {
@@ -168,6 +181,11 @@ impl RecipeSource {
             source.wrong(e.span().map_or(0, |s| s.start), message)
         })?;
         Ok((tables, source))
+    }
+
+    /// A file by its path relative to the recipe.
+    pub fn beside(&self, file: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
     }
 
     /// A message with the place of a byte before it.

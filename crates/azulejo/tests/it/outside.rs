@@ -280,7 +280,7 @@ fn a_backplate_fills_the_image_behind_the_scene() {
         }));
         scene.lights.push(Light {
             name: String::new(),
-            kind: ambient,
+            kind: ambient.clone(),
         });
         if mirror {
             let id = scene.add_material(Material {

@@ -378,7 +378,7 @@ fn other_units_are_converted() {
     assert_eq!(back.lights[3].name, "lamp");
     for (lamp, expected_lamp) in back.lights.iter().zip(&expected.lights).take(3) {
         let at = DVec3::new(0.3, 0.1, -0.2);
-        match (lamp.kind, expected_lamp.kind) {
+        match (lamp.kind.clone(), expected_lamp.kind.clone()) {
             (
                 LightKind::Directional { direction: a, .. },
                 LightKind::Directional { direction: b, .. },

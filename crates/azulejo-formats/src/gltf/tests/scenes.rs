@@ -126,7 +126,7 @@ fn lights_are_photometric() {
         let warnings: Vec<&str> = more.iter().copied().chain(["is empty"]).collect();
         let scene = read(&lights(kind), &warnings);
         assert_eq!(scene.lights[0].name, "lamp");
-        scene.lights[0].kind
+        scene.lights[0].kind.clone()
     };
     let at = DVec3::new(1.0, 2.0, 3.0);
     let colour = Rgb::new(8.0, 4.0, 0.0);

@@ -15,11 +15,8 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"GIF8", Err("a GIF picture")),
         (b"\x76\x2f\x31\x01", Err("an OpenEXR picture")),
         (b"#?RADIANCE", Err("a Radiance picture")),
-        (b"IESNA", Err("an IES luminaire; name it in an MGF scene")),
-        (
-            b"IES:LM-63",
-            Err("an IES luminaire; name it in an MGF scene"),
-        ),
+        (b"IESNA", Ok(Photometry)),
+        (b"IES:LM-63", Ok(Photometry)),
         (
             b"PK\x03\x04",
             Err("a zip archive, or 3MF, which is written only; unpack it first"),

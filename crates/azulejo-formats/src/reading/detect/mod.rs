@@ -62,6 +62,8 @@ pub enum Format {
     CityJson,
     /// Input of EnergyPlus: IDF, or the same as JSON (epJSON).
     EnergyPlus,
+    /// Photometric files of luminaires: IES LM-63 and EULUMDAT.
+    Photometry,
 }
 
 /// The error for bytes in none of the supported formats.
@@ -80,7 +82,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, CityJSON, DXF, EnergyPlus, glTF, gmsh, GRF, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, CityJSON, DXF, EnergyPlus, EULUMDAT, glTF, gmsh, GRF, IES, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
@@ -109,6 +111,12 @@ fn by_extension(
         Err(e) if e.looks_like == WHITE_SPACE && name.ends_with(".grf") => Ok(Format::Grf),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
+        // Editions of 1986 begin with any text, and EULUMDAT with a name.
+        Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) | Err(_)
+            if is_photometric(name) && !matches!(&detected, Err(e) if e.looks_like == EMPTY) =>
+        {
+            Ok(Format::Photometry)
+        }
         // A single letter begins a line in several formats.
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".idf") => Ok(Format::EnergyPlus),
@@ -130,6 +138,11 @@ fn by_extension(
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
     }
+}
+
+/// Whether a name ends as those of photometric files do.
+fn is_photometric(name: &str) -> bool {
+    [".ies", ".ldt"].iter().any(|ending| name.ends_with(ending))
 }
 
 /// Whether a name ends as those of texts for people do, and of no model.

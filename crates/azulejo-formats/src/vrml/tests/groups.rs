@@ -170,7 +170,7 @@ fn lights() {
         SpotLight { direction 0 -2 0 cutOffAngle 1 beamWidth 0.5 location 1 0 0 }
         DirectionalLight { ambientIntensity 0.5 } PointLight { on FALSE } ] }";
     let (scene, warnings) = load(text);
-    let kinds: Vec<LightKind> = scene.lights.iter().map(|l| l.kind).collect();
+    let kinds: Vec<LightKind> = scene.lights.iter().map(|l| l.kind.clone()).collect();
     assert_eq!(scene.lights[0].name, "lamp");
     assert_eq!(
         kinds,

@@ -21,7 +21,7 @@ fn daylight() -> (App, [ItemId; 2]) {
 }
 
 fn environment(app: &App, id: ItemId) -> Environment {
-    match app.document.light(id).map(|l| l.light.kind) {
+    match app.document.light(id).map(|l| l.light.kind.clone()) {
         Some(LightKind::Environment(environment)) => environment,
         other => panic!("{other:?} is not an environment"),
     }

@@ -30,7 +30,7 @@ impl SceneDocument {
             kind,
         };
         self.check_light(&light)?;
-        if let LightKind::Environment(_) = kind {
+        if let LightKind::Environment(_) = light.kind {
             self.background = None;
         }
         let id = self.new_id();
@@ -54,10 +54,10 @@ impl SceneDocument {
                 direction: from, ..
             },
             LightKind::Directional { direction: to, .. },
-        ) = (old.kind, light.kind)
+        ) = (&old.kind, &light.kind)
             && from != to
         {
-            self.move_skies(-from, -to);
+            self.move_skies(-*from, -*to);
         }
         Ok(vec![id])
     }
@@ -200,8 +200,8 @@ impl SceneDocument {
     }
 
     fn environment(&self, id: ItemId) -> Result<Environment, EditError> {
-        match self.light(id).map(|lamp| lamp.light.kind) {
-            Some(LightKind::Environment(environment)) => Ok(environment),
+        match self.light(id).map(|lamp| &lamp.light.kind) {
+            Some(LightKind::Environment(environment)) => Ok(*environment),
             Some(_) => refuse("the light is neither a sky nor a picture"),
             None => missing("light"),
         }

@@ -76,7 +76,9 @@ impl PreviewLight {
                 irradiance,
                 ..
             } => (-direction, irradiance),
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            LightKind::Point { position, .. }
+            | LightKind::Spot { position, .. }
+            | LightKind::Luminaire { position, .. } => {
                 let toward = (position - at).normalize_or(DVec3::Y);
                 let square = position.distance_squared(at).max(f64::MIN_POSITIVE);
                 (toward, light.kind.intensity_toward(-toward) / square)

@@ -181,6 +181,7 @@ fn sky(app: &App, kind: &LightKind) -> Option<(Environment, SkySettings)> {
 fn color(kind: &mut LightKind) -> &mut Rgb {
     match kind {
         LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
+        LightKind::Luminaire { scale, .. } => scale,
         LightKind::Directional { irradiance, .. } => irradiance,
         LightKind::Ambient { radiance } => radiance,
         LightKind::Environment(environment) => &mut environment.scale,

@@ -129,6 +129,10 @@ fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: 
             overlay.cone(at, direction * (4.0 * reach), angle, ink);
             overlay.arrow(at, at + direction * (4.0 * reach), ink);
         }
+        LightKind::Luminaire { world_from_web, .. } => {
+            star(overlay, at, reach, ink);
+            overlay.arrow(at, at - world_from_web.z_axis * (4.0 * reach), ink);
+        }
         LightKind::Directional { direction, .. } => {
             let (u, v) = direction.any_orthonormal_pair();
             for shift in [DVec3::ZERO, u, -u, v, -v] {

@@ -1,0 +1,242 @@
+//! IES LM-63, editions of 1986 to 2019.
+
+use super::{LuminousOpening, PhotometricFile, PhotometryError};
+use crate::reading::cursor::TextCursor;
+use crate::reading::number;
+use crate::reading::text::{quoted, text};
+use azulejo_scene::{PhotometricWeb, WebType};
+
+/// Reads a file.
+///
+/// # Errors
+/// What is wrong, and where.
+pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
+    // The line TILT= ends the header, and only numbers follow it.
+    let (head, data) = split_at_tilt(bytes).ok_or_else(|| PhotometryError {
+        at: 0,
+        found: "no line that begins with TILT=".to_owned(),
+        expected: "a file of IES LM-63",
+    })?;
+    let mut numbers = IesNumbers::new(bytes, data);
+    let tilt = numbers.tilt(head.tilt_included)?;
+    let [lamps, lumens, multiplier, vertical, horizontal, kind, units] = numbers.take()?;
+    let at = numbers.at;
+    let kind = match kind {
+        1.0 => WebType::C,
+        2.0 => WebType::B,
+        3.0 => WebType::A,
+        _ => {
+            return Err(numbers.wrong(
+                format!("photometry of type {kind}"),
+                "1 to 3, for C, B and A",
+            ));
+        }
+    };
+    let [width, length, height, ballast, third, watts] = numbers.take()?;
+    // Angles come before the candelas, which have a row of vertical angles for each horizontal one.
+    let vertical = numbers.list(vertical, "vertical angles")?;
+    let horizontal = numbers.list(horizontal, "horizontal angles")?;
+    let count = (vertical.len() * horizontal.len()) as f64;
+    let candelas = numbers.list(count, "candelas")?;
+    // Lengths are in feet or metres; the candelas have up to three factors, by the edition.
+    let metres = if units == 1.0 { 0.3048 } else { 1.0 };
+    let photometric = if head.has_third_factor { third } else { 1.0 };
+    let factor = multiplier * ballast * photometric;
+    let wrong = |found: String| PhotometryError {
+        at,
+        found,
+        expected: "angles that rise, and candelas of 0 or more",
+    };
+    if !(factor >= 0.0 && factor.is_finite()) {
+        return Err(wrong("negative factors".to_owned()));
+    }
+    // A little less than nothing is the noise of a measurement.
+    let most = candelas.iter().copied().fold(0.0, f64::max);
+    let noise = -NOISE * most;
+    let candelas = candelas.iter().map(|&c| {
+        if (noise..0.0).contains(&c) {
+            0.0
+        } else {
+            c * factor
+        }
+    });
+    let web = PhotometricWeb::new(kind, [&vertical, &horizontal], candelas.collect());
+    Ok(PhotometricFile {
+        name: head.name,
+        web: web.map_err(wrong)?,
+        opening: opening([width, length, height].map(|size| size * metres)),
+        factor,
+        // −1 stands for absolute photometry: of the luminaire, whatever its lamps.
+        lamp_lumens: (lumens > 0.0 && lamps > 0.0).then_some(lamps * lumens * multiplier),
+        watts: (watts > 0.0).then_some(watts),
+        tilt,
+        body: head.body,
+        sets: Vec::new(),
+    })
+}
+
+/// Share of the largest intensity below 0 that is taken for 0.
+const NOISE: f64 = 1e-3;
+
+/// The header, before the numbers.
+struct IesHeader {
+    name: String,
+    body: Option<String>,
+    tilt_included: bool,
+    /// Whether the number after the ballast factor is a factor too, the ballast-lamp photometric
+    /// factor. It was in 1986 and 1991; 1995 and 2002 reserve it, and in 2019 it says where the file
+    /// comes from, as 1.10100 does for an accredited laboratory.
+    has_third_factor: bool,
+}
+
+/// The header, and what follows the line `TILT=`.
+fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
+    let mut head = IesHeader {
+        name: String::new(),
+        body: None,
+        tilt_included: false,
+        has_third_factor: true,
+    };
+    let mut lines = TextCursor::new(bytes);
+    while !lines.at_end() {
+        let line = text(lines.take_line().trim_ascii());
+        lines.pass_line_end();
+        if let Some(version) = after(&line, "IES") {
+            head.has_third_factor &= !is_later_than_1991(version);
+        }
+        if let Some(tilt) = after(&line, "TILT=") {
+            head.tilt_included = tilt.eq_ignore_ascii_case("INCLUDE");
+            return Some((head, lines.rest()));
+        }
+        for key in ["[LUMINAIRE]", "[LUMCAT]"] {
+            if let Some(name) = after(&line, key).filter(|name| !name.is_empty()) {
+                name.clone_into(&mut head.name);
+            }
+        }
+        let body = after(&line, "[LUMINOUSGEOMETRY]").or_else(|| after(&line, "GEOM="));
+        head.body = head
+            .body
+            .or(body.filter(|b| !b.is_empty()).map(str::to_owned));
+    }
+    None
+}
+
+/// Whether the first line, after its `IES`, names an edition of the standard whose third factor is none:
+/// `NA:LM-63-1995`, `NA:LM-63-2002`, `:LM-63-2019`, with blanks or in lower case in some files. That
+/// of 1991 is `NA91`, and files of 1986 name none.
+fn is_later_than_1991(version: &str) -> bool {
+    let upper = version.to_ascii_uppercase();
+    let year = upper.rsplit("LM-63").next().filter(|y| *y != upper);
+    let digits = year.map(|y| y.trim_start_matches([' ', '-', ':']));
+    let year = digits.and_then(|y| y.get(..4)?.parse::<u32>().ok());
+    year.is_some_and(|y| y > 1991)
+}
+
+/// What follows a keyword at the start of a line, in any case.
+fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
+    let start = line.get(..keyword.len())?;
+    start
+        .eq_ignore_ascii_case(keyword)
+        .then(|| line[keyword.len()..].trim())
+}
+
+/// Numbers separated by blanks or commas.
+struct IesNumbers<'a> {
+    words: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
+    /// Where the file begins in memory, and where the number before began in it.
+    start: usize,
+    at: usize,
+    /// Upper bound of their number.
+    most: usize,
+}
+
+impl<'a> IesNumbers<'a> {
+    fn new(file: &'a [u8], data: &'a [u8]) -> IesNumbers<'a> {
+        let words = data.split(|b| b.is_ascii_whitespace() || *b == b',');
+        let start = file.as_ptr().addr();
+        IesNumbers {
+            words: Box::new(words.filter(|word| !word.is_empty())),
+            start,
+            at: data.as_ptr().addr() - start,
+            most: data.len() / 2 + 1,
+        }
+    }
+
+    fn wrong(&self, found: String, expected: &'static str) -> PhotometryError {
+        PhotometryError {
+            at: self.at,
+            found,
+            expected,
+        }
+    }
+
+    fn next(&mut self) -> Result<f64, PhotometryError> {
+        let Some(word) = self.words.next() else {
+            return Err(self.wrong("the end of the file".to_owned(), "more numbers"));
+        };
+        self.at = word.as_ptr().addr() - self.start;
+        let parsed = number::parse(word).filter(|n| n.length == word.len() && n.value.is_finite());
+        match parsed {
+            Some(parsed) => Ok(parsed.value),
+            None => Err(self.wrong(quoted(word), "a number")),
+        }
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[f64; N], PhotometryError> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.next()?;
+        }
+        Ok(values)
+    }
+
+    fn list(&mut self, count: f64, what: &str) -> Result<Vec<f64>, PhotometryError> {
+        if !(count >= 1.0 && count <= self.most as f64) {
+            return Err(self.wrong(
+                format!("{count} {what}"),
+                "1 or more, and no more than the file has",
+            ));
+        }
+        (0..count as usize).map(|_| self.next()).collect()
+    }
+
+    /// The table of `TILT=INCLUDE`: angles in degrees by which a luminaire is tilted, and what is then left of its light.
+    fn tilt(&mut self, is_included: bool) -> Result<Vec<[f64; 2]>, PhotometryError> {
+        if !is_included {
+            return Ok(Vec::new());
+        }
+        let [_geometry, pairs] = self.take()?;
+        let angles = self.list(pairs, "angles of a tilt table")?;
+        let factors = self.list(pairs, "factors of a tilt table")?;
+        Ok(angles
+            .into_iter()
+            .zip(factors)
+            .map(<[f64; 2]>::from)
+            .collect())
+    }
+}
+
+/// The opening from the file's width, length and height, metres; circles have negative sizes.
+fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
+    let height = height.abs();
+    if width > 0.0 && length > 0.0 {
+        return LuminousOpening::Rectangle {
+            length,
+            width,
+            height,
+        };
+    }
+    if width < 0.0 && length <= 0.0 {
+        // An ellipse becomes the circle of equal area.
+        let across = if length < 0.0 {
+            (width * length).sqrt()
+        } else {
+            -width
+        };
+        return LuminousOpening::Disc {
+            diameter: across,
+            height,
+        };
+    }
+    LuminousOpening::Point
+}
