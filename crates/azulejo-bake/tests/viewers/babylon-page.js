@@ -1,10 +1,12 @@
 // A model with MOZ_lightmap in Babylon.js.
 
-// The light that is known to be in EXR, in place of the pictures of the model.
-let exrAddress = null;
+import { registerLightmaps } from "/azulejo-lightmap/index.js";
 
 // Babylon cuts linear colours at 30, so what is read as numbers is drawn darker by this power of 2.
 const DIMMED = 2 ** -20;
+
+// What decompresses EXR comes from a public host otherwise.
+BABYLON.ExrLoaderGlobalConfiguration.FFLATEUrl = "/packages/fflate/umd/index.js";
 
 // Multiplies everything that shines by a factor.
 function dim(scene, factor) {
@@ -25,55 +27,8 @@ function dim(scene, factor) {
     scene.lights.forEach((light) => scale(light, "intensity"));
 }
 
-// The extension of Babylon's loader. `unlit` with a lightmap used as a shadow map shows colour × texel × level.
-BABYLON.GLTF2.GLTFLoader.RegisterExtension("MOZ_lightmap", (loader) => ({
-    name: "MOZ_lightmap",
-    enabled: true,
-    // Before KHR_materials_unlit, which asks no extension after it.
-    order: 100,
-    dispose() {},
-    loadMaterialPropertiesAsync(context, definition, material) {
-        const lightmap = definition.extensions?.MOZ_lightmap;
-        if (!lightmap) {
-            return null;
-        }
-        // The PNG: the decoder of KTX2 knows Basis Universal alone.
-        delete loader.gltf.textures[lightmap.index].extensions?.KHR_texture_basisu;
-        const isUnlit = Boolean(definition.extensions.KHR_materials_unlit);
-        const { MOZ_lightmap, ...others } = definition.extensions;
-        const plain = { ...definition, extensions: others };
-        return loader.loadMaterialPropertiesAsync(context, plain, material).then(async () => {
-            const info = { texCoord: 1, ...lightmap };
-            const texture = await loader.loadTextureInfoAsync(`${context}/lightmap`, info);
-            material.unlit = true;
-            material.useLightmapAsShadowmap = true;
-            material.lightmapTexture = exrAddress ? await exrLike(texture, loader.babylonScene) : texture;
-            const intensity = exrAddress ? 1 : lightmap.intensity ?? 1;
-            material.lightmapTexture.level = isUnlit ? intensity : intensity / Math.PI;
-        });
-    },
-}));
-
-// The EXR with the texture coordinates of another texture.
-function exrLike(texture, scene) {
-    return new Promise((resolve, reject) => {
-        const loaded = () => {
-            // Only now does the texture take it.
-            light.gammaSpace = false;
-            resolve(light);
-        };
-        const light = new BABYLON.Texture(exrAddress, scene, true, false, BABYLON.Texture.BILINEAR_SAMPLINGMODE,
-            loaded, (message, problem) => reject(new Error(`${message}: ${problem}`)));
-        for (const name of ["coordinatesIndex", "uOffset", "uScale", "wAng"]) {
-            light[name] = texture[name];
-        }
-        // Its rows come from the bottom, whatever `invertY` says.
-        [light.vScale, light.vOffset] = [-texture.vScale, 1 - texture.vOffset];
-    });
-}
-
 window.show = async ({ model, camera, points, exr, tone, exposure }) => {
-    exrAddress = exr;
+    registerLightmaps(BABYLON.GLTF2.GLTFLoader, { exr });
     const { width, height } = camera;
     const canvas = document.getElementById("canvas");
     const engine = new BABYLON.Engine(canvas, true, { preserveDrawingBuffer: true, useExactSrgbConversions: true });

@@ -53,7 +53,7 @@ function below(folder, path) {
     return file.startsWith(resolve(folder) + sep) ? file : null;
 }
 
-// Serves the page, the packages, and the folder of the model.
+// Serves the page, the packages, the module for lightmaps, and the folder of the model.
 function serve(here, modules, model, exr) {
     const file = (path) => {
         const [, root, ...rest] = path.split("/");
@@ -62,6 +62,7 @@ function serve(here, modules, model, exr) {
             case "packages": return below(modules, inside);
             case "model": return below(dirname(resolve(model)), inside);
             case "light.exr": return exr && resolve(exr);
+            case "azulejo-lightmap": return below(join(here, "../../../../web/azulejo-lightmap"), inside);
             default: return below(here, root);
         }
     };

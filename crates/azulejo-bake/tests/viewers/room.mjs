@@ -1,6 +1,8 @@
 // A room whose light is a formula, as a GLB with MOZ_lightmap, with the light as EXR beside it.
 //
-// Five walls are matt; one of them has its place in the lightmap by KHR_texture_transform. A sixth surface is unlit.
+// Five walls are matt. One has its place in the lightmap by KHR_texture_transform, another is turned by it, and a third
+// has an occlusion map, which baked light has no use for. A sixth surface is unlit. The last shares its material with
+// the left wall, but has no place in the lightmap, and stays dark.
 
 import { deflateSync } from "node:zlib";
 
@@ -12,12 +14,16 @@ const INTENSITY = 250;
 // Corner, and the edges across and down the lightmap; counterclockwise from the front: corner, + down, + both, + across.
 const SURFACES = [
     { name: "floor", corner: [-2, 0, -2], across: [4, 0, 0], down: [0, 0, 4], color: [0.5, 0.4, 0.3] },
-    { name: "back", corner: [-2, 3, -2], across: [4, 0, 0], down: [0, -3, 0], color: [0.7, 0.7, 0.7] },
-    { name: "left", corner: [-2, 3, 2], across: [0, 0, -4], down: [0, -3, 0], color: [0.6, 0.1, 0.08] },
-    { name: "right", corner: [2, 3, -2], across: [0, 0, 4], down: [0, -3, 0], color: [0.1, 0.45, 0.12], isMoved: true },
+    { name: "back", corner: [-2, 3, -2], across: [4, 0, 0], down: [0, -3, 0], color: [0.7, 0.7, 0.7],
+        isOccluded: true },
+    { name: "left", corner: [-2, 3, 2], across: [0, 0, -4], down: [0, -3, 0], color: [0.6, 0.1, 0.08], isMoved: true },
+    { name: "right", corner: [2, 3, -2], across: [0, 0, 4], down: [0, -3, 0], color: [0.1, 0.45, 0.12],
+        isTurned: true },
     { name: "ceiling", corner: [-2, 3, 2], across: [4, 0, 0], down: [0, 0, -4], color: [0.8, 0.8, 0.75] },
     { name: "sign", corner: [-1, 1.5, -1], across: [1.5, 0, 0.6], down: [0, -1.2, 0], color: [0.9, 0.6, 0.2], isUnlit: true },
+    { name: "bare", corner: [0.9, 1.2, -0.5], across: [0.8, 0, 0], down: [0, -0.8, 0], isBare: true, material: 2 },
 ];
+const LIT = SURFACES.filter(({ isBare }) => !isBare);
 
 const CAMERA = { eye: [0.3, 1.6, 5.2], target: [0, 1.4, 0], up: [0, 1, 0], vertical_fov: 45, width: 320, height: 240 };
 
@@ -35,7 +41,7 @@ const [WIDTH, HEIGHT] = CELLS.map((n) => n * CELL);
 
 // Calls back with x, y and the light of each texel.
 function forTexels(callback) {
-    SURFACES.forEach((_, k) => {
+    LIT.forEach((_, k) => {
         const [left, top] = cellOf(k);
         for (let y = 0; y < CELL; y++) {
             for (let x = 0; x < CELL; x++) {
@@ -140,42 +146,64 @@ export function glb() {
         return json.accessors.length - 1;
     };
     addView(png());
-    SURFACES.forEach(({ name, corner, across, down, color, isUnlit, isMoved }, k) => {
+    SURFACES.forEach(({ name, corner, across, down, isBare, material }, k) => {
         const corners = [[0, 0], [0, 1], [1, 1], [1, 0]];
         const positions = corners.map(([s, t]) => plus(plus(corner, across, s), down, t));
         const bound = (pick) => [0, 1, 2].map((axis) => pick(...positions.map((p) => p[axis])));
-        const [left, top] = cellOf(k);
-        const inner = CELL - 2 * PADDING;
-        const scale = [inner / WIDTH, inner / HEIGHT];
-        const offset = [(left + PADDING) / WIDTH, (top + PADDING) / HEIGHT];
-        const inMap = corners.map((st) => st.map((x, axis) => (isMoved ? x : offset[axis] + x * scale[axis])));
+        const { inMap } = placement(k, corners);
         const normal = unit(cross(down, across));
         const primitive = {
             attributes: {
                 POSITION: addAccessor(positions, "VEC3", { min: bound(Math.min), max: bound(Math.max) }),
                 NORMAL: addAccessor(corners.map(() => normal), "VEC3"),
-                TEXCOORD_0: addAccessor(corners, "VEC2"),
-                TEXCOORD_1: addAccessor(inMap, "VEC2"),
+                // No lightmap takes this set.
+                TEXCOORD_0: addAccessor(corners.map(() => [0.5, 0.5]), "VEC2"),
+                ...(isBare ? {} : { TEXCOORD_1: addAccessor(inMap, "VEC2") }),
             },
-            material: k,
+            material: material ?? k,
         };
         const indices = Buffer.from(Uint16Array.from([0, 1, 2, 0, 2, 3]).buffer);
         json.accessors.push({ bufferView: addView(indices), componentType: 5123, count: 6, type: "SCALAR" });
         primitive.indices = json.accessors.length - 1;
         json.meshes.push({ primitives: [primitive] });
         json.nodes.push({ name, mesh: k });
-        const transform = isMoved ? { extensions: { KHR_texture_transform: { offset, scale } } } : {};
+    });
+    LIT.forEach(({ name, color, isUnlit, isOccluded }, k) => {
+        const { transform } = placement(k, []);
+        // The set of the transform counts, not that beside it.
+        const coordinates = transform
+            ? { texCoord: 0, extensions: { KHR_texture_transform: { ...transform, texCoord: 1 } } }
+            : { texCoord: 1 };
         json.materials.push({
             name,
             pbrMetallicRoughness: { baseColorFactor: [...color, 1], metallicFactor: 0, roughnessFactor: 1 },
+            ...(isOccluded ? { occlusionTexture: { index: 0 } } : {}),
             extensions: {
-                MOZ_lightmap: { index: 0, texCoord: 1, intensity: INTENSITY, ...transform },
+                MOZ_lightmap: { index: 0, intensity: INTENSITY, ...coordinates },
                 ...(isUnlit ? { KHR_materials_unlit: {} } : { KHR_materials_specular: { specularFactor: 0 } }),
             },
         });
     });
     json.buffers = [{ byteLength: length }];
     return packed(json, Buffer.concat(binary));
+}
+
+// Coordinates of corners of surface k in the lightmap, and the texture transform that they need, if any.
+function placement(k, corners) {
+    const { isMoved, isTurned } = SURFACES[k];
+    const [left, top] = cellOf(k);
+    const inner = CELL - 2 * PADDING;
+    const [width, height] = [inner / WIDTH, inner / HEIGHT];
+    const [x, y] = [(left + PADDING) / WIDTH, (top + PADDING) / HEIGHT];
+    if (isTurned) {
+        // u = x + width × second coordinate, v = y + height - height × first coordinate.
+        const transform = { offset: [x, y + height], rotation: Math.PI / 2, scale: [height, width] };
+        return { inMap: corners.map(([s, t]) => [1 - t, s]), transform };
+    }
+    if (isMoved) {
+        return { inMap: corners, transform: { offset: [x, y], scale: [width, height] } };
+    }
+    return { inMap: corners.map(([s, t]) => [x + width * s, y + height * t]) };
 }
 
 function packed(json, binary) {
@@ -212,7 +240,7 @@ export function expectation() {
 // Radiance along a ray; null near edges and where nothing is.
 function nearest(eye, direction) {
     let [least, seen] = [Infinity, null];
-    SURFACES.forEach(({ corner, across, down, color, isUnlit }, k) => {
+    SURFACES.forEach(({ corner, across, down, color, isUnlit, isBare }, k) => {
         const normal = cross(down, across);
         const distance = dot(plus(corner, eye, -1), normal) / dot(direction, normal);
         const from = plus(plus(eye, direction, distance), corner, -1);
@@ -222,6 +250,10 @@ function nearest(eye, direction) {
             return;
         }
         least = distance;
+        if (isBare) {
+            seen = margin < 0.01 ? null : [0, 0, 0];
+            return;
+        }
         const light = share(k, s, t);
         const factor = isUnlit ? INTENSITY : INTENSITY / Math.PI;
         seen = margin < 0.01 ? null : light.map((value, c) => value * factor * color[c]);

@@ -460,7 +460,7 @@ fn axisymmetric_elements_are_bodies_of_revolution() {
          *ELEMENT, TYPE=DCAX4\n1,1,2,3,4\n2,5,6,1,7\n3,8,4,9,10\n\
          *SURFACE, NAME=tube\n1,S4\n*SURFACE, NAME=bottom\n2,S3\n*SURFACE, NAME=top\n3,S1\n",
     );
-    let words = folder.ok("info tube.inp").err;
+    let words = folder.ok("info tube.inp").out;
     assert!(words.contains("--revolve 64"), "{words}");
     folder.ok(
         "form-factors tube.inp -o f.csv --revolve 96 --by object --patch-size 0 --engine analytic",

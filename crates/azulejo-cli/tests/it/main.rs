@@ -44,6 +44,7 @@ mod form_factors;
 mod interrupt;
 mod layers;
 mod lightmap;
+mod luminaires;
 mod matrix_files;
 #[cfg(unix)]
 mod ranks;

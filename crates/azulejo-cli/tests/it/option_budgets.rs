@@ -6,15 +6,15 @@ use clap::{Arg, Command};
 
 /// Each command with its most options, without those of every command.
 const BUDGETS: [(&str, usize); 25] = [
-    ("info", 26),
-    ("convert", 28),
-    ("solve", 46),
-    ("bake", 70),
-    ("render", 73),
-    ("probe", 48),
-    ("form-factors", 59),
+    ("info", 30),
+    ("convert", 31),
+    ("solve", 49),
+    ("bake", 73),
+    ("render", 76),
+    ("probe", 51),
+    ("form-factors", 62),
     ("merge", 4),
-    ("exchange", 48),
+    ("exchange", 51),
     ("experiment", 4),
     ("validate", 6),
     ("text", 18),
@@ -28,7 +28,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("brdf fit", 4),
     ("grf fmt", 1),
     ("grf lint", 2),
-    ("grf diff", 11),
+    ("grf diff", 13),
     ("view", 3),
     ("completions", 0),
 ];

@@ -20,7 +20,6 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
     let mut numbers = IesNumbers::new(bytes, data);
     let tilt = numbers.tilt(head.tilt_included)?;
     let [lamps, lumens, multiplier, vertical, horizontal, kind, units] = numbers.take()?;
-    let at = numbers.at;
     let kind = match kind {
         1.0 => WebType::C,
         2.0 => WebType::B,
@@ -33,37 +32,45 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
         }
     };
     let [width, length, height, ballast, third, watts] = numbers.take()?;
+    let at_factors = numbers.at;
     // Angles come before the candelas, which have a row of vertical angles for each horizontal one.
-    let vertical = numbers.list(vertical, "vertical angles")?;
-    let horizontal = numbers.list(horizontal, "horizontal angles")?;
+    let (vertical, at_vertical) = numbers.list(vertical, "vertical angles")?;
+    let (horizontal, at_horizontal) = numbers.list(horizontal, "horizontal angles")?;
     let count = (vertical.len() * horizontal.len()) as f64;
-    let candelas = numbers.list(count, "candelas")?;
+    let (candelas, at_candelas) = numbers.list(count, "candelas")?;
     // Lengths are in feet or metres; the candelas have up to three factors, by the edition.
     let metres = if units == 1.0 { 0.3048 } else { 1.0 };
     let photometric = if head.has_third_factor { third } else { 1.0 };
     let factor = multiplier * ballast * photometric;
-    let wrong = |found: String| PhotometryError {
+    let wrong = |at: usize, found: String| PhotometryError {
         at,
         found,
         expected: "angles that rise, and candelas of 0 or more",
     };
     if !(factor >= 0.0 && factor.is_finite()) {
-        return Err(wrong("negative factors".to_owned()));
+        return Err(wrong(at_factors, "negative factors".to_owned()));
     }
     // A little less than nothing is the noise of a measurement.
-    let most = candelas.iter().copied().fold(0.0, f64::max);
-    let noise = -NOISE * most;
-    let candelas = candelas.iter().map(|&c| {
+    let noise = -NOISE * candelas.iter().copied().fold(0.0, f64::max);
+    let scaled = |&c: &f64| {
         if (noise..0.0).contains(&c) {
             0.0
         } else {
             c * factor
         }
-    });
-    let web = PhotometricWeb::new(kind, [&vertical, &horizontal], candelas.collect());
+    };
+    let candelas = candelas.iter().map(scaled).collect();
+    let web = PhotometricWeb::new(kind, [&vertical, &horizontal], candelas).map_err(|found| {
+        let at = match found.split(' ').next() {
+            Some("vertical") => at_vertical,
+            Some("horizontal") => at_horizontal,
+            _ => at_candelas,
+        };
+        wrong(at, found)
+    })?;
     Ok(PhotometricFile {
         name: head.name,
-        web: web.map_err(wrong)?,
+        web,
         opening: opening([width, length, height].map(|size| size * metres)),
         factor,
         // −1 stands for absolute photometry: of the luminaire, whatever its lamps.
@@ -190,14 +197,18 @@ impl<'a> IesNumbers<'a> {
         Ok(values)
     }
 
-    fn list(&mut self, count: f64, what: &str) -> Result<Vec<f64>, PhotometryError> {
+    /// That many numbers, and where the first one is.
+    fn list(&mut self, count: f64, what: &str) -> Result<(Vec<f64>, usize), PhotometryError> {
         if !(count >= 1.0 && count <= self.most as f64) {
-            return Err(self.wrong(
-                format!("{count} {what}"),
-                "1 or more, and no more than the file has",
-            ));
+            let found = format!("{count} {what}");
+            return Err(self.wrong(found, "1 or more, and no more than the file has"));
         }
-        (0..count as usize).map(|_| self.next()).collect()
+        let mut values = vec![self.next()?];
+        let first = self.at;
+        for _ in 1..count as usize {
+            values.push(self.next()?);
+        }
+        Ok((values, first))
     }
 
     /// The table of `TILT=INCLUDE`: angles in degrees by which a luminaire is tilted, and what is then left of its light.
@@ -206,8 +217,8 @@ impl<'a> IesNumbers<'a> {
             return Ok(Vec::new());
         }
         let [_geometry, pairs] = self.take()?;
-        let angles = self.list(pairs, "angles of a tilt table")?;
-        let factors = self.list(pairs, "factors of a tilt table")?;
+        let (angles, _) = self.list(pairs, "angles of a tilt table")?;
+        let (factors, _) = self.list(pairs, "factors of a tilt table")?;
         Ok(angles
             .into_iter()
             .zip(factors)

@@ -166,21 +166,21 @@ fn what_is_wrong_is_said_with_its_line() {
     );
     check(
         &good.replace("0 90", "90 0"),
-        "lamp.ies:4:15: found vertical angles that decrease",
+        "lamp.ies:6:1: found vertical angles that decrease",
     );
     check(
         &good.replace("2.0 2 1", "-2.0 2 1"),
-        "lamp.ies:4:16: found negative factors",
+        "lamp.ies:5:9: found negative factors",
     );
     check(
         &good.replace("\n1 1\n", "\n1 -1\n"),
-        "lamp.ies:4:15: found an intensity of -1",
+        "lamp.ies:8:1: found an intensity of -1",
     );
     check(
         &good
             .replace("\n1 1\n", "\n1e308 1e308\n")
             .replace("2.0 2 1", "9.0 2 1"),
-        "lamp.ies:4:15: found an",
+        "lamp.ies:8:1: found an",
     );
     // A little below 0 is noise.
     let noisy = parsed(&good.replace("\n1 1\n", "\n1 -0.0005\n"));
