@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Blender 5.3.0: `depsgraph.object_instances` lists curves, texts and metaballs that have faces twice: as themselves, and as
-# instances of themselves that are meshes. Who takes every entry that has a surface has each of them twice in one place.
+# Blender 5.3.0: `depsgraph.object_instances` lists curves, texts and metaballs that have faces twice: as themselves, and
+# as instances of themselves that are meshes. Who takes every entry that has a surface has each of them twice in one
+# place.
 #
 # Needs Python 3.13, pip and its registry. Fails if the behaviour changes.
 set -euo pipefail

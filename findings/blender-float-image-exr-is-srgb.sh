@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Blender 5.3.0: an image made by `images.new(float_buffer=True)`, whose colour space is said to be Linear Rec.709, is saved
-# as EXR with values encoded as sRGB: 0.3 is 0.5838 in the file. The header does not say so; Blender itself takes the file
-# for sRGB again, and other programs read 0.5838. With the colour space Non-Color the file has 0.3.
+# Blender 5.3.0: an image made by `images.new(float_buffer=True)`, whose colour space is said to be Linear Rec.709, is
+# saved as EXR with values encoded as sRGB: 0.3 is 0.5838 in the file. Only the attribute colorInteropID of the header
+# says so, "srgb_rec709_display"; programs that take EXR as linear read 0.5838. With the colour space Non-Color the file
+# has 0.3.
 #
 # Needs Python 3.13, pip and its registry. Fails if the behaviour changes.
 set -euo pipefail
@@ -29,13 +30,14 @@ import sys
 
 for name in ("Linear Rec.709", "Non-Color"):
     with OpenEXR.File(f"{sys.argv[1]}/{name}.exr", separate_channels=True) as file:
-        print(f"found {name}: {float(file.channels()['R'].pixels[0][0]):.2f}")
+        space = file.header().get("colorInteropID", "none")
+        print(f"found {name}: {float(file.channels()['R'].pixels[0][0]):.2f}, {space}")
 PY
-seen=$( { "$work/venv/bin/python" "$work/write.py" "$work"; "$work/venv/bin/python" "$work/read.py" "$work"; } 2> /dev/null |
-    sed -n 's/^found //p' | sort -u)
+run() { "$work/venv/bin/python" "$work/$1.py" "$work" 2> /dev/null; }
+seen=$( { run write; run read; } | sed -n 's/^found //p' | sort -u)
 echo "$seen"
 # As seen with bpy 5.3.0.
-expected='Linear Rec.709: 0.58
-Non-Color: 0.30
+expected='Linear Rec.709: 0.58, srgb_rec709_display
+Non-Color: 0.30, data
 default: Linear Rec.709'
 [ "$seen" = "$expected" ] || { echo "the behaviour has changed" >&2; exit 1; }

@@ -106,7 +106,7 @@ pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
     let output = match output {
         Err(error) => Err(format!("node: {error}")),
         Ok(output) if output.status.code() == Some(77) => {
-            Err(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+            Err(String::from_utf8_lossy(&output.stderr).trim().to_owned())
         }
         Ok(output) => Ok(output),
     };

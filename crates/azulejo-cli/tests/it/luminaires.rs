@@ -111,6 +111,25 @@ fn both_ways_of_light_see_the_distribution() {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let ratio = mean(&by_particles) / mean(&by_rays);
     assert!((ratio - 1.0).abs() < 0.02, "{by_rays:?} {by_particles:?}");
+    // A recipe hangs it at the same place.
+    folder.write(
+        "lamps.toml",
+        "[[light]]\nkind = \"luminaire\"\nfile = \"wash.ies\"\nposition = [2, 2.4, 2]\ntilt = 20\nrotation = 30\nspin = 10\n",
+    );
+    let by_recipe = lux(
+        &folder,
+        "probe box.obj --recipe lamps.toml --points points.txt --error 1% -o -",
+    );
+    assert_eq!(by_recipe, by_rays);
+    folder.write(
+        "none.toml",
+        "[[light]]\nkind = \"luminaire\"\nposition = [2, 2.4, 2]\n",
+    );
+    folder.fails(
+        "info box.obj --recipe none.toml",
+        1,
+        "none.toml:1:1: a luminaire needs a `file`",
+    );
     let bare = lux(&folder, &line("--bounces 0"));
     assert!(mean(&by_rays) > 1.1 * mean(&bare));
 }

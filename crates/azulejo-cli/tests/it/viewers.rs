@@ -50,7 +50,7 @@ fn a_baked_room_is_shown_as_paths_see_it() {
     folder.ok("bake box.grf -o baked.glb --size 512 --error 1% --lightmap e.exr");
     let mut truth = None;
     for (script, options) in [
-        // Its standard material would take a specular share from the light.
+        // What is read from other formats has no specular share, so that the standard material shows the same.
         ("three.mjs", &["--material", "lambert"][..]),
         ("three.mjs", &["--material", "lambert", "--exr", "e.exr"]),
         ("babylon.mjs", &[]),

@@ -38,8 +38,14 @@ def sky_patches(found: tuple[Any, ...] | None) -> SkyPatches | None:
     """Of what compiled code found."""
     if found is None:
         return None
-    *arrays, division = found
-    return SkyPatches(*map(_read_only, arrays), division)
+    shares, std_error, directions, solid_angles, division = found
+    return SkyPatches(
+        _read_only(shares),
+        _read_only(std_error),
+        _read_only(directions),
+        _read_only(solid_angles),
+        division,
+    )
 
 
 class MatrixRows:

@@ -151,7 +151,9 @@ fn packed() -> BTreeSet<PathBuf> {
     let copies = script.lines().filter(|line| line.starts_with("cp "));
     copies
         .flat_map(str::split_whitespace)
-        .filter(|word| word.ends_with(".md") || ["docs", "examples", "web", "blender"].contains(word))
+        .filter(|word| {
+            word.ends_with(".md") || ["docs", "examples", "web", "blender"].contains(word)
+        })
         .map(PathBuf::from)
         .collect()
 }

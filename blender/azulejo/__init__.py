@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""Bakes the light of Blender's scenes into lightmaps with the program azulejo."""
+
+from . import operators, panel, settings
+
+MODULES = (settings, operators, panel)
+
+
+def register() -> None:
+    """Makes properties, operators and panels known to Blender."""
+    for module in MODULES:
+        module.register()
+
+
+def unregister() -> None:
+    """Withdraws them in the opposite order."""
+    for module in reversed(MODULES):
+        module.unregister()

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""The operators: bake, and remove what was baked."""
+
+import json
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+
+from . import result, settings, snapshot
+from .job import Job, JobError, find_executable
+
+# Seconds between looks at the child process.
+STEP = 0.2
+FAILURES = (JobError, snapshot.SnapshotError, result.ResultError)
+
+
+class Bake:
+    """A bake from the export to the result. Until `finish` nothing of the scene changes."""
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        """Exports the scene and starts azulejo."""
+        self.settings = context.scene.azulejo
+        self.is_indirect = self.settings.light == "indirect"
+        executable = find_executable(settings.executable(context))
+        self.scene = context.scene
+        self.folder = Path(tempfile.mkdtemp(prefix="azulejo-", dir=bpy.app.tempdir or None))
+        try:
+            self.snapshot = snapshot.Export(context, self.settings, self.folder).run()
+            self.job = Job(self.snapshot.command(executable, self.settings), self.folder)
+        except BaseException:
+            self.clean()
+            raise
+
+    def finish(self, context: bpy.types.Context) -> list[str]:
+        """Brings the result into the scene; returns what there is to tell."""
+        try:
+            self.job.finish()
+            things = result.apply(self.snapshot, self.is_indirect, context)
+            report = json.loads(self.job.output.read_text("utf-8"))
+            words = [f"{len(things)} objects have baked light"]
+            error = report.get("error")
+            if isinstance(error, (int, float)):
+                words[0] += f", estimated error {100 * error:.2g}%"
+            warnings = [str(w.get("message")) for w in report.get("warnings", []) if isinstance(w, dict)]
+            return [*words, *self.snapshot.notes, *warnings]
+        finally:
+            self.clean()
+
+    def cancel(self) -> None:
+        """Ends azulejo, and forgets what it has done."""
+        self.job.cancel()
+        self.clean()
+
+    def clean(self) -> None:
+        """Removes the temporary files."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class AZULEJO_OT_bake(bpy.types.Operator):
+    """Bake the light of the selected objects into a lightmap with azulejo"""
+
+    bl_idname = "azulejo.bake"
+    bl_label = "Bake light with azulejo"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is something to bake."""
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Needs Object Mode")
+            return False
+        return any(thing.type == "MESH" for thing in context.selected_objects)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Starts a bake that goes on while Blender is used."""
+        try:
+            self.bake = Bake(context)
+        except FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        manager = context.window_manager
+        self.timer = manager.event_timer_add(STEP, window=context.window)
+        manager.progress_begin(0, 100)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Looks after the child process."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self.bake.cancel()
+            self.stop(context)
+            self.report({"INFO"}, "The bake was cancelled")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if self.bake.job.is_running():
+            context.workspace.status_text_set(self.bake.job.status())
+            context.window_manager.progress_update(self.bake.job.percent)
+            return {"PASS_THROUGH"}
+        self.stop(context)
+        return self.end(context)
+
+    def stop(self, context: bpy.types.Context) -> None:
+        """Gives back the timer and the status bar."""
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def end(self, context: bpy.types.Context) -> set[str]:
+        """Brings in the result of a process that has ended."""
+        try:
+            words = self.bake.finish(context)
+        except FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, words[0])
+        for line in words[1:]:
+            self.report({"WARNING"}, line)
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Bakes and waits, for scripts."""
+        try:
+            self.bake = Bake(context)
+        except FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        while self.bake.job.is_running():
+            time.sleep(STEP / 4)
+        return self.end(context)
+
+
+class AZULEJO_OT_remove(bpy.types.Operator):
+    """Remove the baked light of the selected objects: their meshes, modifiers and materials are what they were"""
+
+    bl_idname = "azulejo.remove"
+    bl_label = "Remove baked light"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is something to remove."""
+        return context.mode == "OBJECT" and any(thing.azulejo.is_baked for thing in context.selected_objects)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Removes it."""
+        count = sum(result.remove(thing) for thing in context.selected_objects)
+        result.purge()
+        self.report({"INFO"}, f"The baked light of {count} objects was removed")
+        return {"FINISHED"}
+
+
+CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_remove)
+
+
+def register() -> None:
+    """Registers the operators."""
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    """Withdraws them."""
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

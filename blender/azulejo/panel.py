@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT OR Apache-2.0
+"""The panel in the sidebar of the 3D viewport, and entries of the menu Object."""
+
+import bpy
+
+from .operators import AZULEJO_OT_bake, AZULEJO_OT_remove
+
+
+class AZULEJO_PT_bake(bpy.types.Panel):
+    """Settings and buttons."""
+
+    bl_label = "Bake light with azulejo"
+    bl_idname = "AZULEJO_PT_bake"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "azulejo"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws the panel."""
+        settings, layout = context.scene.azulejo, self.layout
+        layout.use_property_split = True
+        layout.prop(settings, "size")
+        error = layout.row()
+        error.active = settings.rays == 0
+        error.prop(settings, "error")
+        for name in ("rays", "light", "sides", "lamp_shapes"):
+            layout.prop(settings, name)
+        # Buttons call `invoke`, so that Blender does not wait.
+        layout.operator(AZULEJO_OT_bake.bl_idname, icon="LIGHT")
+        layout.operator(AZULEJO_OT_remove.bl_idname, icon="X")
+
+
+def draw_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Adds the operators to the menu Object."""
+    self.layout.separator()
+    column = self.layout.column()
+    column.operator_context = "INVOKE_DEFAULT"
+    column.operator(AZULEJO_OT_bake.bl_idname)
+    column.operator(AZULEJO_OT_remove.bl_idname)
+
+
+def register() -> None:
+    """Registers the panel and the entries."""
+    bpy.utils.register_class(AZULEJO_PT_bake)
+    bpy.types.VIEW3D_MT_object.append(draw_menu)
+
+
+def unregister() -> None:
+    """Withdraws them."""
+    bpy.types.VIEW3D_MT_object.remove(draw_menu)
+    bpy.utils.unregister_class(AZULEJO_PT_bake)
