@@ -320,3 +320,14 @@ def test_periodic_scenes_stand_for_endless_ones():
 def test_wrong_periods_are_refused(periodic, error, words):
     with pytest.raises(error, match=words):
         az.form_factors(street(), periodic=periodic)
+
+
+def test_notebooks_show_a_table() -> None:
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    scene = az.Scene({"a <b>": (square, [[0, 1, 2, 3]])})
+    text = az.form_factors(scene, by="object")._repr_html_()
+    assert "a &lt;b&gt;" in text and "FormFactors(1 groups" in text and "more rows" not in text
+    # Area, to rows, sky, ground, backs, lost, sum.
+    assert "<td>1</td><td>0</td><td>1</td><td>0</td><td>0</td><td>0</td><td>1</td>" in text
+    many = az.form_factors(scene, patches=100)
+    assert f"and {len(many) - 20:,} more rows" in many._repr_html_()

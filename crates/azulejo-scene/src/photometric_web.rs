@@ -32,6 +32,7 @@ pub struct PhotometricWeb {
     values: Vec<f64>,
     most: f64,
     sphere_integral: f64,
+    mean_direction: DVec3,
     /// See [`PhotometricWeb::sample`].
     cumulative: Vec<f64>,
 }
@@ -89,6 +90,7 @@ impl PhotometricWeb {
             most: values.iter().copied().fold(0.0, f64::max),
             values,
             sphere_integral: 0.0,
+            mean_direction: DVec3::ZERO,
             cumulative: Vec::new(),
         };
         if kind == WebType::C {
@@ -99,6 +101,7 @@ impl PhotometricWeb {
             return Err("intensities that overflow".to_owned());
         }
         web.cumulative = web.cells();
+        web.mean_direction = web.mean_of_directions();
         Ok(web)
     }
 
@@ -301,6 +304,10 @@ impl PhotometricWeb {
     /// The mean direction of the light, of the luminaire's frame: the nearer to a unit vector, the narrower the beam; 0
     /// without light.
     pub fn mean_direction(&self) -> DVec3 {
+        self.mean_direction
+    }
+
+    fn mean_of_directions(&self) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for row in 0..ROWS {
             for column in 0..COLUMNS {

@@ -72,3 +72,38 @@ fn nothing_is_checked_by_mistake() {
     folder.write("file", "");
     folder.fails("validate -o file --only wedge", 1, "file");
 }
+
+/// A stand-in for View3D, which says a quarter of every pair; what is missing is named, and decides nothing.
+#[cfg(unix)]
+#[test]
+fn other_programs_answer_the_same_cases() {
+    use std::os::unix::fs::PermissionsExt;
+    let python = std::process::Command::new("python3").arg("--version").output();
+    let python = python.map_err(|e| format!("python3: {e}"));
+    if azulejo_testing::require(azulejo_testing::Need::Python, python).is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let stand_in = "#!/usr/bin/env python3\n\
+        import struct, sys\n\
+        n = sum(line.startswith('S ') for line in open(sys.argv[1]))\n\
+        header = f'View3D 9.9 0 0 0 {n}'.ljust(32).encode()\n\
+        open(sys.argv[2], 'wb').write(header + struct.pack(f'={n + n * n + n}f', *[0.25] * (n + n * n + n)))\n";
+    folder.write("view3d", stand_in);
+    let program = folder.path("view3d");
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let line = "validate -o report --only wedge --engine analytic --peers --json";
+    let run = folder.command(line).env("VIEW3D", &program).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let numbers: serde_json::Value =
+        serde_json::from_str(&text(&folder, "report/results.json")).unwrap();
+    let answered = numbers["peers"]["answered"].as_array().unwrap();
+    let view3d = &answered[0];
+    assert_eq!(view3d["program"], "View3D 9.9");
+    let answers = view3d["answers"].as_array().unwrap();
+    assert!(answers.len() > 2 && answers.iter().all(|a| a["found"] == 0.25), "{view3d}");
+    let missing = numbers["peers"]["missing"].as_array().unwrap();
+    assert_eq!(answered.len() + missing.len(), 3);
+    let page = text(&folder, "report/index.html");
+    assert!(page.contains("Other programs") && page.contains("View3D 9.9"));
+}

@@ -219,6 +219,10 @@ impl<'a> IesNumbers<'a> {
         let [_geometry, pairs] = self.take()?;
         let (angles, _) = self.list(pairs, "angles of a tilt table")?;
         let (factors, _) = self.list(pairs, "factors of a tilt table")?;
+        if !angles.is_sorted() || factors.iter().any(|f| *f < 0.0) {
+            let found = "a tilt table with decreasing angles or negative factors".to_owned();
+            return Err(self.wrong(found, "angles that rise, and factors of 0 or more"));
+        }
         Ok(angles
             .into_iter()
             .zip(factors)

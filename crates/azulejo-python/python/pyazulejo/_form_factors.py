@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings as _warnings
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
+from html import escape
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, overload
 
@@ -600,6 +601,26 @@ class FormFactors(MatrixRows):
         rows = "patches" if self.names is None else "groups"
         closed = ", closed" if self.closed else ""
         return f"FormFactors({len(self)} {rows}, by {self.engine}{closed})"
+
+    def _repr_html_(self) -> str:
+        """The first rows as a table for notebooks: what they send to rows, sky, ground and backs, and its sum."""
+        to_rows = self.matrix @ self.ends
+        shares = [to_rows, self.sky, self.ground, self.hidden, self.cut + self.lost]
+        table = np.column_stack([self.areas, *shares, sum(shares), self.row_error])
+        heads = ["area", "to rows", "sky", "ground", "backs", "lost", "sum", "error of the row"]
+        cells = [f"<th>{head}</th>" for head in ["row", *heads]]
+        lines = [f"<tr>{''.join(cells)}</tr>"]
+        for i, numbers in enumerate(table[:_SHOWN_ROWS]):
+            name = str(i) if self.names is None else self.names[i]
+            cells = [f"<td>{number:.4g}</td>" for number in numbers]
+            lines.append(f"<tr><th>{escape(name)}</th>{''.join(cells)}</tr>")
+        more = len(self) - _SHOWN_ROWS
+        rest = f"<p>and {more:,} more rows</p>" if more > 0 else ""
+        return f"<p>{escape(repr(self))}</p><table>{''.join(lines)}</table>{rest}"
+
+
+# Rows that notebooks show.
+_SHOWN_ROWS = 20
 
 
 def _moved(numbers: Sequence[float] | None) -> Mapping[str, float] | None:

@@ -193,13 +193,11 @@ impl Member {
                 scale,
                 ref web,
             } => {
-                // Of the same flux as a spot whose beam is as wide.
-                let mean = scale.max_channel() * web.sphere_integral() / PI;
-                (
-                    position,
-                    mean,
-                    mean * (world_from_web * web.mean_direction()),
-                )
+                // Between a point, which shines to all sides, and a spot.
+                let mean = web.mean_direction();
+                let most = scale.max_channel() * web.most();
+                let intensity = (2.0 - mean.length()) * most;
+                (position, intensity, intensity * (world_from_web * mean))
             }
             LightKind::Directional { .. }
             | LightKind::Ambient { .. }
