@@ -139,7 +139,7 @@ fn mistakes_have_a_place() {
     );
     check(
         "[[light]]\nkind = \"star\"\nintensity = 1",
-        "r.toml:1:1: kind: expected point, spot or directional",
+        "r.toml:1:1: kind: expected point, spot, directional or luminaire",
     );
     check(
         "[[light]]\nkind = \"point\"\nintensity = 1",

@@ -78,7 +78,9 @@ fn nothing_is_checked_by_mistake() {
 #[test]
 fn other_programs_answer_the_same_cases() {
     use std::os::unix::fs::PermissionsExt;
-    let python = std::process::Command::new("python3").arg("--version").output();
+    let python = std::process::Command::new("python3")
+        .arg("--version")
+        .output();
     let python = python.map_err(|e| format!("python3: {e}"));
     if azulejo_testing::require(azulejo_testing::Need::Python, python).is_none() {
         return;
@@ -93,15 +95,26 @@ fn other_programs_answer_the_same_cases() {
     let program = folder.path("view3d");
     std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
     let line = "validate -o report --only wedge --engine analytic --peers --json";
-    let run = folder.command(line).env("VIEW3D", &program).output().unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let run = folder
+        .command(line)
+        .env("VIEW3D", &program)
+        .output()
+        .unwrap();
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
     let numbers: serde_json::Value =
         serde_json::from_str(&text(&folder, "report/results.json")).unwrap();
     let answered = numbers["peers"]["answered"].as_array().unwrap();
     let view3d = &answered[0];
     assert_eq!(view3d["program"], "View3D 9.9");
     let answers = view3d["answers"].as_array().unwrap();
-    assert!(answers.len() > 2 && answers.iter().all(|a| a["found"] == 0.25), "{view3d}");
+    assert!(
+        answers.len() > 2 && answers.iter().all(|a| a["found"] == 0.25),
+        "{view3d}"
+    );
     let missing = numbers["peers"]["missing"].as_array().unwrap();
     assert_eq!(answered.len() + missing.len(), 3);
     let page = text(&folder, "report/index.html");

@@ -183,7 +183,10 @@ fn what_is_wrong_is_said_with_its_line() {
         "lamp.ies:8:1: found an",
     );
     let tilted = good.replace("TILT=NONE", "TILT=INCLUDE\n1\n2\n90 0\n1 0.5");
-    check(&tilted, "lamp.ies:7:3: found a tilt table with decreasing angles");
+    check(
+        &tilted,
+        "lamp.ies:7:3: found a tilt table with decreasing angles",
+    );
     // A little below 0 is noise.
     let noisy = parsed(&good.replace("\n1 1\n", "\n1 -0.0005\n"));
     assert_eq!(noisy.web.values()[1], 0.0);

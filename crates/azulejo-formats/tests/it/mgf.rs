@@ -1,7 +1,7 @@
 //! Real-world MGF scenes: their luminous flux, and counts of their elements.
 
 use azulejo_formats::{Folder, Loaded, Memory, ReadOptions, mgf};
-use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{Light, LightKind, Material, MaterialId, PrimitiveKind, Scene, Shape};
 use azulejo_testing::data;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -87,12 +87,18 @@ fn a_photometric_file_and_its_body() {
             .expect("a scene")
             .scene
     };
-    // Without its geometry the luminaire is two emitting sheets, one facing down and one up, whose
-    // total flux is that of the candelas.
+    // Without its geometry the luminaire is points that share the flux of the candelas.
     let alone = read(&files);
-    assert_eq!(alone.objects.len(), 2);
-    let found = lumens(&alone);
-    assert!((found / 5_000.0 - 1.0).abs() < 0.25, "{found}");
+    assert_eq!(alone.objects.len(), 0);
+    let of = |light: &Light| match &light.kind {
+        LightKind::Luminaire { scale, web, .. } => scale.r * web.sphere_integral(),
+        _ => 0.0,
+    };
+    let found: f64 = alone.lights.iter().map(of).sum();
+    assert!(
+        alone.lights.len() > 1 && (found / 5_000.0 - 1.0).abs() < 0.25,
+        "{found}"
+    );
     let whole = read(&files.with("examp1.mgf", body));
     assert!((lumens(&whole) / 8_697.5 - 1.0).abs() < 5e-4);
     assert_eq!(whole.objects.len(), 27);
