@@ -87,10 +87,12 @@ impl<'a> AbaqusAssembly<'a> {
     /// right area.
     fn revolve(&mut self, sectors: u32) -> Result<(), ReadError> {
         let mut is_section = vec![false; self.positions.len()];
+        let mut sections = 0;
         for placed in &self.instances {
             let elements = placed.part.elements.iter();
             for element in elements.filter(|e| e.kind.swept().is_some()) {
                 self.sectors = sectors;
+                sections += 1;
                 for number in &element.nodes[..element.kind.shape.corner_count()] {
                     if let Some(index) = placed.part.node_numbers.get(number) {
                         let node = is_section.get_mut((placed.first_node + index) as usize);
@@ -105,7 +107,8 @@ impl<'a> AbaqusAssembly<'a> {
             self.positions.len(),
             self.sectors.saturating_sub(1) as usize,
         );
-        self.spend(nodes as u64 * turns as u64)?;
+        // Elements may be many where nodes are few.
+        self.spend((nodes as u64 + 8 * sections) * turns as u64)?;
         if (nodes as u64) * u64::from(self.sectors) >= u64::from(u32::MAX) {
             let file = &self.model.files[0];
             return Err(ReadError::whole(

@@ -613,4 +613,9 @@ fn sections_are_beside_the_axis() {
     };
     let error = try_with(&text, &Memory::new(), &options).unwrap_err();
     assert!(error.found.contains("expand to more than"), "{error}");
+    // Few nodes, and many elements between them.
+    let many: String = (9..2000).map(|k| format!("{k}, 5, 6, 1\n")).collect();
+    let text = [SECTIONS, &many].concat();
+    let error = try_with(&text, &Memory::new(), &options).unwrap_err();
+    assert!(error.found.contains("expand to more than"), "{error}");
 }

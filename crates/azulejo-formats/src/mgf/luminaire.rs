@@ -9,6 +9,9 @@ use azulejo_scene::Rgb;
 use glam::DVec3;
 use std::rc::Rc;
 
+/// What a point of a luminaire counts as, in the elements of limits: 2 × 100 bytes and its name.
+const LIGHT: u64 = 4;
+
 impl MgfReader<'_> {
     /// Adds a luminaire for each instance of a transform.
     pub(super) fn place_luminaires(
@@ -68,6 +71,7 @@ impl MgfReader<'_> {
         // Intensities scale with the square of lengths, like the flux of surfaces.
         let scale = Rgb::grey(multiplier * self.placement.scale * self.placement.scale);
         for kind in luminaire.lights(&self.placement.map, scale) {
+            self.budget.spend(LIGHT)?;
             let is_finite =
                 kind.position().is_none_or(DVec3::is_finite) && kind.strength().is_finite();
             if !is_finite {

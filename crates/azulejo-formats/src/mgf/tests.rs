@@ -2,7 +2,9 @@
 
 use super::read;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{Light, Material, Mesh, Object, Primitive, Rgb, Shape, Sidedness, Up};
+use azulejo_scene::{
+    Light, LightKind, Material, Mesh, Object, Primitive, Rgb, Shape, Sidedness, Up,
+};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -483,6 +485,26 @@ fn luminaires_keep_their_distribution() {
     );
     let wide = places.iter().map(|p| p.y).fold(0.0, f64::max);
     assert!((wide - (1.0 - 1.0 / 7.0)).abs() < 1e-12, "{wide}");
+}
+
+/// Arrays of large openings, each of 64 points: a small file, whose lights are counted and share their distribution.
+#[test]
+fn points_of_luminaires_are_counted() {
+    let wide = photometric("9 9 0", "0 90", "1 1");
+    let files = Memory::new().with("l.ies", wide);
+    let load = |text: &str| {
+        let options = ReadOptions::in_proportion(text.len());
+        read(text.as_bytes(), "a.mgf", &files, &options)
+    };
+    let few = load("ies l.ies -a 3 -t 5 0 0\n").unwrap().scene.lights;
+    let webs = few.iter().filter_map(|l| match &l.kind {
+        LightKind::Luminaire { web, .. } => Some(std::sync::Arc::as_ptr(web)),
+        _ => None,
+    });
+    let webs: Vec<_> = webs.collect();
+    assert!(webs.len() == 3 * 64 && webs.iter().all(|web| *web == webs[0]));
+    let error = load("ies l.ies -a 100000 -t 5 0 0\n").unwrap_err();
+    assert!(error.found.contains("expand to more than"), "{error}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::{LuminousOpening, PhotometricFile, PhotometryError};
 use crate::reading::number;
 use crate::reading::text::{quoted, text};
 use azulejo_scene::{PhotometricWeb, WebType};
+use std::sync::Arc;
 
 /// Most sets of lamps of a file.
 const MOST_SETS: usize = 20;
@@ -64,23 +65,16 @@ pub(super) fn parse(bytes: &[u8], set: usize) -> Result<PhotometricFile, Photome
     let size = [length, width].map(|mm| mm / 1000.0);
     Ok(PhotometricFile {
         name: name.trim().to_owned(),
-        web,
+        web: Arc::new(web),
         opening: match size {
             [0.0, _] => LuminousOpening::Point,
-            [diameter, 0.0] => LuminousOpening::Disc {
-                diameter,
-                height: 0.0,
-            },
+            [diameter, 0.0] => LuminousOpening::Disc { diameter },
             [length, width] => LuminousOpening::Rectangle {
                 length: width,
                 width: length,
-                height: 0.0,
             },
         },
         factor: 1.0,
-        // A negative number of lamps stands for absolute photometry.
-        lamp_lumens: (lamps.count > 0.0).then_some(lamps.lumens),
-        watts: (lamps.watts > 0.0).then_some(lamps.watts),
         tilt: Vec::new(),
         body: None,
         sets: sets.iter().map(LampSet::words).collect(),
@@ -114,7 +108,6 @@ struct LampSet {
     kind: String,
     /// Of all lamps together.
     lumens: f64,
-    watts: f64,
 }
 
 impl LampSet {
@@ -199,7 +192,6 @@ impl<'a> EulumdatLines<'a> {
             count: self.number(first)?,
             kind: text(self.line(first + 1)?).into_owned(),
             lumens: self.positive(first + 2)?,
-            watts: self.number(first + 5)?,
         };
         Ok(set)
     }

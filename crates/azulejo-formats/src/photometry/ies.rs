@@ -5,6 +5,7 @@ use crate::reading::cursor::TextCursor;
 use crate::reading::number;
 use crate::reading::text::{quoted, text};
 use azulejo_scene::{PhotometricWeb, WebType};
+use std::sync::Arc;
 
 /// Reads a file.
 ///
@@ -19,7 +20,16 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
     })?;
     let mut numbers = IesNumbers::new(bytes, data);
     let tilt = numbers.tilt(head.tilt_included)?;
-    let [lamps, lumens, multiplier, vertical, horizontal, kind, units] = numbers.take()?;
+    // Candelas are of all lamps, and of the luminaire itself where lumens are −1.
+    let [
+        _lamps,
+        _lumens,
+        multiplier,
+        vertical,
+        horizontal,
+        kind,
+        units,
+    ] = numbers.take()?;
     let kind = match kind {
         1.0 => WebType::C,
         2.0 => WebType::B,
@@ -31,7 +41,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
             ));
         }
     };
-    let [width, length, height, ballast, third, watts] = numbers.take()?;
+    let [width, length, _height, ballast, third, _watts] = numbers.take()?;
     let at_factors = numbers.at;
     // Angles come before the candelas, which have a row of vertical angles for each horizontal one.
     let (vertical, at_vertical) = numbers.list(vertical, "vertical angles")?;
@@ -70,12 +80,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
     })?;
     Ok(PhotometricFile {
         name: head.name,
-        web,
-        opening: opening([width, length, height].map(|size| size * metres)),
+        web: Arc::new(web),
+        opening: opening([width, length].map(|size| size * metres)),
         factor,
-        // −1 stands for absolute photometry: of the luminaire, whatever its lamps.
-        lamp_lumens: (lumens > 0.0 && lamps > 0.0).then_some(lamps * lumens * multiplier),
-        watts: (watts > 0.0).then_some(watts),
         tilt,
         body: head.body,
         sets: Vec::new(),
@@ -231,15 +238,10 @@ impl<'a> IesNumbers<'a> {
     }
 }
 
-/// The opening from the file's width, length and height, metres; circles have negative sizes.
-fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
-    let height = height.abs();
+/// The opening from the file's width and length, metres; circles have negative sizes.
+fn opening([width, length]: [f64; 2]) -> LuminousOpening {
     if width > 0.0 && length > 0.0 {
-        return LuminousOpening::Rectangle {
-            length,
-            width,
-            height,
-        };
+        return LuminousOpening::Rectangle { length, width };
     }
     if width < 0.0 && length <= 0.0 {
         // An ellipse becomes the circle of equal area.
@@ -248,10 +250,7 @@ fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
         } else {
             -width
         };
-        return LuminousOpening::Disc {
-            diameter: across,
-            height,
-        };
+        return LuminousOpening::Disc { diameter: across };
     }
     LuminousOpening::Point
 }

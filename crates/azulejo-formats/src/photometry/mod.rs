@@ -23,15 +23,11 @@ pub struct PhotometricFile {
     /// Its name; may be empty.
     pub name: String,
     /// Intensities, candela, with all factors of the file.
-    pub web: PhotometricWeb,
+    pub web: Arc<PhotometricWeb>,
     /// The luminous opening.
     pub opening: LuminousOpening,
     /// The product of the file's factors, which also scales the emittance of a body.
     pub factor: f64,
-    /// Luminous flux of its lamps as the file states it, lumens; `None` of absolute photometry.
-    pub lamp_lumens: Option<f64>,
-    /// Electric power, watts, if it is stated.
-    pub watts: Option<f64>,
     /// Angles in degrees by which it may be tilted, ascending, and what is then left of its light.
     pub tilt: Vec<[f64; 2]>,
     /// MGF file of its geometry, whose surfaces emit.
@@ -45,21 +41,17 @@ pub struct PhotometricFile {
 pub enum LuminousOpening {
     /// A point source.
     Point,
-    /// A box; the light leaves through its lower and upper sides.
+    /// A rectangle across the aim.
     Rectangle {
         /// Along x, m.
         length: f64,
         /// Along y, m.
         width: f64,
-        /// Along z, m, >= 0.
-        height: f64,
     },
-    /// A round box.
+    /// A disc across the aim.
     Disc {
         /// m.
         diameter: f64,
-        /// Along z, m, >= 0.
-        height: f64,
     },
 }
 
@@ -84,8 +76,8 @@ impl LuminousOpening {
     pub fn points(self) -> Vec<DVec3> {
         let (sides, is_round) = match self {
             LuminousOpening::Point => return vec![DVec3::ZERO],
-            LuminousOpening::Rectangle { length, width, .. } => ([length, width], false),
-            LuminousOpening::Disc { diameter, .. } => ([diameter; 2], true),
+            LuminousOpening::Rectangle { length, width } => ([length, width], false),
+            LuminousOpening::Disc { diameter } => ([diameter; 2], true),
         };
         let counts = sides.map(|side| ((side / SPACING).ceil() as usize).clamp(1, MOST_POINTS));
         let place =
@@ -162,7 +154,6 @@ impl PhotometricFile {
     pub fn lights(&self, world_from_luminaire: &DAffine3, scale: Rgb) -> Vec<LightKind> {
         let points = self.opening.points();
         let share = scale / points.len() as f64;
-        let web = Arc::new(self.web.clone());
         let lamp = |point: DVec3| {
             let mut light = Light {
                 name: String::new(),
@@ -170,7 +161,7 @@ impl PhotometricFile {
                     position: point,
                     world_from_web: DMat3::IDENTITY,
                     scale: share,
-                    web: web.clone(),
+                    web: self.web.clone(),
                 },
             };
             light.move_by(world_from_luminaire);
