@@ -2,12 +2,13 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
+use crate::harmonics::{TexelHarmonics, site_harmonics};
 use crate::lattice::TexelCells;
 use crate::samples::{PageSampler, Rows, Samples, gather_point};
 use azulejo_radiosity::sites::{SiteCells, SiteDirect, SiteLight, interpolated_direct};
 use azulejo_trace::run::batches::{BLOCK, in_counted_batches};
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run};
+use azulejo_trace::{Cancelled, DirectLight, GatherPoint, Gathered, Gatherer, Harmonics, Run};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -39,14 +40,111 @@ const UNEVEN: f64 = 2.0;
 /// Places along each axis of an uneven texel, coarse and fine.
 const PLACES: [u32; 2] = [4, 8];
 
-/// Sets the direct light of some samples from that of the nodes of cells.
+/// Direct light of all samples, and where it comes from, if that is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct DirectTexels {
+    /// Irradiance.
+    pub light: SiteDirect,
+    /// Where it comes from; without samples unless asked for.
+    pub harmonics: TexelHarmonics,
+}
+
+/// Light at a point, and the coefficients of where it comes from, if that is asked for.
+type Found = (Gathered, Vec<SiteLight>);
+
+impl DirectTexels {
+    fn none(count: usize, is_directional: bool) -> DirectTexels {
+        DirectTexels {
+            light: SiteDirect::none(count),
+            harmonics: if is_directional {
+                TexelHarmonics::none(count)
+            } else {
+                TexelHarmonics::default()
+            },
+        }
+    }
+
+    fn set(&mut self, sample: usize, (light, harmonics): &Found) {
+        self.light.set(sample, light);
+        self.harmonics.set(sample, harmonics);
+    }
+}
+
+/// What all steps need.
+#[derive(Clone, Copy)]
+pub struct DirectGather<'a> {
+    /// The points.
+    pub samples: &'a Samples,
+    /// What they cover.
+    pub atlas: &'a Atlas,
+    /// What gathers.
+    pub gatherer: &'a Gatherer<'a>,
+    /// Whether it is asked where light comes from.
+    pub is_directional: bool,
+    /// Of all random numbers.
+    pub seed: u32,
+}
+
+impl DirectGather<'_> {
+    /// Light at points by themselves.
+    fn at(&self, points: &[GatherPoint]) -> Vec<Found> {
+        if !self.is_directional {
+            let light = self.gatherer.direct(points, 1, self.seed);
+            return light.iter().map(|l| (l.whole(), Vec::new())).collect();
+        }
+        let (light, harmonics) = self.gatherer.direct_harmonics(points, 1, self.seed);
+        let both = light.iter().zip(&harmonics);
+        both.map(|(l, h)| (l.whole(), site_harmonics(h))).collect()
+    }
+
+    /// The mean light of points side by side.
+    fn mean_of(&self, points: &[GatherPoint]) -> Found {
+        let share = 1.0 / points.len() as f64;
+        let mut sum = Gathered::default();
+        let mut add = |lights: &[DirectLight]| {
+            for light in lights {
+                sum = sum.plus(&light.whole());
+            }
+        };
+        let harmonics = if self.is_directional {
+            let (light, harmonics) = self.gatherer.direct_harmonics_at_near(points, self.seed);
+            add(&light);
+            let none = Harmonics::default();
+            let all = harmonics.iter().fold(none, |all, h| all.plus(h));
+            site_harmonics(&all.scaled(share))
+        } else {
+            add(&self.gatherer.direct_at_near(points, self.seed));
+            Vec::new()
+        };
+        (sum.scaled(share), harmonics)
+    }
+}
+
+/// Sets the direct light of some samples from that of the nodes of cells; where it comes from is what it is at the node
+/// of their cell.
 fn interpolate(
-    direct: &mut SiteDirect,
+    direct: &mut DirectTexels,
     cells: TexelCells,
-    of_nodes: Vec<Gathered>,
+    of_nodes: Vec<Found>,
     missing: &[u32],
     run: Run,
 ) -> Result<(), Cancelled> {
+    if !direct.harmonics.is_empty() {
+        let mut is_missing = vec![false; direct.light.irradiance.len()];
+        missing.iter().for_each(|&s| is_missing[s as usize] = true);
+        for cell in 0..cells.cell_count() {
+            let of_node = &of_nodes[cells.node(cell) as usize].1;
+            for &sample in cells
+                .sites(cell)
+                .iter()
+                .filter(|s| is_missing[**s as usize])
+            {
+                direct.harmonics.set(sample as usize, of_node);
+            }
+        }
+    }
+    let direct = &mut direct.light;
+    let of_nodes = of_nodes.into_iter().map(|found| found.0).collect();
     let light = interpolated_direct(cells, of_nodes, run)?;
     for &sample in missing {
         let SiteLight {
@@ -65,17 +163,10 @@ fn interpolate(
 ///
 /// # Errors
 /// The caller cancelled.
-pub fn direct(
-    samples: &Samples,
-    atlas: &Atlas,
-    gatherer: &Gatherer,
-    error: f64,
-    seed: u32,
-    run: Run,
-) -> Result<SiteDirect, Cancelled> {
+pub fn direct(gather: DirectGather, error: f64, run: Run) -> Result<DirectTexels, Cancelled> {
     run.progress.limit_phase(TIME_SHARE);
-    let direct = at_centres(samples, gatherer, seed, run)?;
-    let found = with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)?;
+    let direct = at_centres(gather, run)?;
+    let found = with_shadow_edges(gather, (direct, error), run)?;
     run.progress.limit_phase(1.0);
     Ok(found)
 }
@@ -85,41 +176,39 @@ pub fn direct(
 /// # Errors
 /// The caller cancelled.
 pub fn direct_from(
-    samples: &Samples,
-    atlas: &Atlas,
-    gatherer: &Gatherer,
-    (at_centres, error): (&[Gathered], f64),
-    seed: u32,
+    gather: DirectGather,
+    (irradiance, error): (&[Gathered], f64),
     run: Run,
-) -> Result<SiteDirect, Cancelled> {
-    let mut direct = SiteDirect::none(samples.samples.len());
-    for (sample, light) in at_centres.iter().enumerate() {
-        direct.set(sample, light);
+) -> Result<DirectTexels, Cancelled> {
+    // Whoever gathered the irradiance did not ask where it comes from.
+    let mut direct = if gather.is_directional {
+        at_centres(gather, run)?
+    } else {
+        DirectTexels::none(irradiance.len(), false)
+    };
+    for (sample, light) in irradiance.iter().enumerate() {
+        direct.light.set(sample, light);
     }
-    with_shadow_edges(samples, atlas, gatherer, (direct, error), seed, run)
+    with_shadow_edges(gather, (direct, error), run)
 }
 
 /// Looks at texels in more places where light is uneven or noisy.
 fn with_shadow_edges(
-    samples: &Samples,
-    atlas: &Atlas,
-    gatherer: &Gatherer,
-    (mut found, error): (SiteDirect, f64),
-    seed: u32,
+    gather: DirectGather,
+    (mut found, error): (DirectTexels, f64),
     run: Run,
-) -> Result<SiteDirect, Cancelled> {
-    let progress = run.progress;
-    let mean = mean(samples, &found);
+) -> Result<DirectTexels, Cancelled> {
+    let (progress, samples) = (run.progress, gather.samples);
+    let mean = mean(samples, &found.light);
     for (round, places) in PLACES.into_iter().enumerate() {
         if progress.phase_is_over() {
             break;
         }
-        let uneven = uneven(samples, &found, error * mean, round);
+        let uneven = uneven(samples, &found.light, error * mean, round);
         progress.begin("shadow edges", uneven.len() as u64);
         let fine = in_counted_batches(&uneven, (UNEVEN_BATCH, BLOCK), run, |batch| {
             let light = |&s: &u32| {
-                (!progress.phase_is_over())
-                    .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
+                (!progress.phase_is_over()).then(|| over_texel(gather, s as usize, places))
             };
             Ok(batch.iter().map(light).collect())
         })?;
@@ -134,21 +223,14 @@ fn with_shadow_edges(
 
 /// Gathers the direct light at the point of each sample. Where there is a deadline, light at one sample of each few
 /// comes first, and what there is no time for is interpolated.
-fn at_centres(
-    samples: &Samples,
-    gatherer: &Gatherer,
-    seed: u32,
-    run: Run,
-) -> Result<SiteDirect, Cancelled> {
-    let progress = run.progress;
+fn at_centres(gathers: DirectGather, run: Run) -> Result<DirectTexels, Cancelled> {
+    let (progress, samples) = (run.progress, gathers.samples);
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
-    let mut direct = SiteDirect::none(count);
+    let mut direct = DirectTexels::none(count, gathers.is_directional);
     let gather = |batch: &[u32]| {
         let point = |&s: &u32| gather_point(samples, s as usize);
-        let points: Vec<GatherPoint> = batch.iter().map(point).collect();
-        let light = gatherer.direct(&points, 1, seed);
-        light.iter().map(|l| l.whole()).collect::<Vec<Gathered>>()
+        gathers.at(&batch.iter().map(point).collect::<Vec<GatherPoint>>())
     };
     let mut left: Vec<u32> = (0..count as u32).collect();
     let mut sparse = None;
@@ -188,9 +270,9 @@ fn at_centres(
 /// Gathers at the nodes of the finest lattice of a few for which there is time, by the pace of those before it.
 fn at_lattice<'a>(
     samples: &'a Samples,
-    gather: &(impl Fn(&[u32]) -> Vec<Gathered> + Sync),
+    gather: &(impl Fn(&[u32]) -> Vec<Found> + Sync),
     run: Run,
-) -> Result<(TexelCells<'a>, Vec<Gathered>), Cancelled> {
+) -> Result<(TexelCells<'a>, Vec<Found>), Cancelled> {
     let gathered = |cells: &TexelCells| {
         in_counted_batches(cells.nodes(), (BATCH, BLOCK), run, |batch| {
             Ok(gather(batch))
@@ -290,17 +372,12 @@ fn noisiest(samples: &Samples, found: &SiteDirect, permitted: f64) -> Vec<bool> 
 }
 
 /// Direct light of a texel from points all over what it covers.
-fn over_texel(
-    samples: &Samples,
-    sample: usize,
-    atlas: &Atlas,
-    gatherer: &Gatherer,
-    places: u32,
-    seed: u32,
-) -> Gathered {
+fn over_texel(gather: DirectGather, sample: usize, places: u32) -> Found {
+    let (samples, seed) = (gather.samples, gather.seed);
     let s = &samples.samples[sample];
     let coverage = &samples.pages[s.page as usize];
-    let sampler = PageSampler::new(atlas, gatherer.surfaces().tracer, coverage, s.page);
+    let tracer = gather.gatherer.surfaces().tracer;
+    let sampler = PageSampler::new(gather.atlas, tracer, coverage, s.page);
     let texel = coverage.texels[s.texel as usize];
     let [column, row] = [
         texel.index % coverage.size[0],
@@ -327,13 +404,5 @@ fn over_texel(
     } else {
         points
     };
-    let lights = gatherer.direct_at_near(&points, seed);
-    let mut sum = Gathered::default();
-    for light in &lights {
-        sum = sum.plus(&light.whole());
-    }
-    let share = 1.0 / lights.len() as f64;
-    Gathered {
-        replicates: sum.replicates.map(|r| r * share),
-    }
+    gather.mean_of(&points)
 }

@@ -6,7 +6,7 @@
 
 use crate::Receiver;
 use crate::atlas::Atlas;
-use crate::direct::direct;
+use crate::direct::{DirectGather, direct};
 use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::samples::{Rows, Samples};
 use azulejo_scene::Rgb;
@@ -78,7 +78,14 @@ pub fn chart_importance(
     }
     let samples = Samples::new(&coarse, gatherer.surfaces().tracer, run)?;
     let error = COARSER_ERROR * error;
-    let light = direct(&samples, &coarse, gatherer, error, seed, run)?;
+    let gather = DirectGather {
+        samples: &samples,
+        atlas: &coarse,
+        gatherer,
+        is_directional: false,
+        seed,
+    };
+    let light = direct(gather, error, run)?.light;
     let mut charts = vec![ChartEdges::default(); atlas.layout.charts as usize];
     let mut first = 0;
     for (page, coverage) in samples.pages.iter().enumerate() {

@@ -54,7 +54,7 @@ impl<'a, L> GatherLight<'a, L> {
     }
 
     /// What paths with this end read, and how they end.
-    fn ending(&self, termination: Termination) -> (&'a L, Termination) {
+    pub(crate) fn ending(&self, termination: Termination) -> (&'a L, Termination) {
         match (termination, self.limited) {
             (Termination::Roulette, Some((black, bounces))) => {
                 (black, Termination::Bounces(bounces))

@@ -12,12 +12,19 @@ use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
 use azulejo_factors::{PointNormal, ProxyScene};
 use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::run::batches::in_counted_batches;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Run, RunStage, Tracer};
+use azulejo_trace::{
+    Cancelled, DiffuseLight, GatherOptions, GatherPoint, Gathered, Gatherer, Harmonics,
+    IncidentDomain, Run, RunStage, Termination, Tracer,
+};
 use rayon::prelude::*;
 
 /// Points that are worked on together.
 const BATCH: usize = 256;
+
+/// Points whose directions of light are gathered together.
+const HARMONIC_BATCH: usize = 16;
 
 /// Batches of a block that processes share.
 const BLOCK: usize = 1;
@@ -178,6 +185,49 @@ impl<'a> SolvedLight<'a> {
             targets,
             hash(&[self.solved.key(), 2, seed]),
             self.run,
+        )?)
+    }
+
+    /// Indirect light that arrives at points from a domain, from `rays` rays at each that read `fine` light, or that
+    /// of patches where there is none; where nothing is solved, and where bounces are limited, path traced.
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn harmonics(
+        &self,
+        points: &[GatherPoint],
+        domain: IncidentDomain,
+        rays: u32,
+        fine: Option<&dyn IrradianceField>,
+        seed: u32,
+    ) -> Result<Vec<Harmonics>, SolveError> {
+        let mut light = self.solved.light();
+        if let Some(field) = fine {
+            light = light.with_fine(field);
+        }
+        let black = self.solved.black_light();
+        let light = GatherLight::new(&light, black.as_ref());
+        let is_traced = light.limited.is_some() || light.patches.is_unknown();
+        let (light, termination) = light.ending(if is_traced {
+            Termination::Roulette
+        } else {
+            Termination::Radiosity
+        });
+        let options = GatherOptions {
+            rays,
+            spent: 0,
+            seed: hash(&[self.solved.key(), 3, seed]),
+            termination,
+        };
+        let gatherer = self.gatherer();
+        self.run
+            .progress
+            .begin("directions of light", points.len() as u64);
+        Ok(in_counted_batches(
+            points,
+            (HARMONIC_BATCH, BLOCK),
+            self.run,
+            |batch| Ok(gatherer.indirect_harmonics(batch, domain, &options, light)),
         )?)
     }
 

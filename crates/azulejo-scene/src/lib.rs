@@ -33,6 +33,7 @@ mod enclosure;
 pub mod environment;
 pub mod figure;
 pub mod fresnel;
+pub mod harmonics;
 mod image;
 mod instance;
 mod irradiance;

@@ -44,8 +44,8 @@ mod tracer;
 
 pub use gather::{
     DiffuseHit, DiffuseLight, DirectLight, DirectionTables, EmitterForm, GatherOptions,
-    GatherPoint, Gathered, Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES,
-    SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
+    GatherPoint, Gathered, Gatherer, Harmonics, IncidentDomain, NextEvent, OutgoingRadiosity,
+    RAYS_PER_FORMULA, REPLICATES, SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
 };
 pub use hit::{Hit, Item};
 pub use kernel::embree;

@@ -77,6 +77,7 @@ impl BakeSettings {
             BakedSides::Brighter
         };
         BakeOptions {
+            is_directional: false,
             charts: self.charts(&source.scene),
             coordinates: Coordinates::New,
             densities: Vec::new(),

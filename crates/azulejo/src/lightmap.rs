@@ -5,6 +5,7 @@
 
 mod brightness;
 mod charts;
+mod directions;
 mod facing;
 mod indirect;
 mod occlusion;
@@ -14,13 +15,15 @@ mod sides;
 mod source;
 
 pub use brightness::{BytePicture, BytePictures};
+pub use directions::{DirectionForm, direction_bytes, direction_errors};
 pub use occlusion::bake_occlusion;
 pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
 use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{
-    Atlas, LayoutError, Lightmap, LightmapPage, ReceiverLayout, SeamErrors, UnwrapOptions,
+    Atlas, DIRECTIONAL, LayoutError, Lightmap, LightmapPage, ReceiverLayout, SeamErrors,
+    UnwrapOptions,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::sites::SiteStatistics;
@@ -106,6 +109,8 @@ pub struct BakeOptions {
     pub light: BakedLight,
     /// Which sides.
     pub sides: BakedSides,
+    /// Whether it is asked where the light comes from, see [`Baked::harmonics`].
+    pub is_directional: bool,
 }
 
 impl BakeOptions {
@@ -197,6 +202,10 @@ pub struct Baked {
     pub objects: Vec<u32>,
     /// The texels.
     pub lightmap: Lightmap,
+    /// The radiance above the texels as coefficients of real spherical harmonics of bands 0 and 1, (0,0), (1,−1), (1,0),
+    /// (1,1), in the axes of the scene, W/(sr·m²): one lightmap for each, with their standard errors, that hold them in
+    /// place of irradiance. If they are asked for.
+    pub harmonics: Option<Box<[Lightmap; DIRECTIONAL]>>,
     /// How they were computed.
     pub texels: SiteStatistics,
     /// The light between patches, if any was solved.
@@ -243,6 +252,7 @@ pub fn bake<'r>(
     let pages = Pages::new(&charts, &samples, light, options, run)?;
     Ok(Baked {
         lightmap: pages.lightmap,
+        harmonics: pages.harmonics,
         texels,
         report: Some(charts.solved.report()),
         seams: pages.seams,

@@ -5,7 +5,7 @@ use crate::input::InputArgs;
 use crate::parts::PartArgs;
 use crate::values;
 use azulejo::bake::unwrap::MOST_SIZE;
-use azulejo::lightmap::{BakedLight, BakedSides};
+use azulejo::lightmap::{BakedLight, BakedSides, DirectionForm};
 use azulejo_formats::gltf::patch::{Convention, InstanceMode, LightsMode};
 use clap::{Args, ValueEnum, ValueHint};
 use globset::{Glob, GlobMatcher};
@@ -85,6 +85,15 @@ impl BakeArgs {
         let extension = self.output.as_deref().and_then(|path| path.extension());
         let extension = extension.map(|e| e.to_string_lossy().to_lowercase());
         self.html || matches!(extension.as_deref(), Some("html" | "htm"))
+    }
+
+    /// Whether what is written has a place for directions of light.
+    pub fn has_place_for_directions(&self) -> bool {
+        if self.texels.light == LightArg::Ao || self.is_page() {
+            return false;
+        }
+        self.convention() == ConventionArg::Moz
+            || (self.convention() == ConventionArg::Plain && self.files.lightmap.is_some())
     }
 
     /// Whether bright surfaces may have pictures of their own: those of 8 bits, of materials.
@@ -173,6 +182,12 @@ pub struct LightmapFileArgs {
     /// Use 32-bit floats in --lightmap and --error-map
     #[arg(long)]
     pub float: bool,
+    /// Also store where the light of each texel comes from, so that normal maps show relief: spherical
+    /// harmonics of bands 0 and 1 ('sh', three more images), or the dominant direction alone
+    /// ('dominant', one); --lightmap and --error-map get the coefficients as layers
+    #[arg(long, value_name = "FORM", num_args = 0..=1, require_equals = true,
+          default_missing_value = "sh")]
+    pub directional: Option<DirectionalArg>,
     /// How the glTF file refers to the lightmap [default: moz; occlusion with --light ao]
     #[arg(
         long = "as",
@@ -315,6 +330,25 @@ impl DoubleSidedArg {
             DoubleSidedArg::Front => BakedSides::Front,
             DoubleSidedArg::Brighter => BakedSides::Brighter,
             DoubleSidedArg::Split => BakedSides::Both,
+        }
+    }
+}
+
+/// `--directional`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DirectionalArg {
+    /// Of each colour channel
+    Sh,
+    /// The dominant direction of the luminance
+    Dominant,
+}
+
+impl DirectionalArg {
+    /// For the writer.
+    pub fn form(self) -> DirectionForm {
+        match self {
+            DirectionalArg::Sh => DirectionForm::Harmonics,
+            DirectionalArg::Dominant => DirectionForm::Dominant,
         }
     }
 }

@@ -103,6 +103,11 @@ fn refuse_indivisible(args: &BakeArgs, runner: &Runner) -> Result<(), Failure> {
     let Some(by) = runner.shared_by().filter(|_| runner.is_part()) else {
         return Ok(());
     };
+    if args.files.directional.is_some() {
+        return Err(Failure::misuse(format_args!(
+            "{by}: --directional asks all texels for their light, of which a part has its own: run one process"
+        )));
+    }
     if args.texels.light == LightArg::Direct {
         return Err(Failure::misuse(format_args!(
             "{by}: --light direct has no number of rays: texels get more of them where their light differs from that \
@@ -162,6 +167,12 @@ fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
     if is_occlusion && args.is_page() {
         return Err(Failure::misuse(
             "--light ao: a page shows light, of which this is none",
+        ));
+    }
+    if files.directional.is_some() && !(args.has_place_for_directions()) {
+        return Err(Failure::misuse(
+            "--directional is for --as moz, and for --lightmap with --as plain: other conventions, pages and --light ao have \
+             no place for directions",
         ));
     }
     let is_node = matches!(files.instances, InstancesArg::Node);

@@ -1,12 +1,12 @@
 //! The pictures of a lightmap: irradiance, or the radiance that surfaces show.
 
-use super::args::{BakeArgs, ConventionArg, ExposureArg, ImageArg};
+use super::args::{BakeArgs, ConventionArg, DirectionalArg, ExposureArg, ImageArg};
 use super::source::BakeSource;
 use crate::failure::Failure;
 use crate::report::{Report, number, percent, short};
 use crate::session::Session;
 use azulejo::bake::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
-use azulejo::lightmap::{Baked, BytePicture, BytePictures, TexelRadiance};
+use azulejo::lightmap::{Baked, BytePicture, BytePictures, TexelRadiance, direction_bytes};
 use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
 use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
 use azulejo_formats::picture::{hdr, png};
@@ -66,7 +66,7 @@ pub fn pictures(
                 );
             }
             return Ok(Pictures {
-                pages: irradiance(args, baked, &bytes)?,
+                pages: irradiance(args, source, baked, &bytes)?,
                 of_triangles: bytes.of_triangles,
             });
         }
@@ -96,13 +96,23 @@ pub fn pictures(
 /// Pictures of irradiance, all with a PNG.
 fn irradiance(
     args: &BakeArgs,
+    source: &BakeSource,
     baked: &Baked,
     bytes: &BytePictures,
 ) -> Result<Vec<LightmapPage>, Failure> {
     let picture = |picture: &BytePicture| {
         let page = &baked.lightmap.pages[picture.page];
         let intensity = picture.intensity;
-        let png = png_page(picture.name.clone(), page.size, &picture.rgb, intensity)?;
+        let mut png = png_page(picture.name.clone(), page.size, &picture.rgb, intensity)?;
+        if let Some(form) = args.files.directional.map(DirectionalArg::form) {
+            let up = source.scene.units.up;
+            for bytes in direction_bytes(baked, picture.page, form, up) {
+                let mut file = Vec::new();
+                let [width, height] = page.size;
+                png::write_data(width, height, &bytes, &mut file).map_err(Failure::failed)?;
+                png.directions.push(file);
+            }
+        }
         let bright = |media_type, picture| LightmapPage {
             picture,
             media_type,
@@ -199,6 +209,7 @@ fn png_page(
         media_type: MediaType::Png,
         intensity,
         fallback: None,
+        directions: Vec::new(),
     })
 }
 

@@ -5,7 +5,7 @@ use crate::first_pass::FirstPassArgs;
 use crate::pass;
 use crate::report::{Report, count, number, percent, short};
 use azulejo::bake::{Lightmap, QuarterLight};
-use azulejo::lightmap::Baked;
+use azulejo::lightmap::{Baked, direction_errors};
 use azulejo_scene::Scene;
 
 /// Light of a quarter of the area, relative to the mean, of which no relative error is given.
@@ -115,6 +115,14 @@ fn light(baked: &Baked, args: &FirstPassArgs, scene: &Scene, report: &mut Report
         "estimated error",
         format!("{} of the {}{request}", percent(error), mean_name),
     );
+    if let Some(harmonics) = &baked.harmonics {
+        let errors = direction_errors(harmonics);
+        let [radiance, direction] = errors.map(percent);
+        let words = format!(
+            "coefficients of band 0 to {radiance}, of band 1 to {direction} of the mean of band 0"
+        );
+        report.fact("direction_errors", errors.map(number), "directions", words);
+    }
     // State apart what interpolation between texels misses: more texels reduce that part, more rays do not.
     if is_light {
         let whole = mean.mean();

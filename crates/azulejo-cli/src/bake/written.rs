@@ -8,15 +8,15 @@ use crate::draft_list::DraftList;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
-use azulejo::bake::LightmapPage;
+use azulejo::bake::{DIRECTIONAL, LightmapPage};
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
 use azulejo_formats::Files;
 use azulejo_formats::gltf::patch::{
     self, Container, LightmapEdit, LightmapUvs, LightsMode, PatchedFile,
 };
-use azulejo_formats::picture::exr;
-use azulejo_scene::Image;
+use azulejo_formats::picture::exr::{self, ChannelValues, NamedChannel};
+use azulejo_scene::{Image, Up};
 use std::path::{Component, Path, PathBuf};
 
 /// What the main output is.
@@ -101,6 +101,19 @@ impl BakeOutputs {
             (&self.error_map, |p| &p.standard_error),
         ] {
             let Some(path) = path else { continue };
+            if let Some(harmonics) = &baked.harmonics {
+                let up = source.scene.units.up;
+                for (number, page) in pages.iter().enumerate() {
+                    let file = layered(
+                        page,
+                        harmonics.each_ref().map(|h| &h.pages[number]),
+                        values,
+                        up,
+                    )?;
+                    drafts.add(&numbered(path, number, pages.len()), &file)?;
+                }
+                continue;
+            }
             let is_half = !args.files.float && is_in_range(baked, values, path, session);
             for (number, page) in pages.iter().enumerate() {
                 let [width, height] = page.size;
@@ -144,6 +157,48 @@ impl BakeOutputs {
         Ok(())
     }
 }
+
+/// A file of irradiance, or of its standard error, with the coefficients of the radiance above the texels as layers,
+/// in the axes of glTF.
+fn layered(
+    page: &LightmapPage,
+    harmonics: [&LightmapPage; DIRECTIONAL],
+    values: fn(&LightmapPage) -> &Vec<[f32; 3]>,
+    up: Up,
+) -> Result<Vec<u8>, Failure> {
+    let channel = |layer: &str, texels: &[[f32; 3]], sign: f32| {
+        [0, 1, 2].map(|k| NamedChannel {
+            name: format!("{layer}{}", ["R", "G", "B"][k]),
+            values: ChannelValues::Float(texels.iter().map(|texel| sign * texel[k]).collect()),
+        })
+    };
+    let mut channels = Vec::from(channel("", values(page), 1.0));
+    let [l00, l1m, l10, l11] = harmonics.map(|page| &values(page)[..]);
+    // Standard errors have no sign.
+    let is_error = std::ptr::eq(values(page), &page.standard_error);
+    let (l1m, l10, down) = match up {
+        Up::Y => (l1m, l10, 1.0),
+        Up::Z if is_error => (l10, l1m, 1.0),
+        Up::Z => (l10, l1m, -1.0),
+    };
+    for (layer, texels, sign) in [
+        ("L00.", l00, 1.0),
+        ("L1-1.", l1m, 1.0),
+        ("L10.", l10, down),
+        ("L11.", l11, 1.0),
+    ] {
+        channels.extend(channel(layer, texels, sign));
+    }
+    let [width, height] = page.size;
+    let mut file = Vec::new();
+    let written = exr::write_channels((width, height), channels, LAYERS, &mut file);
+    written.map_err(Failure::failed)?;
+    Ok(file)
+}
+
+/// What a file with directions says of its layers.
+const LAYERS: &str = "R, G, B: irradiance, or its standard error. L00, L1-1, L10, L11: coefficients of real spherical \
+    harmonics of the radiance above each texel (bands 0 and 1: the constant, y, z, x), in the axes of glTF, y up.";
 
 /// Files that a file in another folder than the one it was read from names: it would not find them.
 fn copied(
@@ -193,6 +248,7 @@ fn patched(
         convention: args.convention().written(),
         lights: lights(args),
         mipmaps: args.texels.mips > 0,
+        content: None,
         output: patch::Output {
             container: match kind {
                 OutputKind::Json => Container::Json,

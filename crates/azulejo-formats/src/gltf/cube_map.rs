@@ -2,8 +2,9 @@
 //! OpenGL (OpenGL 4.6, table 8.19) whose z axis is reversed, upside down. And RGBD, in which their pixels may
 //! exceed 1.
 
-use super::image_based::{BANDS, harmonics};
+use super::image_based::harmonics;
 use crate::picture::srgb::{linear_table, srgb_bytes};
+use azulejo_scene::harmonics::cosine_factor;
 use azulejo_scene::{Image, Rgb};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -132,7 +133,7 @@ impl CubeMap {
                 *sum += radiance * (solid_angle * y);
             }
         }
-        std::array::from_fn(|k| sums[k] * BANDS[usize::from(k > 0) + usize::from(k > 3)])
+        std::array::from_fn(|k| sums[k] * cosine_factor(k))
     }
 
     /// What surfaces of a roughness reflect that are seen along their normals: this map, blurred by the

@@ -11,6 +11,7 @@
 
 use super::cube_map::{face_of, opengl_face_of, unpacked};
 use super::material::Surfaces;
+use azulejo_scene::harmonics::{Y00, cosine_factor, real_harmonics};
 use azulejo_scene::{Environment, Image, LightKind, Projection, Rgb, Up};
 use glam::{DQuat, DVec3};
 use serde_json::Value;
@@ -21,12 +22,6 @@ pub(super) const NAME: &str = "EXT_lights_image_based";
 
 /// Name of the extra of a light that is written as Babylon.js shows it.
 pub(super) const MARK: &str = "shownBy";
-
-/// The constant spherical harmonic Y₀₀.
-pub(super) const CONSTANT: f64 = 0.282_094_791_773_878_14;
-
-/// Factors of the bands by which radiance becomes irradiance.
-pub(super) const BANDS: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 
 /// Most rows of the picture that a cube map becomes.
 const MOST_ROWS: u32 = 1024;
@@ -92,7 +87,7 @@ fn uniform(harmonics: &[Rgb; 9]) -> Option<Rgb> {
     let is_uniform = rest
         .map(|c| c.map(f64::abs).max_channel())
         .all(|c| c <= most);
-    is_uniform.then(|| harmonics[0] * (CONSTANT / PI))
+    is_uniform.then(|| harmonics[0] * (Y00 / PI))
 }
 
 /// The sharpest level of the cube map; `None` if there is none.
@@ -131,29 +126,18 @@ fn face_pixel(images: &[Image], (face, s, t): (usize, f64, f64)) -> [f32; 3] {
     image.pixel(index(s, image.width), index(t, image.height))
 }
 
-/// The real spherical harmonics of a unit direction, up to the third band; the signs of the second are those
-/// of Babylon.js, so that those of the paper are the harmonics of the opposite direction.
+/// The real spherical harmonics of a unit direction with the signs of Babylon.js in band 1: those of the paper are the
+/// harmonics of the opposite direction.
 pub(super) fn harmonics(d: DVec3) -> [f64; 9] {
-    [
-        CONSTANT,
-        -0.488_603 * d.y,
-        -0.488_603 * d.z,
-        -0.488_603 * d.x,
-        1.092_548 * d.x * d.y,
-        1.092_548 * d.y * d.z,
-        0.315_392 * (3.0 * d.z * d.z - 1.0),
-        1.092_548 * d.x * d.z,
-        0.546_274 * (d.x * d.x - d.y * d.y),
-    ]
+    real_harmonics(-d)
 }
 
 /// The radiance that coefficients describe, nowhere below 0.
 fn smooth(coefficients: &[Rgb; 9], is_of_paper: bool) -> Image {
     panorama(SMOOTH_ROWS, |d| {
         let d = if is_of_paper { -d } else { d };
-        let band = |k: usize| BANDS[usize::from(k > 0) + usize::from(k > 3)];
         let terms = coefficients.iter().zip(harmonics(d)).enumerate();
-        let radiance: Rgb = terms.map(|(k, (c, y))| *c * (y / band(k))).sum();
+        let radiance: Rgb = terms.map(|(k, (c, y))| *c * (y / cosine_factor(k))).sum();
         radiance.map(|c| c.max(0.0)).to_f32()
     })
 }

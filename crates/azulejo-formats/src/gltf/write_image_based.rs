@@ -4,11 +4,12 @@
 //! roughnesses evenly from 0 to 1, the smallest of about 16 pixels.
 
 use super::cube_map::{CubeMap, MOST_RGBD};
-use super::image_based::{CONSTANT, MARK};
+use super::image_based::MARK;
 use super::json_parts::named;
 use super::pack::Pack;
 use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
+use azulejo_scene::harmonics::Y00;
 use azulejo_scene::{Environment, Image, Light, LightKind, Rgb, Scene, Up};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
@@ -70,7 +71,7 @@ fn uniform(
     let pixels = Image::opaque(2, 2, vec![colour.to_f32(); 4]);
     png::write(2, 2, &srgb_bytes(&pixels), &mut file)?;
     let mut coefficients = [Rgb::BLACK; 9];
-    coefficients[0] = colour * (PI / CONSTANT);
+    coefficients[0] = colour * (PI / Y00);
     let faces = [image("ambient", &file, pack, images); 6];
     describe(light, strength, &coefficients, 2, &[faces]);
     Ok(true)

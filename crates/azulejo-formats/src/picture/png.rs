@@ -76,6 +76,21 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     write_samples(encoder([width, height], ColorType::Rgb, out), rgb)
 }
 
+/// Writes numbers that are no colours: three bytes per pixel, rows from the top.
+///
+/// # Errors
+/// Errors of `out`, and a picture without pixels.
+///
+/// # Panics
+/// If `numbers` does not have `3 × width × height` bytes.
+pub fn write_data(width: u32, height: u32, numbers: &[u8], out: &mut dyn Write) -> io::Result<()> {
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Balanced);
+    write_samples(encoder, numbers)
+}
+
 /// An encoder of sRGB samples of 8 bits.
 fn encoder<'a>(
     [width, height]: [u32; 2],

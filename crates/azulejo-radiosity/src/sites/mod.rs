@@ -27,4 +27,4 @@ pub use gather::{
 };
 pub use least_squares::plane_weights;
 pub use light::{SiteDirect, SiteLight};
-pub use nodes::interpolated_direct;
+pub use nodes::{interpolated_direct, interpolated_signed};

@@ -43,6 +43,8 @@ pub(crate) struct Nodes<'a, C> {
     pub light: Vec<NodeLight>,
     /// Mean irradiance of all sites, W/m².
     pub mean: f64,
+    /// Whether values may be below zero.
+    is_signed: bool,
 }
 
 impl<'a, C: SiteCells> Nodes<'a, C> {
@@ -53,6 +55,7 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
             around: OnceLock::new(),
             light: Vec::new(),
             mean: 0.0,
+            is_signed: false,
         }
     }
 
@@ -325,9 +328,14 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         }
         let direct = Rgb::from(self.direct.variance[site as usize].map(f64::from));
         let variance = own + shared * shared + Rgb::grey(interpolation + bias * bias) + direct;
+        let least = if self.is_signed {
+            f64::NEG_INFINITY
+        } else {
+            0.0
+        };
         SiteLight {
             irradiance: (self.direct_of(site) + indirect)
-                .map(|e| e.max(0.0))
+                .map(|e| e.max(least))
                 .to_f32(),
             standard_error: variance.map(f64::sqrt).to_f32(),
         }
@@ -343,8 +351,30 @@ pub fn interpolated_direct<C: SiteCells>(
     of_nodes: Vec<Gathered>,
     run: Run,
 ) -> Result<Vec<SiteLight>, Cancelled> {
+    interpolated_of(cells, of_nodes, false, run)
+}
+
+/// Any values of all sites, also below zero, in place of irradiance, from those at the nodes of cells.
+///
+/// # Errors
+/// The caller cancelled.
+pub fn interpolated_signed<C: SiteCells>(
+    cells: C,
+    of_nodes: Vec<Gathered>,
+    run: Run,
+) -> Result<Vec<SiteLight>, Cancelled> {
+    interpolated_of(cells, of_nodes, true, run)
+}
+
+fn interpolated_of<C: SiteCells>(
+    cells: C,
+    of_nodes: Vec<Gathered>,
+    is_signed: bool,
+    run: Run,
+) -> Result<Vec<SiteLight>, Cancelled> {
     let none = SiteDirect::none(cells.site_count());
     let mut nodes = Nodes::new(&none, cells);
+    nodes.is_signed = is_signed;
     nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
     let errors = nodes.interpolation_errors(run)?;
     nodes.interpolated(&errors, run)

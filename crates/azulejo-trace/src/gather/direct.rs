@@ -6,6 +6,7 @@
 //! share is weighted by the transport kernel cos θ cos θ′/r², whose mean the formula knows: a
 //! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
+use super::harmonics::IncidentSums;
 use super::many_lights::{choose, cumulative};
 use super::polygon::{LampShape, is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
@@ -48,6 +49,8 @@ pub(super) struct Direct<'a> {
     pub(super) lights: &'a Lights<'a>,
     pub(super) sources: &'a DirectSources,
     pub(super) tests: ShadowTests<'a>,
+    /// Where the light of [`irradiance`](Direct::irradiance) comes from.
+    pub(super) incident: IncidentSums,
 }
 
 impl<'a> Direct<'a> {
@@ -61,6 +64,7 @@ impl<'a> Direct<'a> {
             lights,
             sources,
             tests: ShadowTests::new(surfaces.tracer),
+            incident: IncidentSums::default(),
         }
     }
 
@@ -86,10 +90,10 @@ impl<'a> Direct<'a> {
             self.terms_of(index as u32, point, groups, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let many: Vec<Term> = terms.drain(start..).collect();
-                sums[index].lamps.replicates = self.sample_terms(point, &many, count, seed);
+                sums[index].lamps.replicates = self.sample_terms(index, point, &many, count, seed);
             }
             if let Some(groups) = groups {
-                let sampled = self.sample_groups(point, groups, count, seed);
+                let sampled = self.sample_groups(index, point, groups, count, seed);
                 for (sum, sampled) in sums[index].lamps.replicates.iter_mut().zip(sampled) {
                     *sum += sampled;
                 }
@@ -182,7 +186,7 @@ impl<'a> Direct<'a> {
         }
         let mut seen = vec![Rgb::BLACK; points.len()];
         self.tests
-            .trace(|test, share| seen[test.tag as usize] = share);
+            .trace(|test, share, _| seen[test.tag as usize] = share);
         for (value, seen) in values.iter_mut().zip(seen) {
             *value *= seen;
         }
@@ -326,10 +330,20 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        self.tests.trace(|test, share| {
+        let (tracer, incident) = (self.surfaces.tracer, &mut self.incident);
+        self.tests.trace(|test, share, ray| {
             let of_term = &mut term_tests[test.tag as usize];
-            of_term.weights[test.replicate as usize] += test.weight;
-            of_term.visible[test.replicate as usize] += share * test.weight;
+            let replicate = test.replicate as usize;
+            of_term.weights[replicate] += test.weight;
+            of_term.visible[replicate] += share * test.weight;
+            let term = &terms[test.tag as usize];
+            let light = term.unbiased(test.weight / f64::from(of_term.samples)) * share;
+            let replicates = if term.is_delta() {
+                0..REPLICATES
+            } else {
+                replicate..replicate + 1
+            };
+            incident.add(term.point as usize, replicates, light, (tracer, ray));
         });
         term_tests
     }

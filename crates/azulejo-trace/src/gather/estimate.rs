@@ -39,6 +39,13 @@ impl Gathered {
         }
     }
 
+    /// The estimate times a number.
+    pub fn scaled(&self, factor: f64) -> Gathered {
+        Gathered {
+            replicates: self.replicates.map(|r| r * factor),
+        }
+    }
+
     /// The difference of two estimates, replicate by replicate: noise that both share cancels.
     pub fn minus(&self, other: &Gathered) -> Gathered {
         Gathered {

@@ -32,6 +32,7 @@ impl Direct<'_> {
     /// proportion to what they would give, evenly spaced over all of it. Unbiased.
     pub(super) fn sample_terms(
         &mut self,
+        index: usize,
         point: &GatherPoint,
         terms: &[Term],
         rays: u32,
@@ -39,7 +40,7 @@ impl Direct<'_> {
     ) -> [Rgb; REPLICATES] {
         let cumulative = cumulative(terms);
         let known: Rgb = terms.iter().filter(|t| !t.is_rough()).map(|t| t.full).sum();
-        self.sample_chosen(point, known, rays, seed, |[c, _]| {
+        self.sample_chosen((index, point), known, rays, seed, |[c, _]| {
             choose(terms, &cumulative, c)
         })
     }
@@ -47,6 +48,7 @@ impl Direct<'_> {
     /// The same of the lights in groups.
     pub(super) fn sample_groups(
         &mut self,
+        index: usize,
         point: &GatherPoint,
         groups: &LightClusters,
         rays: u32,
@@ -54,7 +56,7 @@ impl Direct<'_> {
     ) -> [Rgb; REPLICATES] {
         let cumulative = groups.cumulative(point);
         let among = (self.lights, self.surfaces);
-        self.sample_chosen(point, Rgb::BLACK, rays, hash(&[seed, 0x67]), |u| {
+        self.sample_chosen((index, point), Rgb::BLACK, rays, hash(&[seed, 0x67]), |u| {
             groups.choose(&cumulative, among, point, u)
         })
     }
@@ -63,7 +65,7 @@ impl Direct<'_> {
     /// `known` is the sum of all those whose light formulas know.
     fn sample_chosen<T: Borrow<Term>>(
         &mut self,
-        point: &GatherPoint,
+        (index, point): (usize, &GatherPoint),
         known: Rgb,
         rays: u32,
         seed: u32,
@@ -86,7 +88,7 @@ impl Direct<'_> {
                 }
             }
         }
-        self.visible_light(&values, [known; REPLICATES])
+        self.visible_light(Some(index), &values, [known; REPLICATES])
     }
 
     /// Mean direct light of flat emitters over a surface, one estimate per replicate.
@@ -114,7 +116,7 @@ impl Direct<'_> {
                 values.push((value, false));
             }
         }
-        light.lamps.replicates = self.visible_light(&values, known);
+        light.lamps.replicates = self.visible_light(None, &values, known);
         light
     }
 
@@ -152,16 +154,24 @@ impl Direct<'_> {
     }
 
     /// Traces the planned tests, whose tags are indices of `values`: what each gives, and whether
-    /// no formula knows the sum of its kind. `known` is the sum of those that formulas know.
+    /// no formula knows the sum of its kind. `known` is the sum of those that formulas know. All are of the point
+    /// `index`, if of one.
     fn visible_light(
         &mut self,
+        index: Option<usize>,
         values: &[(Rgb, bool)],
         known: [Rgb; REPLICATES],
     ) -> [Rgb; REPLICATES] {
         let mut sums = SampleSums::default();
-        self.tests.trace(|test, share| {
+        let (tracer, incident) = (self.surfaces.tracer, &mut self.incident);
+        self.tests.trace(|test, share, ray| {
             let (value, is_rough) = values[test.tag as usize];
-            sums.add(test.replicate as usize, value, is_rough, share);
+            let replicate = test.replicate as usize;
+            sums.add(replicate, value, is_rough, share);
+            if let Some(index) = index {
+                let replicates = replicate..replicate + 1;
+                incident.add(index, replicates, value * share, (tracer, ray));
+            }
         });
         std::array::from_fn(|r| sums.irradiance(r, known[r]))
     }

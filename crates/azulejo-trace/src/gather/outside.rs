@@ -122,10 +122,18 @@ impl Direct<'_> {
         values: &[(usize, Rgb)],
         mut add: impl FnMut(usize, usize, Rgb),
     ) {
-        self.tests.trace(|test, share| {
+        let (tracer, incident) = (self.surfaces.tracer, &mut self.incident);
+        self.tests.trace(|test, share, ray| {
             if !share.is_black() {
                 let (index, value) = values[test.tag as usize];
-                add(index, test.replicate as usize, value * share);
+                let replicate = test.replicate as usize;
+                incident.add(
+                    index,
+                    replicate..replicate + 1,
+                    value * share,
+                    (tracer, ray),
+                );
+                add(index, replicate, value * share);
             }
         });
     }

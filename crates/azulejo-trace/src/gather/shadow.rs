@@ -88,13 +88,14 @@ impl<'a> ShadowTests<'a> {
     }
 
     /// Traces the batch and reports of each test, in their order, the share of the light that passes what
-    /// stands between, 0..=1 per channel.
-    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, Rgb)) {
+    /// stands between, 0..=1 per channel, and the first of its rays, against which the light arrives.
+    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, Rgb, &KernelRay)) {
         self.tracer.transmittance(&self.rays, &mut self.shares);
         for test in &self.tests {
             let rays = test.first as usize..(test.first + test.count) as usize;
             let legs = self.shares[rays].iter();
-            report(test, legs.fold(Rgb::WHITE, |all, &leg| all * leg));
+            let share = legs.fold(Rgb::WHITE, |all, &leg| all * leg);
+            report(test, share, &self.rays[test.first as usize]);
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Items as bytes.
 
-use crate::gather::{Gathered, REPLICATES};
+use crate::gather::{Gathered, Harmonics, REPLICATES};
 use azulejo_scene::Rgb;
+use azulejo_scene::harmonics::HARMONICS;
 
 /// An item of a block that can be stored.
 pub trait Record: Sized {
@@ -80,6 +81,17 @@ impl Record for Gathered {
     fn read(bytes: &mut RecordReader) -> Option<Gathered> {
         let replicates = <[Rgb; REPLICATES]>::read(bytes)?;
         Some(Gathered { replicates })
+    }
+}
+
+impl Record for Harmonics {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        self.coefficients.write(bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<Harmonics> {
+        let coefficients = <[Gathered; HARMONICS]>::read(bytes)?;
+        Some(Harmonics { coefficients })
     }
 }
 

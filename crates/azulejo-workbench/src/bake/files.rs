@@ -87,6 +87,7 @@ fn model(
     let pictures = BytePictures::new(&baked.baked, is_moz);
     let picture = |receiver: usize, t: usize| pictures.of_triangles[receiver][t];
     let edit = LightmapEdit {
+        content: None,
         objects: &baked.source.layouts_in(&baked.baked, picture),
         pages: &encoded(baked, &pictures).map_err(|e| e.to_string())?,
         uvs: LightmapUvs::default(),
@@ -120,6 +121,7 @@ fn encoded(baked: &BakedDocument, pictures: &BytePictures) -> io::Result<Vec<pat
         let mut file = Vec::new();
         png::write(width, height, &picture.rgb, &mut file)?;
         Ok(patch::LightmapPage {
+            directions: Vec::new(),
             name: picture.name.clone(),
             picture: file,
             media_type: MediaType::Png,

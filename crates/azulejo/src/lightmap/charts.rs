@@ -2,7 +2,7 @@
 
 use super::indirect::{IndirectLight, SampleLight};
 use super::sides::{differing_share, lit_backs, power_beside_patches, turned};
-use super::{BakeError, BakeOptions, BakedSides, Coordinates};
+use super::{BakeError, BakeOptions, BakedLight, BakedSides, Coordinates};
 use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{Atlas, Layout, LayoutError, Receiver, Samples};
 use azulejo_factors::ProxyScene;
@@ -18,6 +18,9 @@ const BYTES_PER_COVERED: f64 = 400.0;
 /// The same beside that where light is gathered at every texel: in a process that computes a part of it, and in one
 /// that puts all of it together.
 const BYTES_PER_GATHERED: [f64; 2] = [400.0, 700.0];
+
+/// What it takes beside that, for each texel and each that covers a surface, to ask where light comes from.
+const BYTES_OF_DIRECTIONS: [f64; 2] = [140.0, 300.0];
 
 /// Mean square error at edges of shadows, relative to that of even texels, with which it is worth that charts of even
 /// light have fewer.
@@ -136,6 +139,7 @@ impl<'a> Charts<'a> {
             solved: &self.solved,
             bounces: options.pass.bounces,
             error,
+            is_directional: options.is_directional && options.light != BakedLight::Indirect,
             run,
         }
     }
@@ -237,7 +241,10 @@ pub fn arranged(
         Some(_) => BYTES_PER_COVERED + BYTES_PER_GATHERED[usize::from(run.role().assembles)],
         None => BYTES_PER_COVERED,
     };
-    let needed = memory_of(&layout, bytes_per_covered);
+    let mut needed = memory_of(&layout, [BYTES_PER_TEXEL, bytes_per_covered]);
+    if options.is_directional {
+        needed += memory_of(&layout, BYTES_OF_DIRECTIONS);
+    }
     if needed > options.pass.memory {
         return Err(BakeError::Memory {
             needed,
@@ -251,8 +258,8 @@ pub fn arranged(
     })
 }
 
-/// Memory that the texels of a layout take while they are baked, bytes, about.
-fn memory_of(layout: &Layout, bytes_per_covered: f64) -> u64 {
+/// Memory that the texels of a layout, and those of them that cover surfaces, take together, bytes.
+fn memory_of(layout: &Layout, [bytes_per_texel, bytes_per_covered]: [f64; 2]) -> u64 {
     let (mut texels, mut covered) = (0.0, 0.0);
     for [width, height] in &layout.pages {
         texels += f64::from(*width) * f64::from(*height);
@@ -265,7 +272,7 @@ fn memory_of(layout: &Layout, bytes_per_covered: f64) -> u64 {
             covered += 0.5 * area.abs() * width * height;
         }
     }
-    (texels * BYTES_PER_TEXEL + covered * bytes_per_covered) as u64
+    (texels * bytes_per_texel + covered * bytes_per_covered) as u64
 }
 
 /// The layout of the receivers, made or kept.

@@ -1,12 +1,15 @@
 //! The indirect light of texels, from the solved first pass: to an error, or from a number of rays.
 
 use super::{BakedLight, DEFAULT_ERROR};
-use azulejo_bake::{Atlas, BetweenTexels, Samples, ShownSamples, TexelCells, TexelField};
+use azulejo_bake::{
+    Atlas, BetweenTexels, DirectGather, DirectTexels, Samples, ShownSamples, TexelCells,
+    TexelField, TexelHarmonics,
+};
 use azulejo_radiosity::sites::{
     IndirectGoal, SiteDirect, SiteLight, SiteStatistics, first_look, look_again, with_indirect,
 };
 use azulejo_radiosity::{IrradianceField, PairTargets, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Run};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Harmonics, IncidentDomain, Run};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;
@@ -14,7 +17,10 @@ const NOISE_SHARE: f64 = 0.85;
 /// Rays per point of the first look at the light.
 const FIRST_RAYS: u32 = 128;
 
-/// The same once the deadline has passed.
+/// Rays by which it is asked where the indirect light of a node comes from.
+const DIRECTION_RAYS: u32 = 64;
+
+/// Rays of the first look once the deadline has passed.
 const LATE_RAYS: u32 = 32;
 
 /// Looks after the first, each corrected by paths: what patches leak into the dark, and miss where it is
@@ -32,7 +38,7 @@ const DIRECT_ERROR: [f64; 2] = [1e-3, DEFAULT_ERROR];
 /// The light of all samples.
 pub struct SampleLight {
     /// What comes straight from lamps and lights.
-    pub direct: SiteDirect,
+    pub direct: DirectTexels,
     /// All that is baked, and direct light.
     pub all: Vec<SiteLight>,
     /// How it was computed.
@@ -47,6 +53,8 @@ pub struct IndirectLight<'a> {
     /// Most bounces, if they are limited.
     pub bounces: Option<u32>,
     pub error: f64,
+    /// Whether it is asked where direct light comes from.
+    pub is_directional: bool,
     /// Shared as that of `solved`.
     pub run: Run<'a>,
 }
@@ -61,18 +69,18 @@ impl IndirectLight<'_> {
         light: BakedLight,
         seed: u32,
     ) -> Result<SampleLight, SolveError> {
-        let gatherer = self.solved.gatherer();
         let (error, run) = (self.error, self.run);
-        let direct = azulejo_bake::direct(samples, atlas, gatherer, error, seed, run)?;
+        let gather = self.direct_gather(atlas, samples, seed);
+        let direct = azulejo_bake::direct(gather, error, run)?;
         let (all, texels) = match light {
             BakedLight::Direct => (
-                direct.light(),
+                direct.light.light(),
                 SiteStatistics {
                     sites: samples.samples.len(),
                     nodes: 0,
                 },
             ),
-            _ => self.of_texels(atlas, objects, (samples, &direct), seed)?,
+            _ => self.of_texels(atlas, objects, (samples, &direct.light), seed)?,
         };
         Ok(SampleLight {
             direct,
@@ -80,6 +88,22 @@ impl IndirectLight<'_> {
             texels,
             error,
         })
+    }
+
+    /// What gathers direct light.
+    fn direct_gather<'g>(
+        &'g self,
+        atlas: &'g Atlas,
+        samples: &'g Samples,
+        seed: u32,
+    ) -> DirectGather<'g> {
+        DirectGather {
+            samples,
+            atlas,
+            gatherer: self.solved.gatherer(),
+            is_directional: self.is_directional,
+            seed,
+        }
     }
 
     /// Indirect light with direct light of all samples: a first look at that of patches, others at the look before, and the last, to
@@ -144,17 +168,11 @@ impl IndirectLight<'_> {
         let (points, areas) = azulejo_bake::sample_points(samples);
         let light = (self.solved).split(&points, &areas, rays, LOOKS + 1)?;
         let error = light.relative_error.clamp(DIRECT_ERROR[0], DIRECT_ERROR[1]);
-        let direct = azulejo_bake::direct_from(
-            samples,
-            atlas,
-            self.solved.gatherer(),
-            (&light.direct, error),
-            seed,
-            self.run,
-        )?;
+        let gather = self.direct_gather(atlas, samples, seed);
+        let direct = azulejo_bake::direct_from(gather, (&light.direct, error), self.run)?;
         let indirect = light.indirect.iter().map(|e| (e.value, e.error));
         Ok(SampleLight {
-            all: direct.plus(indirect),
+            all: direct.light.plus(indirect),
             direct,
             texels: SiteStatistics {
                 sites: points.len(),
@@ -162,6 +180,24 @@ impl IndirectLight<'_> {
             },
             error,
         })
+    }
+
+    /// Adds to where direct light comes from, if that was asked for, where indirect light does, by rays that read
+    /// `field`.
+    pub fn add_directions(
+        &self,
+        harmonics: &mut TexelHarmonics,
+        samples: &Samples,
+        field: &TexelField,
+    ) -> Result<(), SolveError> {
+        if harmonics.is_empty() {
+            return Ok(());
+        }
+        let mut gather = |points: &[GatherPoint]| -> Result<Vec<Harmonics>, SolveError> {
+            let domain = IncidentDomain::Hemisphere;
+            (self.solved).harmonics(points, domain, DIRECTION_RAYS, Some(field), LOOKS + 3)
+        };
+        harmonics.add_indirect(samples, self.run, &mut gather)
     }
 
     /// The light at points between texels, from rays that read `field`.

@@ -81,6 +81,7 @@ pub fn bake_occlusion<'r>(
         azulejo_bake::fill(page);
     }
     Ok(Baked {
+        harmonics: None,
         atlas,
         objects,
         lightmap,

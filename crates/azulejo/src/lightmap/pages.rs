@@ -3,13 +3,18 @@
 use super::charts::Charts;
 use super::indirect::SampleLight;
 use super::{BakeOptions, BakedLight};
-use azulejo_bake::{BetweenTexels, Lightmap, Samples, SeamErrors, ShownSamples, TexelField};
+use azulejo_bake::{
+    BetweenTexels, DIRECTIONAL, DirectTexels, Lightmap, Samples, SeamErrors, ShownSamples,
+    TexelField, TexelHarmonics,
+};
 use azulejo_radiosity::SolveError;
 use azulejo_trace::{GatherPoint, Run};
 
 /// Pages with what is known of them.
 pub struct Pages {
     pub lightmap: Lightmap,
+    /// Where it comes from, if that is asked for.
+    pub harmonics: Option<Box<[Lightmap; DIRECTIONAL]>>,
     /// Differences along seams.
     pub seams: SeamErrors,
     /// Root mean square of what interpolation between texels misses, W/m².
@@ -29,13 +34,24 @@ impl Pages {
         let gatherer = charts.solved.gatherer();
         let surfaces = gatherer.surfaces();
         let SampleLight {
-            direct,
+            direct:
+                DirectTexels {
+                    light: direct,
+                    mut harmonics,
+                },
             all: mut light,
             error,
             ..
         } = light;
         let field = (options.light != BakedLight::Direct)
             .then(|| TexelField::new(atlas, samples, &light, &charts.objects, surfaces));
+        let indirect = charts.indirect(options, error, run);
+        if options.is_directional && options.light == BakedLight::Indirect {
+            harmonics = TexelHarmonics::none(light.len());
+        }
+        if let Some(field) = &field {
+            indirect.add_directions(&mut harmonics, samples, field)?;
+        }
         if options.light == BakedLight::Indirect {
             direct.take_from(&mut light);
         }
@@ -66,7 +82,6 @@ impl Pages {
             between_texels = between.add_direct(&mut lightmap, &rest, run)?;
         }
         if let Some(field) = &field {
-            let indirect = charts.indirect(options, error, run);
             let mut gather = |points: &[GatherPoint]| indirect.at(points, field);
             let missed = between.add_indirect(&mut lightmap, &rest, &mut gather)?;
             between_texels = between_texels.hypot(missed);
@@ -74,8 +89,19 @@ impl Pages {
         for page in &mut lightmap.pages {
             azulejo_bake::fill(page);
         }
+        let harmonics = options.is_directional.then(|| {
+            Box::new(harmonics.coefficients.map(|values| {
+                let mut pages = shown.lightmap(samples, &values);
+                for page in &mut pages.pages {
+                    azulejo_bake::pad_charts(page, options.charts.padding);
+                    azulejo_bake::fill(page);
+                }
+                pages
+            }))
+        });
         Ok(Pages {
             lightmap,
+            harmonics,
             seams,
             between_texels,
         })

@@ -55,7 +55,14 @@ pub fn edited(
         Convention::Plain | Convention::Occlusion => LightsMode::Keep,
         _ => edit.lights,
     };
-    let mut facts = json!({ "convention": name_of(edit.convention), "texCoord": set }).into();
+    let mut facts = json!({ "convention": name_of(edit.convention), "texCoord": set });
+    if edit.pages.iter().any(|page| !page.directions.is_empty()) {
+        facts["directions"] = true.into();
+    }
+    if let Some(content) = edit.content {
+        facts["content"] = content.into();
+    }
+    let mut facts = facts.into();
     let are_dark = lights::change(&mut additions.json, mode, &mut facts);
     let has_others = replaced.has_others() || edit.objects.iter().any(Option::is_none);
     let patched = mark::finished(additions, facts, notes)?;

@@ -3,6 +3,7 @@
 use super::super::material::{DEFAULT_REFLECTANCE, LEAST_TRANSMISSION};
 use super::assign::Placement;
 use super::json::Json;
+use super::materials::PageTextures;
 use super::types::{Convention, LightmapPage};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -11,8 +12,8 @@ use std::f64::consts::PI;
 pub struct MaterialLightmap<'l> {
     /// The picture.
     pub page: &'l LightmapPage,
-    /// Its texture.
-    pub texture: usize,
+    /// Its textures.
+    pub textures: &'l PageTextures,
     /// The set of texture coordinates.
     pub set: u32,
     /// How the coordinates are moved.
@@ -63,7 +64,7 @@ impl MaterialLightmap<'_> {
 
     /// The reference to the texture.
     fn texture(&self) -> Value {
-        let mut info = json!({ "index": self.texture, "texCoord": self.set });
+        let mut info = json!({ "index": self.textures.light, "texCoord": self.set });
         if let Some(Placement { offset, scale }) = self.placement {
             info["extensions"] = json!({ MOVED: { "offset": offset, "scale": scale } });
         }
@@ -79,6 +80,11 @@ impl MaterialLightmap<'_> {
             1.0
         };
         info["intensity"] = json!(self.page.intensity / divisor);
+        if !self.textures.directions.is_empty() {
+            let directions = self.textures.directions.iter();
+            let directions: Vec<Value> = directions.map(|t| json!({ "index": t })).collect();
+            info["extras"] = json!({ "azulejo": { "directions": directions } });
+        }
         material.key("extensions").key(MOZ).set(info);
     }
 

@@ -42,8 +42,15 @@ impl Lit {
 pub struct Textures<'l> {
     pages: &'l [LightmapPage],
     mipmaps: bool,
-    known: HashMap<u32, usize>,
+    known: HashMap<u32, PageTextures>,
     sampler: Option<usize>,
+}
+
+/// The textures of a page: that of its light, and those of where it comes from.
+#[derive(Clone, Debug)]
+pub struct PageTextures {
+    pub light: usize,
+    pub directions: Vec<usize>,
 }
 
 impl<'l> Textures<'l> {
@@ -62,10 +69,10 @@ impl<'l> Textures<'l> {
         &mut self,
         page: u32,
         additions: &mut Additions,
-    ) -> Option<(&'l LightmapPage, usize)> {
+    ) -> Option<(&'l LightmapPage, PageTextures)> {
         let content = self.pages.get(page as usize)?;
-        if let Some(&known) = self.known.get(&page) {
-            return Some((content, known));
+        if let Some(known) = self.known.get(&page) {
+            return Some((content, known.clone()));
         }
         // Clamped, since a page does not go on beyond its edges; mipmaps only if the padding is made for them.
         let least = if self.mipmaps { 9987 } else { 9729 };
@@ -74,10 +81,20 @@ impl<'l> Textures<'l> {
         let sampler = self.sampler;
         let sampler = sampler.unwrap_or_else(|| additions.append("samplers", clamped));
         self.sampler = Some(sampler);
-        let texture = texture(content, sampler, additions);
-        let texture = additions.append("textures", texture);
-        self.known.insert(page, texture);
-        Some((content, texture))
+        let light = texture(content, sampler, additions);
+        let light = additions.append("textures", light);
+        let directions = content.directions.iter().enumerate().map(|(axis, png)| {
+            let name = format!("{}, direction {axis}", content.name);
+            let image = additions.image(&name, png, "image/png", "png");
+            additions.append(
+                "textures",
+                json!({ "sampler": sampler, "source": image, "name": name }),
+            )
+        });
+        let directions = directions.collect();
+        let textures = PageTextures { light, directions };
+        self.known.insert(page, textures.clone());
+        Some((content, textures))
     }
 }
 
@@ -180,13 +197,13 @@ impl MaterialUses {
             let old = material.and_then(|m| additions.source.json.entries("materials").get(m));
             let mut place = material.filter(|_| old.is_some() && !uses.contains(&None));
             for lit in uses.iter().flatten() {
-                let Some((page, texture)) = textures.of(lit.page, additions) else {
+                let Some((page, textures)) = textures.of(lit.page, additions) else {
                     continue;
                 };
                 let placement = lit.placement();
                 let look = MaterialLightmap {
                     page,
-                    texture,
+                    textures: &textures,
                     set,
                     placement,
                 };

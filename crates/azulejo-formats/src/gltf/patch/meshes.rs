@@ -88,10 +88,10 @@ impl<'w> Work<'w> {
     }
 
     /// Gives nodes their lightmap (`MX_lightmap`).
-    pub fn nodes(&self, set: u32, textures: &mut Textures, additions: &mut Additions) {
+    pub fn nodes(&self, set: u32, pages: &mut Textures, additions: &mut Additions) {
         for assignment in &self.assignments {
             let page = assignment.parts.first().map(|part| part.page);
-            let Some((page, texture)) = page.and_then(|page| textures.of(page, additions)) else {
+            let Some((page, textures)) = page.and_then(|page| pages.of(page, additions)) else {
                 continue;
             };
             let Placement { offset, scale } = match assignment.entry {
@@ -103,7 +103,7 @@ impl<'w> Work<'w> {
             };
             let node = additions.json.key("nodes").at(assignment.node);
             node.key("extensions").key("MX_lightmap").set(json!({
-                "lightMapTexture": { "index": texture, "texCoord": set },
+                "lightMapTexture": { "index": textures.light, "texCoord": set },
                 "offset": offset,
                 "scale": scale,
                 "intensity": page.intensity,

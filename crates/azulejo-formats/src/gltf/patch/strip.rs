@@ -98,6 +98,16 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
     if !what.is_empty() {
         gone.push(what.to_owned());
     }
+    let directions = [
+        "extensions",
+        "MOZ_lightmap",
+        "extras",
+        "azulejo",
+        "directions",
+    ];
+    if what.is_empty() && mark.get("directions").is_some() && !has("materials", &directions) {
+        gone.push("the directions of its light".to_owned());
+    }
     // Optimizers drop texture coordinates that no material refers to.
     if let Some(set) = mark.get("texCoord").and_then(Json::index) {
         let set = format!("TEXCOORD_{set}");

@@ -55,6 +55,8 @@ pub struct LightmapEdit<'a> {
     pub lights: LightsMode,
     /// Whether viewers may use smaller versions of the pictures (mipmaps), which needs wide padding.
     pub mipmaps: bool,
+    /// The key of what the lightmap was computed from, which the file keeps.
+    pub content: Option<&'a str>,
     /// What is written.
     pub output: Output<'a>,
 }
@@ -99,6 +101,8 @@ pub struct FoundLightmap {
     pub set: u32,
     /// Whether all that has coordinates has them in one set.
     pub is_one_set: bool,
+    /// The key of what the lightmap was computed from, if it says that.
+    pub content: Option<String>,
     /// For each object, parallel to the origins, the coordinates of its faces as they read the picture, and
     /// their pages: [`NO_PAGE`] where a face has none. `None` for objects without any. Coordinates are what
     /// the file says: any number, or none.
@@ -133,6 +137,10 @@ pub struct LightmapPage {
     pub intensity: f64,
     /// A PNG for viewers that cannot read a picture of another type.
     pub fallback: Option<Vec<u8>>,
+    /// PNG files of where the light comes from, linear, for [`Convention::Moz`]: G/φ from −1 to 1, of the vector
+    /// irradiance G and the scalar irradiance φ, in one picture of G's axes, or in three, one for each axis, of the
+    /// channels.
+    pub directions: Vec<Vec<u8>>,
 }
 
 /// The type of a picture.

@@ -31,6 +31,7 @@ pub fn edited(
 ) -> Result<PatchedFile, PatchError> {
     let layouts = layouts(scene, origins).map_err(|fault| source.refused(fault))?;
     let edit = LightmapEdit {
+        content: None,
         objects: &layouts,
         pages: &[],
         uvs: LightmapUvs::default(),

@@ -85,6 +85,7 @@ pub fn layouts(
 pub fn pages(count: u32) -> Vec<LightmapPage> {
     (0..count)
         .map(|i| LightmapPage {
+            directions: Vec::new(),
             name: format!("light \"{i}\""),
             picture: vec![i as u8; 5 + i as usize],
             media_type: MediaType::Png,
@@ -100,6 +101,7 @@ pub fn usual<'a>(
     pages: &'a [LightmapPage],
 ) -> LightmapEdit<'a> {
     LightmapEdit {
+        content: None,
         objects,
         pages,
         uvs: LightmapUvs::default(),
