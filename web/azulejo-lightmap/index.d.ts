@@ -31,6 +31,8 @@ export class LightmapPlugin {
 export interface RegisterLightmapsOptions {
     /** The address of the EXR beside the model, in place of the pictures in the model. */
     exr?: ExrOption<string>;
+    /** The class MaterialPluginBase of Babylon.js: normal maps then show where the light comes from. */
+    MaterialPluginBase?: any;
 }
 
 /** The class GLTFLoader of Babylon.js, as far as it is used. */

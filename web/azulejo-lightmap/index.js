@@ -42,6 +42,33 @@ function separate({ meshes = [], materials = [] }) {
     }
 }
 
+// The textures of where the light of a lightmap comes from (`bake --directional`): one for the x, y and z axis each, or
+// one for all channels of the light.
+function directionsOf(map) {
+    const known = map.extras?.azulejo?.directions ?? [];
+    return known.length === 3 || known.length === 1 ? known.map(({ index }) => ({ ...textureInfo(map), index })) : [];
+}
+
+// GLSL: by how much more a normal t receives than the normal n of the surface, where g is the vector irradiance over
+// the scalar irradiance. Light above the surface is taken as that of one direction, and an even sky beside it, which g
+// tells apart.
+const TILTED = `
+float azTilted(vec3 g, vec3 n, vec3 t) {
+  float c = dot(g, n) - .5;
+  vec3 r = g - .5 * n;
+  float s = clamp((c + sqrt(c * c + 3. * dot(r, r))) / 1.5, 0., 1.);
+  vec3 d = r + .5 * s * n;
+  float sun = s * max(dot(d, t), 0.) / max(length(d), 1e-4);
+  return (sun + (1. - s) * .25 * (1. + dot(t, n))) / max(c + .5, .05);
+}`;
+
+// GLSL: the factor for the channels of a lightmap, of normals n and t in the axes of glTF, by what is read of the
+// textures.
+function tilted([x, y, z]) {
+    const g = (k) => (y ? `vec3(${x}.${k}, ${y}.${k}, ${z}.${k})` : `${x}.rgb`);
+    return `vec3(${["r", "g", "b"].map((k) => `azTilted(2. * ${g(k)} - 1., azN, azT)`)})`;
+}
+
 // A function that says what the option `exr` has for a lightmap: itself, or what it returns, asked once for each
 // texture.
 function choice(exr) {
@@ -105,8 +132,34 @@ export class LightmapPlugin {
         material.lightMapIntensity = (light ? 1 : map.intensity ?? 1) * factor;
         // It would darken the baked light, which has been occluded already.
         material.aoMap = null;
+        const directions = material.normalMap || material.bumpMap ? directionsOf(map) : [];
+        if (directions.length) {
+            const load = (info) => parser.assignTexture({}, "map", info, "");
+            showRelief(material, await Promise.all(directions.map(load)));
+        }
         return material;
     }
+}
+
+// Lets a material with normals of its own, and its copies, show where the light of its lightmap comes from.
+function showRelief(material, textures) {
+    const { clone } = material;
+    material.clone = function () {
+        const copy = clone.call(this);
+        showRelief(copy, textures);
+        return copy;
+    };
+    material.customProgramCacheKey = () => `${NAME}${textures.length}`;
+    material.onBeforeCompile = (shader) => {
+        shader.uniforms.azDirections = { value: textures };
+        const texel = (_, k) => `texture2D(azDirections[${k}], vLightMapUv)`;
+        const chunk = "#include <lights_fragment_maps>";
+        shader.fragmentShader = shader.fragmentShader
+            .replace("void main() {", `uniform sampler2D azDirections[${textures.length}];${TILTED}\nvoid main() {`)
+            .replace(chunk, `${chunk}
+vec3 azN = inverseTransformDirection(nonPerturbedNormal, viewMatrix), azT = inverseTransformDirection(normal, viewMatrix);
+irradiance += lightMapIrradiance * (${tilted(textures.map(texel))} - 1.);`);
+    };
 }
 
 // A picture as EXRLoader has it, rows from the bottom, with the coordinates of another texture.
@@ -130,16 +183,69 @@ function placed(light, { channel, rotation, matrixAutoUpdate, center, offset, re
  * @param GLTFLoader That of `@babylonjs/loaders/glTF/2.0`, or `BABYLON.GLTF2.GLTFLoader`.
  * @param options `exr`: the address of the EXR beside the model, in place of the pictures in the model; or a function
  *     that returns it, or a promise of it, for the name and the index of a lightmap's texture. For null the picture in
- *     the model is taken.
+ *     the model is taken. `MaterialPluginBase`: the class of that name, with which normal maps show where the light
+ *     comes from.
  */
-export function registerLightmaps(GLTFLoader, { exr = null } = {}) {
+export function registerLightmaps(GLTFLoader, { exr = null, MaterialPluginBase = null } = {}) {
+    const showRelief = MaterialPluginBase && reliefOf(MaterialPluginBase);
     GLTFLoader.UnregisterExtension(NAME);
-    GLTFLoader.RegisterExtension(NAME, (loader) => new BabylonExtension(loader, exr));
+    GLTFLoader.RegisterExtension(NAME, (loader) => new BabylonExtension(loader, exr, showRelief));
+}
+
+// What lets a material with normals of its own show where the light of its lightmap comes from.
+function reliefOf(MaterialPluginBase) {
+    class Relief extends MaterialPluginBase {
+        constructor(material, textures) {
+            super(material, "AzulejoRelief", 200, { [`AZ_RELIEF${textures.length}`]: false });
+            this.textures = textures;
+            this._enable(true);
+        }
+
+        getClassName() {
+            return "AzulejoRelief";
+        }
+
+        prepareDefines(defines) {
+            defines[`AZ_RELIEF${this.textures.length}`] = true;
+        }
+
+        getActiveTextures(all) {
+            all.push(...this.textures);
+        }
+
+        isReadyForSubMesh() {
+            return this.textures.every((texture) => texture.isReadyOrNotBlocking());
+        }
+
+        getSamplers(samplers) {
+            samplers.push(...this.textures.map((_, k) => `azDirection${k}`));
+        }
+
+        bindForSubMesh(buffer) {
+            this.textures.forEach((texture, k) => buffer.setTexture(`azDirection${k}`, texture));
+        }
+
+        getCustomCode(type) {
+            const names = this.textures.map((_, k) => `azDirection${k}`);
+            const texels = names.map((name) => `texture2D(${name}, vLightmapUV)`);
+            // The loader has turned the axes of glTF, unless the scene is right-handed.
+            const axes = this._material.getScene().useRightHandedSystem ? "" : " * vec3(-1., 1., 1.)";
+            return type !== "fragment" ? null : {
+                CUSTOM_FRAGMENT_DEFINITIONS: names.map((name) => `uniform sampler2D ${name};`).join("") + TILTED,
+                CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `#ifdef LIGHTMAP
+vec3 azN = geometricNormalW${axes}, azT = normalW${axes};
+lightmapColor.rgb *= ${tilted(texels)};
+#endif`,
+            };
+        }
+    }
+    return (material, textures) => new Relief(material, textures);
 }
 
 class BabylonExtension {
-    constructor(loader, exr) {
+    constructor(loader, exr, showRelief) {
         this.name = NAME;
+        this.showRelief = showRelief;
         this.enabled = true;
         // Before KHR_materials_unlit, which asks no extension after it.
         this.order = 100;
@@ -184,6 +290,13 @@ class BabylonExtension {
         material.lightmapTexture = texture;
         material.useLightmapAsShadowmap = true;
         material.unlit = true;
+        const directions = this.showRelief && material.bumpTexture ? directionsOf(map) : [];
+        if (directions.length) {
+            const load = (info, k) => this.loader.loadTextureInfoAsync(`${context}/direction${k}`, info);
+            const textures = await Promise.all(directions.map(load));
+            textures.forEach((texture) => (texture.gammaSpace = false));
+            this.showRelief(material, textures);
+        }
     }
 }
 

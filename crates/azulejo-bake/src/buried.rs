@@ -5,8 +5,9 @@ use crate::solids::Solids;
 use azulejo_radiosity::sites::SiteLight;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::sampling::{cosine_about, hash, uniform};
+use azulejo_trace::sampling::{cosine_about, hash, uniform, uniform_sphere};
 use azulejo_trace::{KernelHit, KernelRay, Surfaces};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -84,6 +85,28 @@ fn share_inside(region: &Region, samples: &Samples, solids: &Solids, surfaces: &
         all += rays.len();
     }
     inside as f64 / f64::max(all as f64, 1.0)
+}
+
+/// For each point the share of directions in which it meets the inner side of a solid first.
+pub fn shares_inside(surfaces: &Surfaces, points: &[DVec3]) -> Vec<f64> {
+    let solids = Solids::of(surfaces.scene);
+    let of_point = |point: &DVec3| {
+        let direction = |k: u32| {
+            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[k, d, 0xb1e])));
+            surfaces
+                .tracer
+                .kernel_ray(&Ray::new(*point, uniform_sphere(u1, u2)))
+        };
+        let rays: Vec<KernelRay> = (0..RAYS).map(direction).collect();
+        let mut hits = Vec::new();
+        surfaces.tracer.closest(&rays, &mut hits);
+        let is_inside = |(ray, hit): &(&KernelRay, &KernelHit)| {
+            hit.is_hit() && solids.comes_from_inside(surfaces, ray, hit)
+        };
+        let inside = rays.iter().zip(&hits).filter(is_inside).count();
+        inside as f64 / f64::from(RAYS)
+    };
+    points.par_iter().map(of_point).collect()
 }
 
 fn ray(sample: &TexelSample, number: u32, k: u32, surfaces: &Surfaces) -> KernelRay {

@@ -92,7 +92,7 @@ impl DirectGather<'_> {
             let light = self.gatherer.direct(points, 1, self.seed);
             return light.iter().map(|l| (l.whole(), Vec::new())).collect();
         }
-        let (light, harmonics) = self.gatherer.direct_harmonics(points, 1, self.seed);
+        let (light, harmonics) = self.gatherer.direct_harmonics(points, 0..1, self.seed);
         let both = light.iter().zip(&harmonics);
         both.map(|(l, h)| (l.whole(), site_harmonics(h))).collect()
     }

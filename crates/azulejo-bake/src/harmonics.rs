@@ -10,11 +10,7 @@ pub const DIRECTIONAL: usize = 4;
 
 /// Texels along a side of the cells at whose nodes indirect light is gathered, as a power of two: it comes from
 /// about the same direction all over so small a place.
-const LEVEL: u32 = 2;
-
-/// The same where there would be more nodes than this.
-const COARSER_LEVEL: u32 = 3;
-const MANY_NODES: usize = 1 << 16;
+const LEVEL: u32 = 3;
 
 /// The first coefficients of what was gathered, each with its standard error, W/(sr·m²).
 pub(crate) fn site_harmonics(found: &Harmonics) -> Vec<SiteLight> {
@@ -74,15 +70,18 @@ impl TexelHarmonics {
         run: Run,
         gather: &mut dyn FnMut(&[GatherPoint]) -> Result<Vec<Harmonics>, E>,
     ) -> Result<(), E> {
-        let mut cells = TexelCells::of_level(samples, LEVEL);
-        if cells.nodes().len() > MANY_NODES {
-            cells = TexelCells::of_level(samples, COARSER_LEVEL);
-        }
+        let cells = TexelCells::of_level(samples, LEVEL);
         let points: Vec<GatherPoint> = cells.nodes().iter().map(|&n| cells.point(n)).collect();
         let found = gather(&points)?;
-        for k in 0..DIRECTIONAL {
-            let of_nodes: Vec<Gathered> = found.iter().map(|h| h.coefficients[k]).collect();
-            self.add(k, &interpolated_signed(cells.clone(), of_nodes, run)?);
+        let of_nodes = (0..DIRECTIONAL).map(|k| {
+            found
+                .iter()
+                .map(|h| h.coefficients[k])
+                .collect::<Vec<Gathered>>()
+        });
+        let coefficients = interpolated_signed(cells, of_nodes, run)?;
+        for (k, light) in coefficients.iter().enumerate() {
+            self.add(k, light);
         }
         Ok(())
     }

@@ -50,6 +50,7 @@ pub mod unwrap;
 mod unwrap_mesh;
 pub mod web_page;
 pub use atlas::Atlas;
+pub use buried::shares_inside;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{DirectGather, DirectTexels, direct, direct_from};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};

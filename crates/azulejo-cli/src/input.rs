@@ -19,7 +19,7 @@ use jiff::Timestamp;
 use std::path::{Path, PathBuf};
 
 /// The models to read.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct InputArgs {
     /// Model files, merged into one scene if several; `-` is standard input
     #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath,

@@ -1,5 +1,6 @@
 //! `probe`: irradiance at points, and radiance or hits along rays.
 
+mod grid;
 mod year;
 
 use super::clock::Clock;
@@ -15,7 +16,7 @@ use super::{input, pass, points, runner};
 use azulejo::output::Output;
 use azulejo_render::SecondPass;
 use azulejo_scene::Scene;
-use azulejo_scene::math::Ray;
+use azulejo_scene::math::{Aabb, Ray};
 use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
 use clap::{Args, ValueHint};
 use rayon::prelude::*;
@@ -31,7 +32,7 @@ pub struct ProbeArgs {
     #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
     pub normals: Option<PathBuf>,
     /// Output file: .npy (f64), or text with any other extension; `-` writes text to standard
-    /// output [default: `-`, or none with --json]
+    /// output [default: `-`, or none with --json]; with --year .csv or .npz, with --grid .json, .npz or .ktx2
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Option<PathBuf>,
     /// Sun and sky of all hours of --weather, at --points: the sum of the year as .csv, or the hours, too, as .npz
@@ -42,6 +43,11 @@ pub struct ProbeArgs {
           conflicts_with_all = ["time", "sun", "environment", "studio", "lights", "bounces", "error",
                                 "error_each"])]
     pub year: bool,
+    /// The box that --grid divides into cells, a probe in the middle of each, in scene units [default: that of the
+    /// scene]
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = grid::bounds, requires = "grid",
+          allow_hyphen_values = true)]
+    pub grid_box: Option<Aabb>,
     #[command(flatten)]
     pub part: PartArgs,
     #[command(flatten)]
@@ -61,6 +67,10 @@ pub struct ProbeSources {
     /// Radiance along rays: 8 little-endian f32 per ray (origin, tmin, direction, tmax)
     #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
     pub radiance: Option<PathBuf>,
+    /// Light around the points of a grid, as spherical harmonics of bands 0 to 2, for things that move through the
+    /// scene: .json, .npz, or .ktx2, an irradiance volume of Bevy
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = grid::resolution, requires = "output")]
+    pub grid: Option<[u32; 3]>,
     /// What rays hit: t, object, triangle, u, v; a miss is inf, -1, -1, 0, 0
     #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
     pub hits: Option<PathBuf>,
@@ -72,6 +82,7 @@ Examples:
   azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
   azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
   azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+  azulejo probe room.glb --grid 16,8,16 -o volume.json --error 2%
   azulejo probe room.obj --points roof.txt --weather munich.epw --year -o year.npz
 
 Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
@@ -110,6 +121,9 @@ impl ProbeResults {
 pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
     if let (true, Some(points)) = (args.year, &args.probes.points) {
         return year::run(args, points, &runner, session);
+    }
+    if let Some(resolution) = args.probes.grid {
+        return grid::run(args, resolution, &runner, session);
     }
     refuse_indivisible(args, &runner)?;
     let default = (!session.json()).then_some(Path::new("-"));

@@ -19,6 +19,7 @@ use azulejo_trace::{
     IncidentDomain, Run, RunStage, Termination, Tracer,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Points that are worked on together.
 const BATCH: usize = 256;
@@ -188,7 +189,31 @@ impl<'a> SolvedLight<'a> {
         )?)
     }
 
-    /// Indirect light that arrives at points from a domain, from `rays` rays at each that read `fine` light, or that
+    /// Direct light that arrives at points from all around, from these shadow rays per source and replicate.
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn direct_harmonics(
+        &self,
+        points: &[GatherPoint],
+        rays: Range<u32>,
+    ) -> Result<Vec<Harmonics>, Cancelled> {
+        let gatherer = self.gatherer();
+        self.run.progress.begin("direct light", points.len() as u64);
+        in_counted_batches(points, (HARMONIC_BATCH, BLOCK), self.run, |batch| {
+            let behind = |point: &GatherPoint| GatherPoint {
+                normal: -point.normal,
+                ..*point
+            };
+            let behind: Vec<GatherPoint> = batch.iter().map(behind).collect();
+            let sides =
+                [batch, &behind].map(|side| gatherer.direct_harmonics(side, rays.clone(), 0).1);
+            let both = sides[0].iter().zip(&sides[1]);
+            Ok(both.map(|(front, back)| front.plus(back)).collect())
+        })
+    }
+
+    /// Indirect light that arrives at points from a domain, from these rays of each that read `fine` light, or that
     /// of patches where there is none; where nothing is solved, and where bounces are limited, path traced.
     ///
     /// # Errors
@@ -197,7 +222,7 @@ impl<'a> SolvedLight<'a> {
         &self,
         points: &[GatherPoint],
         domain: IncidentDomain,
-        rays: u32,
+        rays: Range<u32>,
         fine: Option<&dyn IrradianceField>,
         seed: u32,
     ) -> Result<Vec<Harmonics>, SolveError> {
@@ -214,8 +239,8 @@ impl<'a> SolvedLight<'a> {
             Termination::Radiosity
         });
         let options = GatherOptions {
-            rays,
-            spent: 0,
+            rays: rays.end - rays.start,
+            spent: rays.start,
             seed: hash(&[self.solved.key(), 3, seed]),
             termination,
         };

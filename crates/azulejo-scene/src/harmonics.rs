@@ -37,9 +37,14 @@ pub fn real_harmonics(d: DVec3) -> [f64; HARMONICS] {
     ]
 }
 
+/// The band of a coefficient, 0 to 2.
+pub fn band(coefficient: usize) -> usize {
+    usize::from(coefficient > 0) + usize::from(coefficient > 3)
+}
+
 /// The factor by which a coefficient of radiance becomes one of irradiance: that of its band.
 pub fn cosine_factor(coefficient: usize) -> f64 {
-    COSINE_BANDS[usize::from(coefficient > 0) + usize::from(coefficient > 3)]
+    COSINE_BANDS[band(coefficient)]
 }
 
 /// Irradiance (W/m²) of a surface with a unit normal by the coefficients of the radiance around it (W/(sr·m²)). Bands

@@ -71,6 +71,22 @@ pub fn polygon_vector(point: DVec3, polygon: &[DVec3]) -> DVec3 {
     }
 }
 
+/// Solid angle of a polygon, seen from a point outside of it, sr; zero if the coordinates are not finite.
+///
+/// Van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983.
+pub fn solid_angle(point: DVec3, polygon: &[DVec3]) -> f64 {
+    let toward = |corner: &DVec3| (*corner - point).normalize_or_zero();
+    let Some((first, rest)) = polygon.split_first() else {
+        return 0.0;
+    };
+    let (a, mut sum) = (toward(first), 0.0);
+    for edge in rest.windows(2) {
+        let [b, c] = [toward(&edge[0]), toward(&edge[1])];
+        sum += 2.0 * f64::atan2(a.dot(b.cross(c)), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    }
+    if sum.is_finite() { sum.abs() } else { 0.0 }
+}
+
 /// Whether `point` lies on the front side of the plane of `polygon`, by more than rounding.
 ///
 /// False for a polygon without area and for coordinates that are not finite.

@@ -211,6 +211,14 @@ pub fn cosine_hemisphere(u1: f64, u2: f64) -> DVec3 {
     DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 
+/// Samples a direction with even density over the sphere.
+pub fn uniform_sphere(u1: f64, u2: f64) -> DVec3 {
+    let z = 1.0 - 2.0 * u1;
+    let (sin, cos) = (std::f64::consts::TAU * u2).sin_cos();
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    DVec3::new(r * cos, r * sin, z)
+}
+
 /// Samples a direction about the unit normal of `frame` with density cos θ/π.
 pub fn cosine_about(frame: &Frame, u1: f64, u2: f64) -> DVec3 {
     frame.to_world(cosine_hemisphere(u1, u2))

@@ -36,6 +36,7 @@ pub mod machine;
 pub mod models;
 pub mod output;
 pub mod periods;
+pub mod probe_grid;
 pub mod recipe;
 pub mod spelling;
 pub mod surroundings;

@@ -20,17 +20,18 @@ Examples:
   azulejo bake level.glb -o shop.glb --as emissive
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
+  azulejo bake --verify baked.glb level.glb --size 1024 --error 1%
 
 A glTF file keeps everything that does not have to change; `--strip` restores it. Other models are \
 written as glTF.";
 
 /// `bake`
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct BakeArgs {
     /// Output file: .glb, .gltf (with its pictures beside it), or .html, a page that shows the model with
     /// its light in any browser
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
-          required_unless_present_any = ["lightmap", "check"])]
+          required_unless_present_any = ["lightmap", "check", "verify"])]
     pub output: Option<PathBuf>,
     /// Write a page that shows the model, whatever the extension of the output
     #[arg(long, requires = "output", conflicts_with_all = ["strip", "check"])]
@@ -43,6 +44,13 @@ pub struct BakeArgs {
     /// coordinates for one; with --lightmap, also compare the image in the file with that one
     #[arg(long, conflicts_with_all = ["strip", "output", "part"])]
     pub check: bool,
+    /// Only say whether the lightmap of the first file is up to date: exit status 1 if its geometry, materials or
+    /// lights have changed since it was baked
+    ///
+    /// With further models, whether it is what these and the options of the command would give, such as in checks of
+    /// a repository.
+    #[arg(long, conflicts_with_all = ["strip", "output", "part", "check", "lightmap", "error_map"])]
+    pub verify: bool,
     #[command(flatten)]
     pub part: PartArgs,
     #[command(flatten)]

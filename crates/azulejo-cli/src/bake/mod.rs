@@ -7,6 +7,7 @@ mod page;
 mod pictures;
 mod report;
 mod source;
+mod stale;
 mod verdict;
 mod work;
 mod written;
@@ -21,13 +22,16 @@ use azulejo::lightmap::Baked;
 use azulejo::output::Output;
 pub use source::read_file;
 use work::BakeWork;
-use written::BakeOutputs;
+use written::{BakeOutputs, WrittenPlaces};
 
 /// Error beside the requested one up to which that counts as reached.
 const TOLERATED: f64 = 1.2;
 
 /// Runs `bake --check`: the report, and whether all is well.
 pub use check::run as check;
+
+/// Runs `bake --verify`: the report, and whether the lightmap is up to date.
+pub use stale::run as verify;
 
 /// Bakes the lightmap, or a part of it, and writes it.
 pub fn run(args: &BakeArgs, runner: Runner, session: &mut Session) -> Result<Report, Failure> {
@@ -52,6 +56,7 @@ pub fn run(args: &BakeArgs, runner: Runner, session: &mut Session) -> Result<Rep
         return Ok(summary);
     };
     let (mut baked, rest) = (baked.value, baked.rest);
+    let content = work.content().to_string();
     let options = work.into_options();
     source.turn_to_light(&mut baked).map_err(Failure::failed)?;
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
@@ -62,7 +67,11 @@ pub fn run(args: &BakeArgs, runner: Runner, session: &mut Session) -> Result<Rep
              texels than sharper shadows gain",
         );
     }
-    let places = (uvs, options.charts.padding);
+    let places = WrittenPlaces {
+        uvs,
+        padding: options.charts.padding,
+        content,
+    };
     outputs.write(args, &source, &baked, places, session, &mut summary)?;
     rest.finish(&mut summary);
     Ok(summary)

@@ -2,7 +2,7 @@
 
 use super::args::{BakeArgs, DoubleSidedArg, TexelArgs};
 use super::coordinates;
-use crate::content_key::ContentHasher;
+use crate::content_key::{ContentHasher, shown};
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
 use crate::pass;
@@ -14,10 +14,12 @@ use azulejo::lightmap::{
     BakeError, BakeOptions, BakeSource, Baked, BakedSides, Coordinates, bake, bake_occlusion,
 };
 use azulejo::surroundings::STUDIO_FLOOR;
+use azulejo_factors::Engine;
 use azulejo_formats::gltf::patch::LightmapUvs;
 use azulejo_radiosity::FirstPass;
 use azulejo_scene::Scene;
 use azulejo_trace::{Blocks, Tracer};
+use std::fmt;
 use std::path::Path;
 
 /// Size of pages where none is given, and where the density is.
@@ -29,6 +31,21 @@ const OCCLUSION_DISTANCE: f64 = 0.1;
 
 /// Texels per length of the floor of a studio, relative to those of the model: it is far larger.
 const STUDIO_DENSITY: f64 = 0.25;
+
+/// What a lightmap is computed from, as keys.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BakeContent {
+    /// Of geometry, materials and lights.
+    pub scene: String,
+    /// Of the options.
+    pub settings: String,
+}
+
+impl fmt::Display for BakeContent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.scene, self.settings)
+    }
+}
 
 /// A lightmap to be computed.
 pub struct BakeWork<'a> {
@@ -110,6 +127,23 @@ impl<'a> BakeWork<'a> {
         })
     }
 
+    /// What the lightmap is computed from, whatever machine does it: without the kernel and the version of the program,
+    /// which change no more than the noise.
+    pub fn content(&self) -> BakeContent {
+        let plain = FirstPass {
+            engine: Engine::Auto,
+            memory: 0,
+            ..self.options.pass.clone()
+        };
+        let mut settings = ContentHasher::new();
+        settings.add(&format!("{plain:?}"));
+        self.add_settings(&mut settings);
+        BakeContent {
+            scene: shown(&ContentHasher::new().add(&self.source.scene).key()),
+            settings: shown(&settings.key()),
+        }
+    }
+
     /// How it was computed.
     pub fn into_options(self) -> BakeOptions {
         self.options
@@ -130,17 +164,26 @@ impl<'a> BakeWork<'a> {
 
     /// What its blocks depend on.
     fn key(&self) -> WorkKey {
+        let light = pass::work_key(&self.source.scene, &self.tracer, &self.options.pass, &[]);
+        let mut settings = ContentHasher::new();
+        settings.add(&light.settings);
+        self.add_settings(&mut settings);
+        WorkKey {
+            settings: settings.key(),
+            ..light
+        }
+    }
+
+    /// Adds all options but those of the first pass.
+    fn add_settings(&self, settings: &mut ContentHasher) {
         let options = &self.options;
-        let light = pass::work_key(&self.source.scene, &self.tracer, &options.pass, &[]);
         // Coordinates are many numbers, and those of the first pass are in the other key.
         let plain = BakeOptions {
             pass: FirstPass::default(),
             coordinates: Coordinates::New,
             ..options.clone()
         };
-        let mut settings = ContentHasher::new();
         settings
-            .add(&light.settings)
             .add("lightmap")
             .add(&format!("{plain:?}"))
             .add(&self.source.receivers)
@@ -152,10 +195,6 @@ impl<'a> BakeWork<'a> {
             }
             Coordinates::Repacked(of_objects) => add_layouts(of_objects, settings.add("repacked")),
         };
-        WorkKey {
-            settings: settings.key(),
-            ..light
-        }
     }
 }
 

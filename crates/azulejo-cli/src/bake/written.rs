@@ -27,6 +27,16 @@ enum OutputKind {
     Page,
 }
 
+/// What files have beside pictures.
+pub struct WrittenPlaces {
+    /// Where texture coordinates are.
+    pub uvs: LightmapUvs,
+    /// Texels around charts.
+    pub padding: u32,
+    /// What the lightmap was computed from.
+    pub content: String,
+}
+
 /// Checked outputs of a command.
 pub struct BakeOutputs {
     main: Option<(Output, OutputKind)>,
@@ -85,7 +95,7 @@ impl BakeOutputs {
         args: &BakeArgs,
         source: &BakeSource,
         baked: &Baked,
-        (uvs, padding): (LightmapUvs, u32),
+        places: WrittenPlaces,
         session: &mut Session,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -131,8 +141,9 @@ impl BakeOutputs {
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
-                let pictures = pictures::pictures(args, source, baked, padding, session, report)?;
-                let patched = patched((output, *kind), args, source, baked, &pictures, uvs)?;
+                let pictures =
+                    pictures::pictures(args, source, baked, places.padding, session, report)?;
+                let patched = patched((output, *kind), args, source, baked, &pictures, &places)?;
                 patched.notes.iter().for_each(|note| session.note(note));
                 if patched.leaves_dark {
                     session.note(
@@ -236,19 +247,19 @@ fn patched(
     source: &BakeSource,
     baked: &Baked,
     pictures: &Pictures,
-    uvs: LightmapUvs,
+    places: &WrittenPlaces,
 ) -> Result<PatchedFile, Failure> {
     let stem = output.path().file_stem().unwrap_or_default();
     let picture = |receiver: usize, t: usize| pictures.of_triangles[receiver][t];
     let edit = LightmapEdit {
         objects: &source.layouts_in(baked, picture),
         pages: &pictures.pages,
-        uvs,
+        uvs: places.uvs,
         instances: args.files.instances.written(),
         convention: args.convention().written(),
         lights: lights(args),
         mipmaps: args.texels.mips > 0,
-        content: None,
+        content: Some(&places.content),
         output: patch::Output {
             container: match kind {
                 OutputKind::Json => Container::Json,

@@ -209,6 +209,11 @@ fn run(cli: Cli, started: Started) -> Result<(), Failure> {
             session.print(report)?;
             return end;
         }
+        Command::Bake(args) if args.verify => {
+            let (report, end) = bake::verify(args, &mut session)?;
+            session.print(report)?;
+            return end;
+        }
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Merge(args) => {
             let plan = MergePlan::open(args, &mut session)?;

@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 use ruzstd::decoding::StreamingDecoder;
 use std::io::Read;
 
-pub use super::ktx2_writer::{Ktx2Texels, write};
+pub use super::ktx2_writer::{Ktx2Texels, write, write_volume};
 
 /// The 12 bytes of all files.
 pub(super) const START: &[u8; 12] = b"\xabKTX 20\xbb\r\n\x1a\n";

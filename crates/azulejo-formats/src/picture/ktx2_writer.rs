@@ -73,22 +73,51 @@ pub fn write(
             None => break,
         }
     }
-    let data: Vec<Vec<u8>> = images.iter().map(|level| texels.bytes(level)).collect();
+    let data = images.iter().map(|level| texels.bytes(level)).collect();
+    write_levels([image.width, image.height, 0], "rd", texels, data, out)
+}
+
+/// Writes a volume of linear light, whose layers are pictures of equal size, as [`write`] does, in one size.
+///
+/// # Errors
+/// Errors of `out`.
+///
+/// # Panics
+/// If a picture does not have `width × height` pixels, or the size of another.
+pub fn write_volume(layers: &[Image], texels: Ktx2Texels, out: &mut dyn Write) -> io::Result<()> {
+    let size = layers.first().map_or([0, 0], |l| [l.width, l.height]);
+    let mut data = Vec::new();
+    for layer in layers {
+        assert_whole(layer);
+        assert_eq!([layer.width, layer.height], size, "layers of one size");
+        data.extend(texels.bytes(layer));
+    }
+    let size = [size[0], size[1], layers.len() as u32];
+    write_levels(size, "rdi", texels, vec![data], out)
+}
+
+/// Writes a file of these levels; a depth of 0 is that of a picture.
+fn write_levels(
+    [width, height, depth]: [u32; 3],
+    orientation: &str,
+    texels: Ktx2Texels,
+    data: Vec<Vec<u8>>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let descriptor = texels.descriptor();
-    let words = key_values(&[("KTXorientation", "rd"), ("KTXwriter", "azulejo")]);
+    let words = key_values(&[("KTXorientation", orientation), ("KTXwriter", "azulejo")]);
     let described = HEADER + LEVEL * data.len();
     let named = described + descriptor.len();
     let first = (named + words.len()).next_multiple_of(texels.size());
     let mut file = START.to_vec();
-    let size = [image.width, image.height];
     let count = data.len() as u32;
-    // No depth, no layers, one face, no compression around the texels.
+    // No layers, one face, no compression around the texels.
     let fields = [
         texels.format(),
         texels.type_size(),
-        size[0],
-        size[1],
-        0,
+        width,
+        height,
+        depth,
         0,
         1,
         count,
@@ -403,6 +432,31 @@ mod tests {
         assert_eq!(texel, shared_exponent([2.5, 1.0, 0.0]));
         assert_eq!(read(&file).unwrap().pixels, image.pixels);
         assert_eq!(halved(&Image::new(1, 1)), None);
+    }
+
+    /// Layers follow each other, and the file says how many there are.
+    #[test]
+    fn volumes() {
+        let layer = |value: f32| Image::opaque(2, 1, vec![[value; 3], [2.0 * value; 3]]);
+        let mut file = Vec::new();
+        write_volume(
+            &[layer(1.0), layer(4.0), layer(16.0)],
+            Ktx2Texels::Half,
+            &mut file,
+        )
+        .unwrap();
+        let header: Vec<u8> = [2u32, 1, 3]
+            .into_iter()
+            .flat_map(u32::to_le_bytes)
+            .collect();
+        assert_eq!(file[20..32], header);
+        let half = |at: usize| u16::from_le_bytes(file[at..at + 2].try_into().unwrap());
+        let start = file.len() - 6 * 8;
+        let red: Vec<u16> = (0..6).map(|texel| half(start + 8 * texel)).collect();
+        let expected = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0].map(|v| f16::from_f32(v).to_bits());
+        assert_eq!(red, expected);
+        // The first layer is the picture that readers of pictures see.
+        assert_eq!(read(&file).unwrap().pixels, layer(1.0).pixels);
     }
 
     #[test]

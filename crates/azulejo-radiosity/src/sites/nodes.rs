@@ -309,6 +309,13 @@ impl<'a, C: SiteCells> Nodes<'a, C> {
         Ok(light)
     }
 
+    /// The light of all sites from that of the nodes.
+    fn between(&mut self, of_nodes: Vec<Gathered>, run: Run) -> Result<Vec<SiteLight>, Cancelled> {
+        self.light = of_nodes.into_iter().map(NodeLight::from).collect();
+        let errors = self.interpolation_errors(run)?;
+        self.interpolated(&errors, run)
+    }
+
     fn site_light(
         &self,
         site: u32,
@@ -351,31 +358,23 @@ pub fn interpolated_direct<C: SiteCells>(
     of_nodes: Vec<Gathered>,
     run: Run,
 ) -> Result<Vec<SiteLight>, Cancelled> {
-    interpolated_of(cells, of_nodes, false, run)
+    let none = SiteDirect::none(cells.site_count());
+    Nodes::new(&none, cells).between(of_nodes, run)
 }
 
-/// Any values of all sites, also below zero, in place of irradiance, from those at the nodes of cells.
+/// Several values of all sites, also below zero, in place of irradiance, from those at the nodes of cells.
 ///
 /// # Errors
 /// The caller cancelled.
 pub fn interpolated_signed<C: SiteCells>(
     cells: C,
-    of_nodes: Vec<Gathered>,
+    values: impl Iterator<Item = Vec<Gathered>>,
     run: Run,
-) -> Result<Vec<SiteLight>, Cancelled> {
-    interpolated_of(cells, of_nodes, true, run)
-}
-
-fn interpolated_of<C: SiteCells>(
-    cells: C,
-    of_nodes: Vec<Gathered>,
-    is_signed: bool,
-    run: Run,
-) -> Result<Vec<SiteLight>, Cancelled> {
+) -> Result<Vec<Vec<SiteLight>>, Cancelled> {
     let none = SiteDirect::none(cells.site_count());
     let mut nodes = Nodes::new(&none, cells);
-    nodes.is_signed = is_signed;
-    nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
-    let errors = nodes.interpolation_errors(run)?;
-    nodes.interpolated(&errors, run)
+    nodes.is_signed = true;
+    values
+        .map(|of_nodes| nodes.between(of_nodes, run))
+        .collect()
 }

@@ -103,9 +103,14 @@ impl<'a> Direct<'a> {
         // Trace the shadow rays of all points together.
         let tests = self.test_terms(points, &terms, &shadow_rays, seed);
         for (term, tests) in terms.iter().zip(&tests) {
-            let sum = &mut sums[term.point as usize];
+            let at = term.point as usize;
+            let sum = &mut sums[at];
+            let cap = self.cap_of(term, &points[at]);
             if term.is_delta() {
-                sum.lights += term.full * term.visible_share(tests, 0);
+                let light = term.full * term.visible_share(tests, 0);
+                self.incident
+                    .add_cap(at, 0..REPLICATES, light, cap.as_ref());
+                sum.lights += light;
                 continue;
             }
             let sum = if term.is_sun() {
@@ -119,7 +124,9 @@ impl<'a> Direct<'a> {
                 *sum += if term.is_rough() {
                     term.radiance * tests.visible[r] * share
                 } else {
-                    term.full * term.visible_share(tests, r)
+                    let light = term.full * term.visible_share(tests, r);
+                    self.incident.add_cap(at, r..r + 1, light, cap.as_ref());
+                    light
                 };
             }
         }
@@ -337,13 +344,12 @@ impl<'a> Direct<'a> {
             of_term.weights[replicate] += test.weight;
             of_term.visible[replicate] += share * test.weight;
             let term = &terms[test.tag as usize];
-            let light = term.unbiased(test.weight / f64::from(of_term.samples)) * share;
-            let replicates = if term.is_delta() {
-                0..REPLICATES
-            } else {
-                replicate..replicate + 1
-            };
-            incident.add(term.point as usize, replicates, light, (tracer, ray));
+            // Where formulas know the irradiance, they know where it comes from.
+            if term.is_rough() {
+                let light = term.radiance * share * (test.weight / f64::from(of_term.samples));
+                let replicates = replicate..replicate + 1;
+                incident.add(term.point as usize, replicates, light, (tracer, ray));
+            }
         });
         term_tests
     }

@@ -5,18 +5,20 @@
 //! that counts little for irradiance and much here, would have no finite variance.
 
 use super::collector::Collector;
-use super::direct::ShadowRays;
+use super::direct::{Direct, ShadowRays};
+use super::terms::{Target, Term};
 use super::{
     DiffuseLight, DirectLight, GatherOptions, GatherPoint, Gathered, Gatherer, REPLICATES,
 };
 use crate::follow::{Path, Scratch};
-use crate::sampling::{hash, seeds, sobol};
+use crate::lambert::{clip, polygon_vector, solid_angle};
+use crate::sampling::{hash, seeds, sobol, uniform_sphere};
 use crate::{KernelRay, Tracer};
 use azulejo_scene::Rgb;
-use azulejo_scene::harmonics::{HARMONICS, real_harmonics};
+use azulejo_scene::harmonics::{HARMONICS, band, real_harmonics};
 use azulejo_scene::math::{Frame, Ray};
 use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::ops::Range;
 
 /// Cosine below which light of a sample is left out: there is next to none, and dividing by it would lose all digits.
@@ -54,6 +56,19 @@ impl Harmonics {
         self.coefficients.map(|c| c.mean())
     }
 
+    /// Adds light of which this is ∫ L dω, of a cap, to some of the replicates.
+    fn add_cap(&mut self, replicates: Range<usize>, light: Rgb, cap: &LightCap) {
+        let m = cap.concentration;
+        let of_bands = [1.0, m, m * (2.0 * m - 1.0)];
+        let harmonics = real_harmonics(cap.direction);
+        for (k, (coefficient, y)) in self.coefficients.iter_mut().zip(harmonics).enumerate() {
+            let factor = y * of_bands[band(k)];
+            for replicate in &mut coefficient.replicates[replicates.clone()] {
+                *replicate += light * factor;
+            }
+        }
+    }
+
     /// Adds ∫ L dω of light from a unit direction to some of the replicates.
     fn add(&mut self, replicates: Range<usize>, light: Rgb, direction: DVec3) {
         for (coefficient, y) in self.coefficients.iter_mut().zip(real_harmonics(direction)) {
@@ -71,6 +86,70 @@ pub enum IncidentDomain {
     Hemisphere,
     /// All around.
     Sphere,
+}
+
+/// Where the light of a source comes from at a point, as that of a cap of even radiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LightCap {
+    /// Its middle, a unit direction.
+    direction: DVec3,
+    /// Scalar irradiance ∫ L dω over irradiance.
+    scalar: f64,
+    /// Length of the vector irradiance over the scalar one, m: 1 for a point, and (1 + cos α)/2 for a cap of half angle α.
+    /// Means over the cap of the Legendre polynomials P₁ and P₂ are m and m (2m − 1).
+    concentration: f64,
+}
+
+impl LightCap {
+    /// A point in a unit direction that the surface sees.
+    fn point(direction: DVec3, normal: DVec3) -> Option<LightCap> {
+        let cos = direction.dot(normal);
+        (cos > LEAST_COSINE).then(|| LightCap {
+            direction,
+            scalar: 1.0 / cos,
+            concentration: 1.0,
+        })
+    }
+
+    /// A flat source that faces the point: bands 0 and 1 are exact, and band 2 is that of a disc that has these.
+    fn polygon(point: &GatherPoint, polygon: &[DVec3]) -> Option<LightCap> {
+        let above = clip(polygon, point.position, point.normal);
+        let vector = PI * polygon_vector(point.position, &above);
+        let solid_angle = solid_angle(point.position, &above);
+        let irradiance = vector.dot(point.normal);
+        let is_seen = irradiance > LEAST_COSINE * solid_angle && solid_angle > 0.0;
+        is_seen.then(|| LightCap {
+            direction: vector.normalize_or_zero(),
+            scalar: solid_angle / irradiance,
+            concentration: (vector.length() / solid_angle).min(1.0),
+        })
+    }
+}
+
+impl Direct<'_> {
+    /// Where the light of a term comes from, if that is asked for and formulas know it.
+    pub(super) fn cap_of(&self, term: &Term, point: &GatherPoint) -> Option<LightCap> {
+        if self.incident.sums.is_empty() || term.is_rough() {
+            return None;
+        }
+        let toward = |place: DVec3| {
+            let direction = (place - point.position).normalize_or_zero();
+            LightCap::point(direction, point.normal)
+        };
+        match &term.target {
+            Target::Flat(k) => {
+                let lamp = &self.lights.flat()[*k as usize];
+                LightCap::polygon(point, &lamp.toward(point.position))
+            }
+            Target::Image { seen, .. } => LightCap::polygon(point, seen),
+            Target::Delta(place) | Target::DeltaImage { image: place, .. } => toward(*place),
+            Target::Sun(k) => {
+                let sun = &self.lights.outside.suns[*k as usize];
+                LightCap::point(sun.toward(), point.normal)
+            }
+            Target::Curved(_) | Target::SunImage { .. } => None,
+        }
+    }
 }
 
 /// Sums where the direct light of points comes from, if that is asked for.
@@ -107,6 +186,19 @@ impl IncidentSums {
         }
     }
 
+    /// Adds irradiance of some replicates that comes from a cap.
+    pub fn add_cap(
+        &mut self,
+        point: usize,
+        replicates: Range<usize>,
+        irradiance: Rgb,
+        cap: Option<&LightCap>,
+    ) {
+        if let (Some(sum), Some(cap)) = (self.sums.get_mut(point), cap) {
+            sum.add_cap(replicates, irradiance * cap.scalar, cap);
+        }
+    }
+
     /// What was found.
     pub fn into_sums(self) -> Vec<Harmonics> {
         self.sums
@@ -114,14 +206,15 @@ impl IncidentSums {
 }
 
 impl Gatherer<'_> {
-    /// [`direct`](Gatherer::direct) with the directions of the light, from the hemisphere of each point.
+    /// [`direct`](Gatherer::direct) with the directions of the light, from the hemisphere of each point, by these of the
+    /// shadow rays per replicate and source.
     pub fn direct_harmonics(
         &self,
         points: &[GatherPoint],
-        rays: u32,
+        rays: Range<u32>,
         seed: u32,
     ) -> (Vec<DirectLight>, Vec<Harmonics>) {
-        self.with_incident(points, ShadowRays::Own(0..rays), seed)
+        self.with_incident(points, ShadowRays::Own(rays), seed)
     }
 
     /// [`direct_at_near`](Gatherer::direct_at_near) with the directions of the light.
@@ -188,14 +281,11 @@ impl Gatherer<'_> {
             let [s0, s1, ..] = seeds(&[options.seed, point.key, 0x5b4]);
             let first = options.spent;
             (first..first + rays as u32).map(move |k| {
-                let u = f64::from(sobol(k, 0, s0));
-                let z = match domain {
-                    IncidentDomain::Hemisphere => 1.0 - u,
-                    IncidentDomain::Sphere => 1.0 - 2.0 * u,
-                };
-                let (sin, cos) = (TAU * f64::from(sobol(k, 1, s1))).sin_cos();
-                let r = (1.0 - z * z).max(0.0).sqrt();
-                frame.to_world(DVec3::new(r * cos, r * sin, z))
+                let [u1, u2] = [sobol(k, 0, s0), sobol(k, 1, s1)].map(f64::from);
+                frame.to_world(match domain {
+                    IncidentDomain::Hemisphere => uniform_sphere(0.5 * u1, u2),
+                    IncidentDomain::Sphere => uniform_sphere(u1, u2),
+                })
             })
         };
         points.iter().flat_map(of_point).collect()

@@ -18,7 +18,7 @@ const NOISE_SHARE: f64 = 0.85;
 const FIRST_RAYS: u32 = 128;
 
 /// Rays by which it is asked where the indirect light of a node comes from.
-const DIRECTION_RAYS: u32 = 64;
+const DIRECTION_RAYS: u32 = 128;
 
 /// Rays of the first look once the deadline has passed.
 const LATE_RAYS: u32 = 32;
@@ -195,7 +195,7 @@ impl IndirectLight<'_> {
         }
         let mut gather = |points: &[GatherPoint]| -> Result<Vec<Harmonics>, SolveError> {
             let domain = IncidentDomain::Hemisphere;
-            (self.solved).harmonics(points, domain, DIRECTION_RAYS, Some(field), LOOKS + 3)
+            (self.solved).harmonics(points, domain, 0..DIRECTION_RAYS, Some(field), LOOKS + 3)
         };
         harmonics.add_indirect(samples, self.run, &mut gather)
     }

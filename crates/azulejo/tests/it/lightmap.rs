@@ -26,6 +26,7 @@ pub fn options(size: u32, error: f64) -> BakeOptions {
             ..FirstPass::default()
         },
         coordinates: Coordinates::New,
+        is_directional: false,
         densities: Vec::new(),
         follows_light: false,
         light: BakedLight::Total,

@@ -1,6 +1,7 @@
 //! Both passes together.
 
 mod atlases;
+mod directional;
 mod glossy;
 mod instances;
 mod lightmap;

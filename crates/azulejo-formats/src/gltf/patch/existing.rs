@@ -78,9 +78,6 @@ fn read(
         Ok(FoundLightmap {
             is_named,
             is_own: mark.is_some_and(|mark| !strip::is_of_vertices(mark)),
-            content: mark
-                .and_then(|mark| mark.get("content")?.text())
-                .map(|text| text.into_owned()),
             set: reader.sets.iter().copied().max().unwrap_or(USUAL_SET),
             is_one_set: reader.sets.len() <= 1,
             objects,

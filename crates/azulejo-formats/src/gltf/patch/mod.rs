@@ -45,7 +45,7 @@ mod work;
 
 pub use error::PatchError;
 pub use existing::{coordinates, found_lightmap};
-pub use strip::{lost, strip};
+pub use strip::{content, lost, strip};
 pub use types::{
     Container, Convention, FoundLightmap, FoundPage, GltfFile, InstanceMode, LightmapEdit,
     LightmapPage, LightmapUvs, LightsMode, MediaType, NO_PAGE, ObjectLayout, Output, PatchedFile,

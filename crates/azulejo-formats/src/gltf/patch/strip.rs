@@ -131,6 +131,20 @@ pub fn lost(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
     Ok(Some(message + ": compress first, then bake"))
 }
 
+/// What azulejo's lightmap in a file says that it was computed from ([`LightmapEdit::content`](super::LightmapEdit)).
+///
+/// # Errors
+/// Files that are not glTF.
+pub fn content(bytes: &[u8], name: &str) -> Result<Option<String>, PatchError> {
+    let parts = Parts::of(bytes, name)?;
+    let json = Json::parse(parts.text, 2 * MOST_LEVELS);
+    let json = json.map_err(|found| PatchError::of(name, found))?;
+    let content = json
+        .find(&MARK)
+        .and_then(|mark| mark.get("content")?.text());
+    Ok(content.map(|text| text.into_owned()))
+}
+
 /// Whether a mark is that of light on vertices.
 pub fn is_of_vertices(mark: &Json) -> bool {
     let convention = mark.get("convention").and_then(Json::text);

@@ -101,8 +101,6 @@ pub struct FoundLightmap {
     pub set: u32,
     /// Whether all that has coordinates has them in one set.
     pub is_one_set: bool,
-    /// The key of what the lightmap was computed from, if it says that.
-    pub content: Option<String>,
     /// For each object, parallel to the origins, the coordinates of its faces as they read the picture, and
     /// their pages: [`NO_PAGE`] where a face has none. `None` for objects without any. Coordinates are what
     /// the file says: any number, or none.
