@@ -19,6 +19,7 @@ import sys
 LICENCE_FILE = re.compile(
     r"(licen[cs]e|copying|copyright|notice|unlicense|ofl|ufl)([-_.].*)?$|.*licen[cs]e(\.txt|\.md)?$", re.I
 )
+DEJAVU = pathlib.Path(__file__).parent.parent / "examples/fonts/LICENSE-DEJAVU"
 SKIPPED_SUFFIXES = {".rs", ".toml", ".json", ".html", ".ttf", ".otf", ".py"}
 
 
@@ -69,12 +70,14 @@ def main():
     parser.add_argument("packages", nargs="+")
     arguments = parser.parse_args()
     packages = third_party(metadata(arguments), arguments.packages)
+    # Windows has another encoding.
+    sys.stdout.reconfigure(encoding="utf-8", newline="\n")
 
     print("Third-party software in azulejo\n")
-    print("azulejo is under MIT or Apache-2.0 (LICENSE-MIT, LICENSE-APACHE); its typeface, DejaVu Serif,")
-    print("is under the licence in examples/fonts/LICENSE-DEJAVU. The programs contain Rust's standard")
-    print("library (MIT OR Apache-2.0) and the following crates from crates.io.\n")
-    texts = {}
+    print("azulejo is under MIT or Apache-2.0 (LICENSE-MIT, LICENSE-APACHE); its typeface, DejaVu Serif, is")
+    print("under the first of the licences below. Programs and modules contain Rust's standard library")
+    print("(MIT OR Apache-2.0) and the following crates from crates.io.\n")
+    texts = {"": (DEJAVU.read_text(encoding="utf-8").strip(), ["DejaVu Serif"])}
     for package in packages:
         name = f"{package['name']} {package['version']}"
         licence = package["license"] or f"see {package['license_file']}"

@@ -1,8 +1,9 @@
-//! What holds for the sources as a whole: layers, module order, names, and pages that quote code.
+//! What holds for the sources as a whole: layers, module order, names, licences, and pages that quote code.
 
 mod arrows;
 mod budgets;
 mod circles;
+mod licences;
 mod names;
 mod pages;
 
