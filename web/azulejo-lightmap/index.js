@@ -152,13 +152,13 @@ function showRelief(material, textures) {
     material.customProgramCacheKey = () => `${NAME}${textures.length}`;
     material.onBeforeCompile = (shader) => {
         shader.uniforms.azDirections = { value: textures };
-        const texel = (_, k) => `texture2D(azDirections[${k}], vLightMapUv)`;
+        const texels = textures.map((_, k) => `texture2D(azDirections[${k}], vLightMapUv)`);
         const chunk = "#include <lights_fragment_maps>";
         shader.fragmentShader = shader.fragmentShader
             .replace("void main() {", `uniform sampler2D azDirections[${textures.length}];${TILTED}\nvoid main() {`)
             .replace(chunk, `${chunk}
 vec3 azN = inverseTransformDirection(nonPerturbedNormal, viewMatrix), azT = inverseTransformDirection(normal, viewMatrix);
-irradiance += lightMapIrradiance * (${tilted(textures.map(texel))} - 1.);`);
+irradiance += lightMapIrradiance * (${tilted(texels)} - 1.);`);
     };
 }
 
@@ -192,54 +192,52 @@ export function registerLightmaps(GLTFLoader, { exr = null, MaterialPluginBase =
     GLTFLoader.RegisterExtension(NAME, (loader) => new BabylonExtension(loader, exr, showRelief));
 }
 
-// What lets a material with normals of its own show where the light of its lightmap comes from.
+// What lets a material with normals of its own show where the light of its lightmap comes from. The constructor of the
+// base class asks for the textures already, so that each material has a class with its own.
 function reliefOf(MaterialPluginBase) {
-    class Relief extends MaterialPluginBase {
-        constructor(material, textures) {
-            super(material, "AzulejoRelief", 200, { [`AZ_RELIEF${textures.length}`]: false });
-            this.textures = textures;
-            this._enable(true);
-        }
-
-        getClassName() {
-            return "AzulejoRelief";
-        }
-
-        prepareDefines(defines) {
-            defines[`AZ_RELIEF${this.textures.length}`] = true;
-        }
-
-        getActiveTextures(all) {
-            all.push(...this.textures);
-        }
-
-        isReadyForSubMesh() {
-            return this.textures.every((texture) => texture.isReadyOrNotBlocking());
-        }
-
-        getSamplers(samplers) {
-            samplers.push(...this.textures.map((_, k) => `azDirection${k}`));
-        }
-
-        bindForSubMesh(buffer) {
-            this.textures.forEach((texture, k) => buffer.setTexture(`azDirection${k}`, texture));
-        }
-
-        getCustomCode(type) {
-            const names = this.textures.map((_, k) => `azDirection${k}`);
-            const texels = names.map((name) => `texture2D(${name}, vLightmapUV)`);
-            // The loader has turned the axes of glTF, unless the scene is right-handed.
-            const axes = this._material.getScene().useRightHandedSystem ? "" : " * vec3(-1., 1., 1.)";
-            return type !== "fragment" ? null : {
-                CUSTOM_FRAGMENT_DEFINITIONS: names.map((name) => `uniform sampler2D ${name};`).join("") + TILTED,
-                CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `#ifdef LIGHTMAP
+    return (material, textures) => {
+        const define = `AZ_RELIEF${textures.length}`;
+        const names = textures.map((_, k) => `azDirection${k}`);
+        // The loader has turned the axes of glTF, unless the scene is right-handed.
+        const axes = material.getScene().useRightHandedSystem ? "" : " * vec3(-1., 1., 1.)";
+        const code = {
+            CUSTOM_FRAGMENT_DEFINITIONS: names.map((name) => `uniform sampler2D ${name};`).join("") + TILTED,
+            CUSTOM_FRAGMENT_BEFORE_FINALCOLORCOMPOSITION: `#ifdef LIGHTMAP
 vec3 azN = geometricNormalW${axes}, azT = normalW${axes};
-lightmapColor.rgb *= ${tilted(texels)};
+lightmapColor.rgb *= ${tilted(names.map((name) => `texture2D(${name}, vLightmapUV)`))};
 #endif`,
-            };
+        };
+        class Relief extends MaterialPluginBase {
+            getClassName() {
+                return "AzulejoRelief";
+            }
+
+            prepareDefines(defines) {
+                defines[define] = true;
+            }
+
+            getActiveTextures(all) {
+                all.push(...textures);
+            }
+
+            isReadyForSubMesh() {
+                return textures.every((texture) => texture.isReadyOrNotBlocking());
+            }
+
+            getSamplers(samplers) {
+                samplers.push(...names);
+            }
+
+            bindForSubMesh(buffer) {
+                names.forEach((name, k) => buffer.setTexture(name, textures[k]));
+            }
+
+            getCustomCode(type) {
+                return type === "fragment" ? code : null;
+            }
         }
-    }
-    return (material, textures) => new Relief(material, textures);
+        new Relief(material, "AzulejoRelief", 200, { [define]: false })._enable(true);
+    };
 }
 
 class BabylonExtension {
@@ -292,10 +290,9 @@ class BabylonExtension {
         material.unlit = true;
         const directions = this.showRelief && material.bumpTexture ? directionsOf(map) : [];
         if (directions.length) {
-            const load = (info, k) => this.loader.loadTextureInfoAsync(`${context}/direction${k}`, info);
-            const textures = await Promise.all(directions.map(load));
-            textures.forEach((texture) => (texture.gammaSpace = false));
-            this.showRelief(material, textures);
+            const load = (info, k) =>
+                this.loader.loadTextureInfoAsync(`${context}/direction${k}`, { ...info, nonColorData: true });
+            this.showRelief(material, await Promise.all(directions.map(load)));
         }
     }
 }

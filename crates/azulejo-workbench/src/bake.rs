@@ -78,6 +78,7 @@ impl BakeSettings {
         };
         BakeOptions {
             is_directional: false,
+            denoises: false,
             charts: self.charts(&source.scene),
             coordinates: Coordinates::New,
             densities: Vec::new(),

@@ -109,6 +109,8 @@ pub struct BakeOptions {
     pub light: BakedLight,
     /// Which sides.
     pub sides: BakedSides,
+    /// Whether noise is removed from texels that are gathered each by itself: those of a number of rays without an error.
+    pub denoises: bool,
     /// Whether it is asked where the light comes from, see [`Baked::harmonics`].
     pub is_directional: bool,
 }
@@ -126,7 +128,7 @@ impl BakeOptions {
     }
 
     /// Rays of every texel, where their number is given and no error.
-    fn fixed_rays(&self, progress: &Progress) -> Option<u32> {
+    pub fn fixed_rays(&self, progress: &Progress) -> Option<u32> {
         let is_fixed = self.pass.error.is_none()
             && !progress.has_deadline()
             && self.light != BakedLight::Direct;

@@ -28,7 +28,7 @@ function dim(scene, factor) {
 }
 
 window.show = async ({ model, camera, points, exr, tone, exposure }) => {
-    registerLightmaps(BABYLON.GLTF2.GLTFLoader, { exr });
+    registerLightmaps(BABYLON.GLTF2.GLTFLoader, { exr, MaterialPluginBase: BABYLON.MaterialPluginBase });
     const { width, height } = camera;
     const canvas = document.getElementById("canvas");
     const engine = new BABYLON.Engine(canvas, true, { preserveDrawingBuffer: true, useExactSrgbConversions: true });

@@ -168,6 +168,10 @@ pub struct TexelArgs {
     /// Which light to bake
     #[arg(long, value_name = "LIGHT", default_value = "total")]
     pub light: LightArg,
+    /// Remove noise from texels that are gathered each by itself (with --rays), within the parts of charts that no
+    /// contact divides
+    #[arg(long)]
+    pub denoise: bool,
     /// With --light ao, maximum distance of occluders in metres [default: a tenth of the size of
     /// the model]
     #[arg(long, value_name = "METRES", value_parser = values::positive)]

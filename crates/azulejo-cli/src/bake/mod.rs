@@ -178,6 +178,14 @@ fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
             "--light ao: a page shows light, of which this is none",
         ));
     }
+    let pass = &args.first_pass;
+    let is_gathered = pass.rays.is_some() && pass.error.is_none() && pass.limit().is_none();
+    if args.texels.denoise && (!is_gathered || args.texels.light == LightArg::Direct) {
+        return Err(Failure::misuse(
+            "--denoise is for --rays without --error and --time: only then each texel is gathered by itself, and has \
+             noise of its own; otherwise light is interpolated between texels, and direct light follows the error",
+        ));
+    }
     if files.directional.is_some() && !(args.has_place_for_directions()) {
         return Err(Failure::misuse(
             "--directional is for --as moz, and for --lightmap with --as plain: other conventions, pages and --light ao have \

@@ -85,6 +85,7 @@ impl<'a> BakeWork<'a> {
             follows_light: args.texels.follows_light(),
             pass: pass::options(&args.first_pass, prepared, session),
             light: light.unwrap_or_default(),
+            denoises: args.texels.denoise,
             is_directional: args.files.directional.is_some(),
             sides: sides(args, source),
         };

@@ -160,17 +160,21 @@ fn describe(light: &GridLight, args: &ProbeArgs, report: &mut Report) {
         "rays",
         format!("{} per probe", short(light.rays)),
     );
-    let error = light.relative_error();
     let request = args.first_pass.error.map_or(String::new(), |requested| {
         format!(", {} requested", percent(requested))
     });
+    let words = format!("{} of the mean irradiance{request}", percent(light.noise));
+    report.fact("noise", number(light.noise), "noise", words);
     let words = format!(
-        "{} of the mean irradiance{request} ({} noise, {} by bands above 2 and patches)",
-        percent(error),
-        percent(light.noise),
+        "{}: what bands 0 to 2 cannot say of hard light, and patches of light nearby",
         percent(light.systematic)
     );
-    report.fact("error", number(error), "estimated error", words);
+    report.fact(
+        "systematic",
+        number(light.systematic),
+        "beside noise",
+        words,
+    );
 }
 
 /// The grid with its box and all coefficients, in the axes of glTF.
@@ -195,7 +199,8 @@ fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Resul
         "coefficients": numbers(&light.coefficients),
         "standardErrors": numbers(&light.standard_errors),
         "inside": inside,
-        "relativeError": light.relative_error(),
+        "noise": light.noise,
+        "systematic": light.systematic,
     });
     serde_json::to_writer(out, &value)?;
     Ok(())

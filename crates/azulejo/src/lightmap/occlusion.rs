@@ -72,6 +72,9 @@ pub fn bake_occlusion<'r>(
     let shown = ShownSamples::new(&samples, &light, &surfaces);
     let light: Vec<SiteLight> = light.into_iter().map(limited).collect();
     let mut lightmap = shown.lightmap(&samples, &light);
+    if options.denoises && options.fixed_rays(progress).is_some() {
+        azulejo_bake::denoise(&mut lightmap, &shown, &samples, progress)?;
+    }
     // Prepare the pages for viewers, who interpolate across charts and read smaller copies.
     for page in &mut lightmap.pages {
         azulejo_bake::pad_charts(page, options.charts.padding);

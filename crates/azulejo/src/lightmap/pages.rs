@@ -58,6 +58,9 @@ impl Pages {
         // What viewers read, with borders of charts and seams.
         let shown = ShownSamples::new(samples, &light, surfaces);
         let mut lightmap = shown.lightmap(samples, &light);
+        if options.denoises && options.fixed_rays(run.progress).is_some() {
+            azulejo_bake::denoise(&mut lightmap, &shown, samples, run.progress)?;
+        }
         for page in &mut lightmap.pages {
             azulejo_bake::pad_charts(page, options.charts.padding);
         }

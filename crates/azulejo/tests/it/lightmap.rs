@@ -27,6 +27,7 @@ pub fn options(size: u32, error: f64) -> BakeOptions {
         },
         coordinates: Coordinates::New,
         is_directional: false,
+        denoises: false,
         densities: Vec::new(),
         follows_light: false,
         light: BakedLight::Total,
