@@ -6,6 +6,7 @@ mod bake;
 mod brdf;
 mod commands;
 mod compressed;
+mod directional;
 mod docs_commands;
 mod elsewhere;
 mod engines;
@@ -47,6 +48,7 @@ mod lightmap;
 mod luminaires;
 mod matrix_files;
 #[cfg(unix)]
+mod probe_grids;
 mod ranks;
 #[cfg(unix)]
 mod shards;

@@ -2,6 +2,7 @@
 //!
 //! Needs Node.js, Chromium and the packages of the viewers, and is skipped where they are missing.
 
+use crate::directional::write_plates;
 use crate::support::{Folder, project};
 use azulejo_render::{ReferencePass, reference_radiance};
 use azulejo_scene::math::Ray;
@@ -65,6 +66,43 @@ fn a_baked_room_is_shown_as_paths_see_it() {
             &seen,
             truth,
         );
+    }
+}
+
+/// A normal map shows what a surface with that tilt has, within 5%, where the lightmap says where light comes from.
+#[test]
+fn relief_has_the_light_of_tilted_surfaces() {
+    let packages = std::env::var("AZULEJO_VIEWERS").map_err(|e| format!("AZULEJO_VIEWERS: {e}"));
+    if azulejo_testing::require(Need::Browser, packages).is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    write_plates(&folder);
+    let camera = json!({ "eye": [0.0, 2.0, 0.01], "target": [0.0, 0.0, 0.0], "up": [0.0, 0.0, -1.0],
+                         "vertical_fov": 30.0, "width": 64, "height": 64 });
+    folder.write("camera.json", camera.to_string());
+    folder.write(
+        "points.json",
+        json!([[32, 32], [25, 25], [40, 40], [25, 40]]).to_string(),
+    );
+    for script in ["three.mjs", "babylon.mjs"] {
+        let mut of = |model: &str| {
+            folder.ok(&format!(
+                "bake {model}.gltf -o baked.glb --size 64 --error 1% --sky 0.5 --directional"
+            ));
+            shown(&folder, script, &[])
+        };
+        let (Some(relief), Some(tilted), Some(flat)) = (of("relief"), of("tilted"), of("flat"))
+        else {
+            return;
+        };
+        for ((relief, tilted), flat) in relief.iter().zip(&tilted).zip(&flat) {
+            for c in 0..3 {
+                let off = relief[c] / tilted[c] - 1.0;
+                assert!(off.abs() < 0.05, "{script}: {relief:?} {tilted:?}");
+                assert!(flat[c] / tilted[c] > 1.1, "{script}: {flat:?} {tilted:?}");
+            }
+        }
     }
 }
 
