@@ -7,8 +7,6 @@
 //! the viewer: importance sampling in the space of random numbers (primary sample space). The density
 //! stays known, so that the mean is right whatever the histogram.
 
-use std::cmp::Ordering;
-
 /// Intervals of the cosine's square root: most of them toward grazing angles, where visible facets
 /// are others than those that exist.
 const VIEWS: usize = 24;
@@ -33,15 +31,28 @@ pub(super) struct FacetGuide {
     borders: [f64; COLUMNS - 1],
 }
 
-/// The cells of one interval of the viewer's angle.
+/// The cells of one angle of the viewer.
 #[derive(Debug)]
 struct ViewCells {
-    /// Sums of the cells' probabilities up to the end of each row.
+    /// Sums of the cells' densities up to the end of each row, over their number.
     rows: [f64; ROWS],
-    /// The same within a row, as shares of it.
+    /// The same up to each cell of a row, from its start.
     columns: [[f64; COLUMNS]; ROWS],
     /// Density relative to that of the distribution of facets.
     density: [[f64; COLUMNS]; ROWS],
+}
+
+/// Two of them, and the share of the second: in between, so that samples move with the viewer without jumps.
+struct BetweenViews<'a> {
+    views: [&'a ViewCells; 2],
+    share: f64,
+}
+
+impl BetweenViews<'_> {
+    fn value(&self, of: impl Fn(&ViewCells) -> f64) -> f64 {
+        let [a, b] = self.views.map(of);
+        a + (b - a) * self.share
+    }
 }
 
 impl FacetGuide {
@@ -60,18 +71,22 @@ impl FacetGuide {
         }
     }
 
-    fn view(&self, cos: f64) -> &ViewCells {
-        let k = (cos.sqrt() * VIEWS as f64) as usize;
-        &self.views[k.min(VIEWS - 1)]
+    fn view(&self, cos: f64) -> BetweenViews<'_> {
+        let at = cos.sqrt() * VIEWS as f64 - 0.5;
+        let first = (at.max(0.0) as usize).min(VIEWS - 2);
+        BetweenViews {
+            views: [&self.views[first], &self.views[first + 1]],
+            share: (at - first as f64).clamp(0.0, 1.0),
+        }
     }
 
     /// The share of facets with smaller slopes, and the azimuth from the viewer's in turns, 0..1,
     /// for two numbers in 0..1 and the cosine of the viewer.
     pub fn choose(&self, cos: f64, u1: f64, u2: f64) -> (f64, f64) {
         let view = self.view(cos);
-        let (row, slope) = within(&view.rows, u1);
+        let (row, slope) = within(ROWS, |k| view.value(|v| v.rows[k]), u1);
         let folded = if u2 < 0.5 { 2.0 * u2 } else { 2.0 - 2.0 * u2 };
-        let (column, azimuth) = within(&view.columns[row], folded);
+        let (column, azimuth) = within(COLUMNS, |k| view.value(|v| v.columns[row][k]), folded);
         let slope = (row as f64 + slope) / ROWS as f64;
         let half = 0.5 * (column as f64 + azimuth) / COLUMNS as f64;
         (slope, if u2 < 0.5 { half } else { 1.0 - half })
@@ -83,7 +98,7 @@ impl FacetGuide {
     pub fn density(&self, cos: f64, slope: f64, cos_azimuth: f64) -> f64 {
         let row = ((slope * ROWS as f64) as usize).min(ROWS - 1);
         let column = self.borders.partition_point(|&border| border > cos_azimuth);
-        self.view(cos).density[row][column]
+        self.view(cos).value(|v| v.density[row][column])
     }
 }
 
@@ -123,17 +138,15 @@ impl ViewCells {
             .flatten()
             .for_each(|d| *d = *d * scale + base);
         let mut columns = density;
-        let mut rows = [0.0; ROWS];
-        let mut sum = 0.0;
+        let (mut rows, mut sum) = ([0.0; ROWS], 0.0);
         for (row, end) in columns.iter_mut().zip(&mut rows) {
-            let whole: f64 = row.iter().sum();
-            sum += whole / count;
-            *end = sum;
             let mut up_to = 0.0;
             for cell in row {
-                up_to += *cell / whole;
+                up_to += *cell / count;
                 *cell = up_to;
             }
+            sum += up_to;
+            *end = sum;
         }
         ViewCells {
             rows,
@@ -143,21 +156,14 @@ impl ViewCells {
     }
 }
 
-/// The interval of rising `ends` that holds `u` in 0..1, and where in it that lies.
-fn within(ends: &[f64], u: f64) -> (usize, f64) {
-    let order = |end: &f64| {
-        if *end <= u {
-            Ordering::Less
-        } else {
-            Ordering::Greater
-        }
-    };
-    let k = ends
-        .binary_search_by(order)
-        .unwrap_or_else(|k| k)
-        .min(ends.len() - 1);
-    let start = if k == 0 { 0.0 } else { ends[k - 1] };
-    let share = (u - start) / (ends[k] - start);
+/// The interval, of `count` with rising ends, that holds the fraction `u` of the last end, and where in it that lies.
+fn within(count: usize, end: impl Fn(usize) -> f64, u: f64) -> (usize, f64) {
+    let target = u * end(count - 1);
+    let k = (0..count - 1)
+        .find(|&k| end(k) > target)
+        .unwrap_or(count - 1);
+    let start = if k == 0 { 0.0 } else { end(k - 1) };
+    let share = (target - start) / (end(k) - start);
     (k, share.clamp(0.0, 1.0 - f64::EPSILON))
 }
 

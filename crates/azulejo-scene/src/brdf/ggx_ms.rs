@@ -11,7 +11,7 @@ use super::lobe::Lobe;
 use super::matt::Matt;
 use super::microfacet::{mirrored_by, over_base};
 use super::models::{KD, KS, ModelInfo, PLAIN, ParameterInfo};
-use super::quadrature::{gauss_legendre, midpoints};
+use super::quadrature::{gauss_legendre, lagrange};
 use super::vndf::Ggx;
 use crate::Rgb;
 use glam::DVec3;
@@ -95,6 +95,9 @@ impl Matt for GgxMultiple {
 /// Intervals of the table of lost energy.
 const INTERVALS: usize = 48;
 
+/// Points of the integrals over facets, in each direction and between edges.
+const POINTS: usize = 24;
+
 /// Energy that single scattering loses at white facets, by direction: 1 − E.
 #[derive(Debug)]
 struct LostEnergy {
@@ -111,11 +114,11 @@ struct LostEnergy {
 impl LostEnergy {
     fn new(facets: Ggx) -> LostEnergy {
         let alpha = facets.ax;
-        let points = gauss_legendre(64);
+        let (points, few) = (gauss_legendre(64), gauss_legendre(POINTS));
         let end = (1.0 / alpha).ln_1p();
         let cosine = |t: f64| (alpha * (t * end).exp_m1()).min(1.0);
         let at = |k: usize| cosine((k as f64 / INTERVALS as f64).powi(2));
-        let table = (0..=INTERVALS).map(|k| lost(facets, at(k)));
+        let table = (0..=INTERVALS).map(|k| lost(facets, at(k), &few));
         let mut lost = LostEnergy {
             alpha,
             table: table.collect(),
@@ -135,22 +138,15 @@ impl LostEnergy {
     fn at(&self, cos: f64) -> f64 {
         let t = ((cos / self.alpha).ln_1p() / self.end).sqrt() * INTERVALS as f64;
         let first = (t as usize).saturating_sub(1).min(INTERVALS - 3);
-        let x = t - first as f64;
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.table[first + k]);
-        // Lagrange's polynomial through four points at 0, 1, 2, 3.
-        let (x1, x2, x3) = (x - 1.0, x - 2.0, x - 3.0);
-        let outer = (d * x * x1 * x2 - a * x1 * x2 * x3) / 6.0;
-        let inner = 0.5 * (b * x * x2 * x3 - c * x * x1 * x3);
-        (outer + inner).clamp(0.0, 1.0)
+        let weights = lagrange::<4>(t - first as f64);
+        let terms = self.table[first..].iter().zip(weights).map(|(v, w)| v * w);
+        terms.sum::<f64>().clamp(0.0, 1.0)
     }
 }
 
 /// 1 − E at one cosine: the mean, over the visible facets, of the fraction that is shadowed from
 /// the direction in which they reflect.
-fn lost(facets: Ggx, cos: f64) -> f64 {
-    const INCLINATIONS: usize = 256;
-    // The integrand has an edge where shadowing begins in azimuth, which fewer points would miss.
-    const TURNS: usize = 64;
+fn lost(facets: Ggx, cos: f64, rule: &[(f64, f64)]) -> f64 {
     let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let shaded = |u1: f64, u2: f64| {
         let wi = mirrored_by(wo, facets.sample(wo, [u1, u2, 0.0]));
@@ -161,9 +157,103 @@ fn lost(facets: Ggx, cos: f64) -> f64 {
         let (o, i) = (wo.z * facets.stretch(wi), wi.z * facets.stretch(wo));
         (o - wo.z * wi.z) / (o + i)
     };
-    // Both halves of the azimuth are the same.
-    let turn = |u1: f64| midpoints(TURNS).map(|u| shaded(u1, 0.5 * u)).sum::<f64>();
-    // Steep facets, which are shadowed most, are rare and come last: u = 1 − x² resolves them.
-    let term = |x: f64| 2.0 * x * turn(1.0 - x * x);
-    midpoints(INCLINATIONS).map(term).sum::<f64>() / (INCLINATIONS * TURNS) as f64
+    // Over half a turn, as both halves are the same, up to where facets reflect below the horizon.
+    let turn = |u1: f64| {
+        let [from, to] = lit(facets, wo, u1);
+        let term = |&(x, weight): &(f64, f64)| weight * shaded(u1, 0.5 * (from + (to - from) * x));
+        1.0 - (to - from) * (1.0 - rule.iter().map(term).sum::<f64>())
+    };
+    // Steep facets, which are shadowed most, are rare and come last: u = 1 − x² resolves them. The integrand has edges
+    // where the first of them, and where all of one slope, reflect below the horizon; above those it is steep.
+    let share = |x: f64| {
+        let [from, to] = lit(facets, wo, 1.0 - x * x);
+        to - from
+    };
+    let (some, all) = (rise(|x| share(x) > 0.0), rise(|x| share(x) >= 1.0));
+    let part = |[low, high]: [f64; 2]| {
+        let log = (high / low).ln();
+        let term = |&(t, weight): &(f64, f64)| {
+            let x = low * (log * t * t).exp();
+            weight * 2.0 * t * log * x * 2.0 * x * turn(1.0 - x * x)
+        };
+        rule.iter().map(term).sum::<f64>()
+    };
+    some * some + part([some, all]) + part([all, 1.0])
+}
+
+/// Where in 0..1 a condition becomes true that stays so, by bisection.
+fn rise(is_true: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if is_true(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    high
+}
+
+/// The range of u₂, in halves, for which the facets that [`Ggx::sample`] gives for `wo` in the plane of x and z reflect
+/// above the horizon.
+fn lit(facets: Ggx, wo: DVec3, u1: f64) -> [f64; 2] {
+    let lean = DVec3::new(wo.x * facets.ax, 0.0, wo.z).normalize();
+    let z = (1.0 - u1) * (1.0 + lean.z) - lean.z;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (up, alpha) = ((z + lean.z).max(0.0), facets.ax);
+    // Where the normal is (α (r cos φ + lean x), α r sin φ, up), the reflected direction rises as base + swing cos φ.
+    let base = 2.0 * up * (wo.x * alpha * lean.x + wo.z * up)
+        - wo.z * (alpha * alpha * (r * r + lean.x * lean.x) + up * up);
+    let swing = 2.0 * alpha * r * (up * wo.x - wo.z * alpha * lean.x);
+    if base.abs() >= swing.abs() {
+        return [0.0, f64::from(u8::from(base > 0.0))];
+    }
+    let edge = (-base / swing).acos() * FRAC_1_PI;
+    if swing > 0.0 {
+        [0.0, edge]
+    } else {
+        [edge, 1.0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::quadrature::midpoints;
+
+    #[test]
+    fn lost_energy_is_that_of_brute_force() {
+        let wide = lost(Ggx { ax: 1.0, ay: 1.0 }, 1.0, &gauss_legendre(POINTS));
+        assert!((wide - std::f64::consts::LN_2).abs() < 1e-12, "{wide}");
+        for alpha in [0.05, 0.5, 1.0] {
+            let facets = Ggx {
+                ax: alpha,
+                ay: alpha,
+            };
+            for cos in [0.01 * alpha, alpha, 0.2, 0.7, 1.0] {
+                let wo = DVec3::new((1.0f64 - cos * cos).sqrt(), 0.0, cos);
+                let shaded = |x: f64, u2: f64| {
+                    let wi = mirrored_by(wo, facets.sample(wo, [1.0 - x * x, u2, 0.0]));
+                    let (o, i) = (wo.z * facets.stretch(wi), wi.z * facets.stretch(wo));
+                    if wi.z > 0.0 {
+                        (o - wo.z * wi.z) / (o + i)
+                    } else {
+                        1.0
+                    }
+                };
+                let row = |x: f64| {
+                    midpoints(400)
+                        .map(|u2| 2.0 * x * shaded(x, 0.5 * u2))
+                        .sum::<f64>()
+                };
+                let expected = midpoints(2000).map(row).sum::<f64>() / 800_000.0;
+                let found = lost(facets, cos, &gauss_legendre(POINTS));
+                assert!(
+                    (found - expected).abs() < 3e-6,
+                    "{alpha} {cos}: {found} {expected}"
+                );
+            }
+        }
+    }
 }

@@ -12,8 +12,8 @@ const ANGLES: usize = 16;
 /// Samples of the albedo at each of them.
 const SAMPLES: usize = 256;
 
-/// Samples of an albedo that a caller requests.
-const FINE_SAMPLES: usize = 4096;
+/// Samples of an albedo, unless a caller asks for another number.
+pub(super) const FINE_SAMPLES: usize = 4096;
 
 /// A direction sampled from a BRDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,9 +91,12 @@ impl Lobes {
 
     /// Albedo for `wo`, perfect specular reflection included.
     pub fn albedo(&self, wo: DVec3) -> Rgb {
-        let of = |p: &WeightedLobe| {
-            (scattered(&p.lobe, wo, FINE_SAMPLES) + p.lobe.mirror(wo.z)) * p.weight
-        };
+        self.albedo_by(wo, FINE_SAMPLES)
+    }
+
+    pub(super) fn albedo_by(&self, wo: DVec3, samples: usize) -> Rgb {
+        let of =
+            |p: &WeightedLobe| (scattered(&p.lobe, wo, samples) + p.lobe.mirror(wo.z)) * p.weight;
         self.parts.iter().map(of).sum()
     }
 

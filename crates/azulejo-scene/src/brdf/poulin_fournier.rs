@@ -4,6 +4,7 @@
 //! cylinders, and of the floor between them, reflects light diffusely and by Blinn's lobe about its
 //! own normal. Masking and shadowing between cylinders is exact; interreflection is left out.
 
+mod cosine_power;
 mod profile;
 
 use super::BrdfError;
@@ -14,11 +15,12 @@ use super::lobe::{Lobe, Reflect, Spread};
 use super::lobes::median_angle;
 use super::microfacet::{HalfVector, mirrored_by};
 use super::models::{EXPONENT, KD, KS, ModelInfo, PLAIN, ParameterInfo};
-use super::quadrature::{cosine_hemisphere, gauss_legendre};
+use super::quadrature::cosine_hemisphere;
 use crate::Rgb;
 use crate::math::Frame;
+use cosine_power::CosinePower;
 use glam::DVec3;
-use profile::{Profile, Range, VisibleSection};
+use profile::{NearestNormal, Profile, VisibleSection};
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
@@ -101,16 +103,9 @@ pub(super) struct ShinyCylinders {
     albedo: Rgb,
     exponent: f64,
     profile: Profile,
-    points: Arc<[(f64, f64)]>,
+    powers: Arc<CosinePower>,
     spread: f64,
 }
-
-/// Points of the quadrature. They are placed around the highlight, where cosⁿ is at most as steep
-/// as a Gaussian that falls to 1e-17 at both ends; for that the error is 1e-13.
-const POINTS: usize = 32;
-
-/// Minus the logarithm of cosⁿ at both ends of the range.
-const DEPTH: f64 = 39.0;
 
 impl ShinyCylinders {
     fn new(albedo: Rgb, exponent: f64, profile: Profile) -> ShinyCylinders {
@@ -118,57 +113,49 @@ impl ShinyCylinders {
             albedo,
             exponent,
             profile,
-            points: gauss_legendre(POINTS).into(),
+            powers: Arc::new(CosinePower::new(exponent)),
             spread: 0.0,
         };
         lobe.spread = median_angle(&lobe);
         lobe
     }
 
-    /// ∫ over the visible parts `seen` of `term`(cosine between the normal and the half vector,
-    /// normal). `term` falls with at least the exponent `n` of that cosine.
-    fn integral(
-        &self,
-        seen: &VisibleSection,
-        h: DVec3,
-        n: f64,
-        term: impl Fn(f64, DVec3) -> f64,
-    ) -> f64 {
-        let middle = h.y.atan2(h.z);
-        let reach = (-DEPTH / n.max(1e-3)).exp().acos();
-        let arc = seen.arc.and(&Range::new(middle - reach, middle + reach));
-        let at = |normal: DVec3| {
-            let cos = normal.dot(h);
-            if cos > 0.0 { term(cos, normal) } else { 0.0 }
-        };
-        let of = |&(x, weight): &(f64, f64)| weight * at(profile::normal(arc.at(x)));
-        let mut sum = seen.floor.length() * at(DVec3::Z);
-        if arc.length() > 0.0 {
-            sum += arc.length() * self.points.iter().map(of).sum::<f64>();
-        }
-        sum
+    /// ∫ (n·a)(n·b) cosᵐ ds over the points `seen`, whose normals n face `a` and `b`, by the cosine between n and the
+    /// half vector `h`; m is the exponent.
+    fn product(&self, seen: &VisibleSection, h: DVec3, a: DVec3, b: DVec3) -> f64 {
+        let middle = NearestNormal::of(h);
+        let ([a_cos, a_sin], [b_cos, b_sin]) = (middle.components(a), middle.components(b));
+        let powers = self.powers.integrals(seen.arc.offsets(middle.angle));
+        let arc = powers.plain * (a_sin * b_sin)
+            + powers.cos2 * (a_cos * b_cos - a_sin * b_sin)
+            + powers.cos_sin * (a_cos * b_sin + a_sin * b_cos);
+        let flat = seen.floor.length() * a.z * b.z;
+        middle.cos.powf(self.exponent) * arc.max(0.0) + flat * h.z.powf(self.exponent)
+    }
+
+    /// ∫ (n·w) cosᵐ⁺¹ ds over the points `seen`, whose normals face `w`.
+    fn projected(&self, seen: &VisibleSection, h: DVec3, w: DVec3) -> f64 {
+        let middle = NearestNormal::of(h);
+        let [cos, sin] = middle.components(w);
+        let powers = self.powers.integrals(seen.arc.offsets(middle.angle));
+        let arc = powers.cos2 * cos + powers.cos_sin * sin;
+        let flat = seen.floor.length() * w.z;
+        let exponent = self.exponent + 1.0;
+        middle.cos.powf(exponent) * arc.max(0.0) + flat * h.z.powf(exponent)
     }
 }
 
 impl Reflect for ShinyCylinders {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let n = self.exponent;
         let both = self.profile.seen(wo).and(&self.profile.seen(wi));
-        let h = (wo + wi).normalize();
-        let sum = self.integral(&both, h, n, |cos, normal| {
-            cos.powf(n) * normal.dot(wo).max(0.0) * normal.dot(wi).max(0.0)
-        });
-        self.albedo * (normalization(n) * sum / (self.profile.d * wo.z * wi.z))
+        let sum = self.product(&both, (wo + wi).normalize(), wo, wi);
+        self.albedo * (normalization(self.exponent) * sum / (self.profile.d * wo.z * wi.z))
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let n = self.exponent;
         let (seen, half) = (self.profile.seen(wo), HalfVector::new(wo, wi));
-        let h = half.v.normalize();
-        let sum = self.integral(&seen, h, n + 1.0, |cos, normal| {
-            half_pdf(n, cos) * normal.dot(wo).max(0.0)
-        });
-        half.reflected(sum / seen.projected(wo))
+        let sum = self.projected(&seen, half.v.normalize(), wo);
+        half.reflected(half_pdf(self.exponent, 1.0) * sum / seen.projected(wo))
     }
 
     /// Samples a point that is visible from `wo`, and Blinn's half vector about its normal.

@@ -33,3 +33,15 @@ pub(super) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     rule.map(|(x, weight)| (0.5 * (1.0 - x), 0.5 * weight))
         .collect()
 }
+
+/// Weights of `N` nodes at 0, 1, 2, … for the value at `t` of the polynomial through theirs (Lagrange).
+pub(super) fn lagrange<const N: usize>(t: f64) -> [f64; N] {
+    let weight = |k: usize| {
+        let others = (0..N).filter(|j| *j != k);
+        let (over, under) = others.fold((1.0, 1.0), |(over, under), j| {
+            (over * (t - j as f64), under * (k as f64 - j as f64))
+        });
+        over / under
+    };
+    std::array::from_fn(weight)
+}

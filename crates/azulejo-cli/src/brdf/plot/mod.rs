@@ -1,6 +1,7 @@
 //! `brdf plot`: a sheet with four plots of a model.
 
 mod albedo;
+mod patches;
 mod polar;
 mod solid;
 mod sphere;

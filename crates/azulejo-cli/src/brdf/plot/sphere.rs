@@ -1,5 +1,6 @@
 //! A sphere of the material under a square area light.
 
+use super::patches::{EDGE, SphereFunction, SpherePatches};
 use super::{Panel, PlotSubject, in_order};
 use crate::drawing::{Drawing, FAINT, RgbImage, TextAnchor};
 use crate::failure::Failure;
@@ -17,11 +18,24 @@ const ROUNDS: usize = 32;
 /// Number of rounds from which their spread is estimated.
 const LEAST: usize = 4;
 
+/// Key of the samples that are common to all points; errors of this one are small for most models.
+const KEY: [u32; 2] = [5; 2];
+
 /// Points per pixel, in either direction, for perfect specular reflection.
 const PLACES: u32 = 4;
 
-/// The standard error at which a point is finished, of a displayed value of 1.
-const GOOD: f64 = 0.0015;
+/// Width of the picture in radii of the sphere.
+const WIDTH: f64 = 2.02;
+
+/// The standard error of displayed values, 0 to 1, at which a point is finished, as far as rounds tell: together they are
+/// stratified, so that the true one is a half or less.
+const GOOD: f64 = 0.009;
+
+/// The same for single pixels, whose errors are noise.
+const GOOD_PIXEL: f64 = 0.004;
+
+/// The largest accepted error of interpolated displayed values: one of 255 steps.
+const NEAR: f64 = 0.004;
 
 /// The lamp: a square that faces the sphere.
 struct SquareLamp {
@@ -81,7 +95,7 @@ struct SpherePoint {
 impl SpherePoint {
     /// The point of the sphere that is visible at a point of the unit disk, or at its edge.
     fn seen_at(place: DVec2) -> SpherePoint {
-        let place = place.clamp_length_max(0.9995);
+        let place = place.clamp_length_max(EDGE);
         SpherePoint::new(place.extend((1.0 - place.length_squared()).sqrt()))
     }
 
@@ -148,8 +162,13 @@ fn picture(subject: &PlotSubject, brdf: &Brdf, side: u32) -> Result<RgbImage, Fa
         lamp: SquareLamp::new(),
         points: SobolTable::new(ROUND * ROUNDS),
     };
-    let rows = in_order(subject, "sphere", side as usize, |y| {
-        let pixel = |x: u32| studio.pixel(x, y as u32, side);
+    let density = (f64::from(side) / WIDTH).powi(2);
+    let patches = in_order(subject, "sphere", SpherePatches::COUNT, |k| {
+        SpherePatches::part(k, &studio, density)
+    })?;
+    let patches = SpherePatches(patches);
+    let rows = in_order(subject, "pixels", side as usize, |y| {
+        let pixel = |x: u32| studio.pixel([x, y as u32], side, &patches);
         (0..side).flat_map(pixel).collect::<Vec<u8>>()
     })?;
     Ok(RgbImage {
@@ -159,20 +178,38 @@ fn picture(subject: &PlotSubject, brdf: &Brdf, side: u32) -> Result<RgbImage, Fa
     })
 }
 
+impl SphereFunction for SphereScene<'_> {
+    /// Light by the parts that scatter. The samples are the same everywhere, so that their error is smooth, too.
+    fn at(&self, place: DVec2) -> Rgb {
+        self.scattered(&SpherePoint::seen_at(place), KEY, GOOD)
+    }
+
+    fn is_near(&self, interpolated: Rgb, value: Rgb) -> bool {
+        let off = shown(interpolated) - shown(value);
+        off.map(f64::abs).max_channel() < NEAR
+    }
+}
+
+/// Light as it is displayed, 0 to 1.
+fn shown(light: Rgb) -> Rgb {
+    Tone::Filmic.map(light).map(srgb_from_linear)
+}
+
 impl SphereScene<'_> {
     /// One pixel of an image with this many on each side.
-    fn pixel(&self, x: u32, y: u32, side: u32) -> [u8; 3] {
+    fn pixel(&self, [x, y]: [u32; 2], side: u32, patches: &SpherePatches) -> [u8; 3] {
         // The sphere is the unit circle, with a little space around it.
         let at = |x: f64, y: f64| {
-            let unit = 2.02 / f64::from(side);
+            let unit = WIDTH / f64::from(side);
             unit * (DVec2::new(x, y) - 0.5 * f64::from(side)) * DVec2::new(1.0, -1.0)
         };
         let middle = at(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let covered = 0.5 + (1.0 - middle.length()) * f64::from(side) / 2.02;
+        let covered = 0.5 + (1.0 - middle.length()) * f64::from(side) / WIDTH;
         if covered <= 0.0 {
             return [255; 3];
         }
-        let mut light = self.scattered(&SpherePoint::seen_at(middle), [x, y]);
+        let scattered = || self.scattered(&SpherePoint::seen_at(middle), [x, y], GOOD_PIXEL);
+        let mut light = patches.at(middle).unwrap_or_else(scattered);
         for k in 0..PLACES * PLACES {
             let offset = |k: u32| (f64::from(k) + 0.5) / f64::from(PLACES);
             let place = at(
@@ -183,8 +220,7 @@ impl SphereScene<'_> {
         }
         // Averaging displayed values instead of light keeps the edge of the sphere smooth.
         let covered = covered.min(1.0);
-        let shown = Tone::Filmic.map(light).map(srgb_from_linear);
-        let mixed = shown * covered + Rgb::grey(1.0 - covered);
+        let mixed = shown(light) * covered + Rgb::grey(1.0 - covered);
         mixed.to_array().map(|c| (255.0 * c).round() as u8)
     }
 
@@ -203,9 +239,8 @@ impl SphereScene<'_> {
     }
 
     /// Light by the other parts, to the required standard error: samples of the lamp and of the
-    /// model, combined by multiple importance sampling (Veach and Guibas 1995, the power
-    /// heuristic).
-    fn scattered(&self, spot: &SpherePoint, key: [u32; 2]) -> Rgb {
+    /// model, combined by multiple importance sampling (Veach and Guibas 1995).
+    fn scattered(&self, spot: &SpherePoint, key: [u32; 2], good: f64) -> Rgb {
         let (mut sum, mut squares) = (Rgb::BLACK, 0.0);
         for round in 1..=ROUNDS {
             let radiance = self.round(spot, key, round - 1);
@@ -214,8 +249,8 @@ impl SphereScene<'_> {
             let n = round as f64;
             let mean = sum.mean() / n;
             let error = ((squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0)).sqrt();
-            // Bright light is compressed, so a proportionally larger error is invisible.
-            if round >= LEAST && error < GOOD * (1.0 + 4.0 * mean) {
+            let [low, high] = [mean, mean + error].map(|light| shown(Rgb::grey(light)).r);
+            if round >= LEAST && high - low < good {
                 return sum / n;
             }
         }
@@ -240,8 +275,8 @@ impl SphereScene<'_> {
         let Some(density) = self.lamp.density(spot.at, direction).filter(|_| wi.z > 0.0) else {
             return Rgb::BLACK;
         };
-        let other = self.brdf.pdf(spot.wo, wi);
-        let light = self.lamp.radiance * power_weight(density, other) / density;
+        let share = model_share(self.brdf.pdf(spot.wo, wi), density);
+        let light = self.lamp.radiance * (1.0 - share) / density;
         self.brdf.eval(spot.wo, wi) * (wi.z * light)
     }
 
@@ -251,39 +286,84 @@ impl SphereScene<'_> {
         };
         let wi = spot.world(sample.wi);
         let lamp = self.lamp.density(spot.at, wi).map_or(0.0, |density| {
-            self.lamp.radiance * power_weight(sample.pdf, density)
+            self.lamp.radiance * model_share(sample.pdf, density)
         });
         sample.weight * (lamp + surroundings(wi))
     }
 }
 
-fn power_weight(own: f64, other: f64) -> f64 {
-    own * own / (own * own + other * other)
+/// The weight of the model's samples in the light of the lamp, for the densities of both techniques. The edges of the
+/// lamp make this light rough, so the lamp's own samples get all of it unless the model's are denser.
+fn model_share(model: f64, lamp: f64) -> f64 {
+    let over = (model / lamp - 1.0).max(0.0);
+    over * over / (1.0 + over * over)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The irradiance at the point that the lamp faces, by both sampling techniques together,
-    /// against the form factor of its polygon.
-    #[test]
-    fn a_matt_sphere_is_as_bright_as_the_form_factor_says() {
-        let brdf = Brdf::new("diffuse kd = 1".parse().unwrap()).unwrap();
-        let studio = |radiance: f64| SphereScene {
-            brdf: &brdf,
+    fn studio(brdf: &Brdf, radiance: f64) -> SphereScene<'_> {
+        SphereScene {
+            brdf,
             lamp: SquareLamp {
                 radiance,
                 ..SquareLamp::new()
             },
             points: SobolTable::new(ROUND * ROUNDS),
-        };
+        }
+    }
+
+    /// Interpolated light against that of single points, at every seventh pixel of a picture.
+    #[test]
+    fn interpolated_points_are_as_bright_as_others() {
+        for text in [
+            "diffuse kd = (0.8, 0.5, 0.3)",
+            "ggx_smith ax = 0.1 ay = 0.4 metal = gold",
+            "ggx_smith ax = 3",
+            "cook_torrance m = 0.3 metal = copper",
+            "phong kd = 0.1 ks = 0.5 n = 1e5",
+        ] {
+            let brdf = Brdf::new(text.parse().unwrap()).unwrap();
+            let (studio, side) = (studio(&brdf, 15.0), 128);
+            let density = (f64::from(side) / WIDTH).powi(2);
+            let part = |k| SpherePatches::part(k, &studio, density);
+            let patches = SpherePatches((0..SpherePatches::COUNT).map(part).collect());
+            let (mut squares, mut worst, mut count) = (0.0, 0.0f64, 0.0);
+            for k in (0..side * side).step_by(7) {
+                let at = |k: u32| WIDTH * ((f64::from(k) + 0.5) / f64::from(side) - 0.5);
+                let (x, y) = (k % side, k / side);
+                let place = DVec2::new(at(x), at(y));
+                let Some(light) = patches.at(place).filter(|_| place.length() < EDGE) else {
+                    continue;
+                };
+                let other = studio.scattered(&SpherePoint::seen_at(place), [x, y], GOOD_PIXEL);
+                let off = (shown(light) - shown(other)).map(f64::abs).max_channel();
+                worst = worst.max(off);
+                squares += off * off;
+                count += 1.0;
+            }
+            let root = (squares / f64::max(count, 1.0)).sqrt();
+            assert!(root < 0.005 && worst < 0.025, "{text}: {root} {worst}");
+            assert!(count > 500.0, "{text}: {count} interpolated");
+        }
+    }
+
+    /// The irradiance at the point that the lamp faces, by both sampling techniques together,
+    /// against the form factor of its polygon.
+    #[test]
+    fn a_matt_sphere_is_as_bright_as_the_form_factor_says() {
+        let brdf = Brdf::new("diffuse kd = 1".parse().unwrap()).unwrap();
         let spot = SpherePoint::new(-SquareLamp::new().normal);
         let height = SquareLamp::new().center.length() - 1.0;
         let x = 0.75 / height;
         let quarter = x / (1.0 + x * x).sqrt() * (x / (1.0 + x * x).sqrt()).atan();
         let factor = 4.0 * quarter / std::f64::consts::PI;
-        let light = |radiance| studio(radiance).scattered(&spot, [1, 2]).r;
+        let light = |radiance| {
+            studio(&brdf, radiance)
+                .scattered(&spot, [1, 2], GOOD_PIXEL)
+                .r
+        };
         let slope = (light(1000.0) - light(0.0)) / 1000.0;
         assert!((slope / factor - 1.0).abs() < 3e-3, "{slope} {factor}");
     }

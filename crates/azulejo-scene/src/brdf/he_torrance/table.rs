@@ -1,9 +1,10 @@
 //! He and Torrance's series, tabulated: its logarithm, interpolated.
 
 use super::series;
+use crate::brdf::quadrature::lagrange;
 
 /// Nodes per unit of the square root of √g.
-const PER_ROOT: f64 = 56.0;
+const PER_ROOT: f64 = 57.0;
 
 /// Nodes per unit of √x/(1 + √g).
 const PER_OFFSET: f64 = 40.0;
@@ -13,6 +14,13 @@ const MOST_OFFSET: f64 = 8.0;
 
 /// The largest √g in the table. Where it is larger, few rays hit so rough a surface so steeply.
 const MOST_ROOT: f64 = 80.0;
+
+/// Distance of the nodes at which the series is summed, in nodes of the table. The others are interpolated between
+/// them, by a polynomial through more nodes than would be quick enough for every evaluation.
+const STRIDE: usize = 3;
+
+/// Nodes of that polynomial.
+const COARSE: usize = 8;
 
 /// Nodes beside those between which a value lies.
 const BORDER: usize = 2;
@@ -35,15 +43,30 @@ impl SeriesTable {
         let count = |most: f64| most.ceil() as usize + 2 * BORDER;
         let rows = count(most_root.min(MOST_ROOT).sqrt() * PER_ROOT);
         let columns = count(most_offset.min(MOST_OFFSET) * PER_OFFSET);
-        let mut values = Vec::with_capacity(rows * columns);
-        for row in 0..rows {
-            // The function is even in both coordinates, so that nodes below zero mirror others.
-            let root = (place(row) / PER_ROOT).powi(2).max(1e-8);
+        // The function is even in both coordinates, so that nodes below zero mirror others.
+        let coarse = |row: usize| {
+            let root = (coarse_place(row) / PER_ROOT).powi(2).max(1e-8);
             let g = root * root;
-            for column in 0..columns {
-                let offset = place(column) / PER_OFFSET * (1.0 + root);
+            let log = |column: usize| {
+                let offset = coarse_place(column) / PER_OFFSET * (1.0 + root);
                 let sum = series::sum(g, offset * offset) * (1.0 + g).powi(2) / g;
-                values.push(sum.max(f64::MIN_POSITIVE).ln());
+                sum.max(f64::MIN_POSITIVE).ln()
+            };
+            let logs: Vec<f64> = (0..coarse_count(columns)).map(log).collect();
+            let fine = |column: usize| {
+                let (first, weights) = coarse_weights(column);
+                logs[first..].iter().zip(weights).map(|(v, w)| v * w).sum()
+            };
+            (0..columns).map(fine).collect()
+        };
+        let coarse: Vec<Vec<f64>> = (0..coarse_count(rows)).map(coarse).collect();
+        let mut values = vec![0.0; rows * columns];
+        for (row, line) in values.chunks_exact_mut(columns).enumerate() {
+            let (first, weights) = coarse_weights(row);
+            for (logs, weight) in coarse[first..].iter().zip(weights) {
+                line.iter_mut()
+                    .zip(logs)
+                    .for_each(|(v, log)| *v += weight * log);
             }
         }
         SeriesTable {
@@ -61,7 +84,7 @@ impl SeriesTable {
         if row + 2 * BORDER > self.rows || column + 2 * BORDER > self.columns {
             return series::sum(g, offset * offset);
         }
-        let (down, across) = (cubic(s), cubic(t));
+        let (down, across) = (lagrange::<4>(s + 1.0), lagrange::<4>(t + 1.0));
         let mut log = 0.0;
         for (k, weight) in down.iter().enumerate() {
             let start = (row + k) * self.columns + column;
@@ -73,26 +96,27 @@ impl SeriesTable {
     }
 }
 
-/// Coordinate of a node.
-fn place(node: usize) -> f64 {
-    node as f64 - 1.0
+/// Coordinate of a coarse node, in steps of the table.
+fn coarse_place(node: usize) -> f64 {
+    (node * STRIDE) as f64 - (COARSE / 2 * STRIDE) as f64
+}
+
+/// Number of coarse nodes around some of the table.
+fn coarse_count(nodes: usize) -> usize {
+    nodes / STRIDE + COARSE + 1
+}
+
+/// The first of the coarse nodes around a node of the table, whose own coordinate is one less, and their weights.
+fn coarse_weights(node: usize) -> (usize, [f64; COARSE]) {
+    let at = (node as f64 - 1.0) / STRIDE as f64 + 1.0;
+    let first = at as usize;
+    (first, lagrange(at - first as f64 + (COARSE / 2 - 1) as f64))
 }
 
 /// The first of the four nodes around a coordinate, and where between the middle two it lies.
 fn split(at: f64) -> (usize, f64) {
     let floor = at.floor();
     (floor as usize, at - floor)
-}
-
-/// Weights of four equidistant nodes, −1 to 2, for the cubic through their values (Lagrange).
-fn cubic(t: f64) -> [f64; 4] {
-    let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
-    [
-        -t * b * c / 6.0,
-        a * b * c / 2.0,
-        -a * t * c / 2.0,
-        a * t * b / 6.0,
-    ]
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The section through the cylinders, and its visible parts by direction.
 
 use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
 
 /// One period of the section across parallel cylinders of radius 1 along x, axes `d` apart. The
 /// visible part of the surface is an arc of each, and a floor between them unless they touch.
@@ -21,10 +22,6 @@ pub(super) struct Range(f64, f64);
 impl Range {
     const EMPTY: Range = Range(0.0, 0.0);
 
-    pub fn new(low: f64, high: f64) -> Range {
-        Range(low, high)
-    }
-
     pub fn and(&self, other: &Range) -> Range {
         Range(self.0.max(other.0), self.1.min(other.1))
     }
@@ -33,9 +30,9 @@ impl Range {
         (self.1 - self.0).max(0.0)
     }
 
-    /// The point at a fraction of the way.
-    pub fn at(&self, t: f64) -> f64 {
-        self.0 + t * (self.1 - self.0)
+    /// Its ends as offsets from an angle, within a quarter turn.
+    pub fn offsets(&self, from: f64) -> [f64; 2] {
+        [self.0, self.1].map(|angle| (angle - from).clamp(-FRAC_PI_2, FRAC_PI_2))
     }
 
     /// The mirror image, in half of `about`.
@@ -56,6 +53,33 @@ pub(super) struct VisibleSection {
 pub(super) fn normal(angle: f64) -> DVec3 {
     let (sin, cos) = angle.sin_cos();
     DVec3::new(0.0, sin, cos)
+}
+
+/// The normal that is nearest to a direction.
+pub(super) struct NearestNormal {
+    /// Its angle.
+    pub angle: f64,
+    /// Cosine between the two. That of a normal at an offset x from here is `cos` cos x.
+    pub cos: f64,
+    y: f64,
+    z: f64,
+}
+
+impl NearestNormal {
+    pub fn of(w: DVec3) -> NearestNormal {
+        let cos = w.y.hypot(w.z);
+        NearestNormal {
+            angle: w.y.atan2(w.z),
+            cos,
+            y: w.y / cos,
+            z: w.z / cos,
+        }
+    }
+
+    /// c and s, for which the normal at an offset x has the cosine c cos x + s sin x to a direction.
+    pub fn components(&self, w: DVec3) -> [f64; 2] {
+        [w.y * self.y + w.z * self.z, w.y * self.z - w.z * self.y]
+    }
 }
 
 /// A direction's elevation in the section, from the y axis, 0..π.

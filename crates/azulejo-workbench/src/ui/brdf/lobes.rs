@@ -15,7 +15,10 @@ pub(super) const SECTORS: usize = 72;
 /// Number of angles of the albedo curve.
 const ANGLES: usize = 31;
 
-/// The largest of them, degrees.
+/// Evaluations for each of them in successive passes.
+const PASSES: [usize; 2] = [256, 4096];
+
+/// The largest of the angles, degrees.
 const MAX_ANGLE: f64 = 89.0;
 
 /// Identifies sampled lobes.
@@ -143,19 +146,22 @@ pub(super) struct AlbedoKey {
 /// Angles of incidence in degrees, with the albedo.
 pub(super) type AlbedoCurve = Vec<(f64, Rgb)>;
 
-/// Samples an albedo curve.
+/// Samples an albedo curve: a first one that can follow a slider, then the final one.
 pub(super) fn albedo(
     key: &AlbedoKey,
     progress: &Progress,
     show: &mut dyn FnMut(AlbedoCurve),
 ) -> Result<(), Cancelled> {
     let reflector = key.optics.reflector();
-    let point = |k: usize| {
-        progress.advance(1)?;
-        let angle = MAX_ANGLE * k as f64 / (ANGLES - 1) as f64;
-        Ok((angle, reflector.albedo(direction(angle, key.azimuth))))
-    };
-    show((0..ANGLES).map(point).collect::<Result<_, Cancelled>>()?);
+    for samples in PASSES {
+        let point = |k: usize| {
+            progress.advance(1)?;
+            let angle = MAX_ANGLE * k as f64 / (ANGLES - 1) as f64;
+            let wo = direction(angle, key.azimuth);
+            Ok((angle, reflector.albedo(wo, samples)))
+        };
+        show((0..ANGLES).map(point).collect::<Result<_, Cancelled>>()?);
+    }
     Ok(())
 }
 

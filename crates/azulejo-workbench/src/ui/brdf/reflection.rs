@@ -110,9 +110,10 @@ impl BrdfSum {
         self.0.iter().map(|brdf| brdf.mirror(cos)).sum()
     }
 
-    /// Albedo for light along `wo`, mirror reflection included.
-    pub fn albedo(&self, wo: DVec3) -> Rgb {
-        self.0.iter().map(|brdf| brdf.albedo(wo)).sum()
+    /// Albedo for light along `wo`, mirror reflection included, from that many evaluations.
+    pub fn albedo(&self, wo: DVec3, samples: usize) -> Rgb {
+        let of = |brdf: &Arc<Brdf>| brdf.albedo_by(wo, samples);
+        self.0.iter().map(of).sum()
     }
 
     /// The models.
@@ -131,7 +132,7 @@ mod tests {
         material.mirror = Rgb::grey(0.5);
         let both = MaterialReflection::of(&material).reflector();
         let wo = DVec3::new(0.6, 0.0, 0.8);
-        assert!((both.albedo(wo).r - 0.8).abs() < 1e-9);
+        assert!((both.albedo(wo, 256).r - 0.8).abs() < 1e-9);
         assert!((both.mirror(0.8).r - 0.5).abs() < 1e-9);
     }
 
