@@ -42,7 +42,8 @@ done
 "$root/bin/azulejo" completions zsh > "$share/zsh/site-functions/_azulejo"
 "$root/bin/azulejo" completions fish > "$share/fish/vendor_completions.d/azulejo.fish"
 
-cp -r README.md ARCHITECTURE.md BENCHMARKS.md CHANGELOG.md CONTRIBUTING.md LICENSE-MIT LICENSE-APACHE examples docs web blender "$root"
+cp -r README.md ARCHITECTURE.md BENCHMARKS.md CHANGELOG.md CONTRIBUTING.md LICENSE-MIT LICENSE-APACHE examples docs web blender bevy "$root"
+rm -rf "$root/bevy/azulejo-lightmap/target"
 # Pages that these link to.
 cp --parents fuzz/README.md tests/programs/README.md "$root"
 python3 release/third_party.py --target "$target" --features "$features" \
