@@ -169,8 +169,8 @@ impl LightmapHandler {
     }
 }
 
-/// Checks that Bevy shows lightmaps on a surface. Without coordinates, or on skins and morph targets, its shader would
-/// not compile, and the mesh be invisible.
+/// Checks that Bevy shows lightmaps on a surface. Its shader does not compile if coordinates are missing, which makes the
+/// mesh invisible, and does not fit to skins and morph targets, at which Bevy 0.19 quits.
 ///
 /// # Errors
 /// Why it does not.
