@@ -1,5 +1,5 @@
 //! Shows a baked model: `cargo run --example show --features window -- baked.glb`. Keys W, A, S, D, Q and E move the
-//! camera, and so does the mouse while its left button is held.
+//! camera, and the mouse turns it while its right button is held.
 
 use azulejo_lightmap::AzulejoLightmapPlugin;
 use bevy::camera::Exposure;
