@@ -57,7 +57,8 @@ case $target in *-linux-*) strip "$root"/bin/* ;; esac
 "$root/bin/azulejo" completions zsh > "$share/zsh/site-functions/_azulejo"
 "$root/bin/azulejo" completions fish > "$share/fish/vendor_completions.d/azulejo.fish"
 
-cp -r README.md ARCHITECTURE.md BENCHMARKS.md CHANGELOG.md CONTRIBUTING.md LICENSE-MIT LICENSE-APACHE examples docs web blender "$root"
+cp -r README.md ARCHITECTURE.md BENCHMARKS.md CHANGELOG.md CONTRIBUTING.md LICENSE-MIT LICENSE-APACHE examples docs web blender bevy "$root"
+rm -rf "$root/bevy/azulejo-lightmap/target"
 # Pages that these link to.
 mkdir -p "$root/fuzz" "$root/tests/programs"
 cp fuzz/README.md "$root/fuzz"

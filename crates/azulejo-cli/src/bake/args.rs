@@ -403,7 +403,7 @@ pub enum ImageArg {
     Png,
     /// Radiance HDR, as Mozilla Hubs reads it, with a PNG for others
     Hdr,
-    /// KTX2 with 9 bits and an exponent, as three.js and Bevy read it, with a PNG for others
+    /// KTX2 with 9 bits and an exponent, as three.js reads it, with a PNG for others
     Ktx2,
     /// KTX2 with floats of 16 bits, likewise
     Ktx2Half,

@@ -152,7 +152,7 @@ fn packed() -> BTreeSet<PathBuf> {
     copies
         .flat_map(str::split_whitespace)
         .filter(|word| {
-            word.ends_with(".md") || ["docs", "examples", "web", "blender"].contains(word)
+            word.ends_with(".md") || ["docs", "examples", "web", "blender", "bevy"].contains(word)
         })
         .map(PathBuf::from)
         .collect()

@@ -1,0 +1,5 @@
+//! Models with lightmaps, loaded by Bevy.
+
+mod loading;
+mod model;
+mod picture;
