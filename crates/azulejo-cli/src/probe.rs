@@ -45,7 +45,7 @@ pub struct ProbeArgs {
     pub year: bool,
     /// The box that --grid divides into cells, a probe in the middle of each, in scene units [default: that of the
     /// scene]
-    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = grid::bounds, requires = "grid",
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = grid::bounds,
           allow_hyphen_values = true)]
     pub grid_box: Option<Aabb>,
     #[command(flatten)]
@@ -124,6 +124,9 @@ pub fn run(args: &ProbeArgs, runner: Runner, session: &mut Session) -> Result<Re
     }
     if let Some(resolution) = args.probes.grid {
         return grid::run(args, resolution, &runner, session);
+    }
+    if args.grid_box.is_some() {
+        return Err(Failure::misuse("--grid-box is the box of --grid"));
     }
     refuse_indivisible(args, &runner)?;
     let default = (!session.json()).then_some(Path::new("-"));

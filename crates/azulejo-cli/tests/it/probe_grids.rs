@@ -17,12 +17,12 @@ fn numbers(value: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// A sky of radiance 2 all around has one coefficient, 2 √(4π), and E = 2π on all sides.
+/// A sky of radiance 2 over white ground has one coefficient, 2 √(4π), and E = 2π on all sides.
 #[test]
 fn an_even_sky_has_one_coefficient() {
     let folder = Folder::new();
     folder.write("far.obj", FAR);
-    let grid = "probe far.obj --sky 2 --grid 2,3,2 --grid-box 0,0,0,2,3,2 --error 1%";
+    let grid = "probe far.obj --sky 2 --ground 1 --grid 2,3,2 --grid-box 0,0,0,2,3,2 --error 1%";
     let report = folder.json(&format!("{grid} -o v.json"));
     assert_eq!(report["probes"], 12);
     let volume: Value = serde_json::from_slice(&folder.read("v.json")).unwrap();

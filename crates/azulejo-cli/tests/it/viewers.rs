@@ -106,6 +106,53 @@ fn relief_has_the_light_of_tilted_surfaces() {
     }
 }
 
+/// A matt ball in a grid of probes has on each side what their harmonics say, in three.js.
+#[test]
+fn probes_light_a_ball_from_where_light_comes() {
+    let packages = std::env::var("AZULEJO_VIEWERS").map_err(|e| format!("AZULEJO_VIEWERS: {e}"));
+    if azulejo_testing::require(Need::Browser, packages).is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.write(
+        "far.obj",
+        "v 0 -9000 0\nv 1 -9000 0\nv 1 -9000 1\nf 1 3 2\n",
+    );
+    folder.ok(
+        "probe far.obj --sky cie:12 --sun 140,35 --grid 3,2,4 --grid-box -1,-1,-1,1,1,1 --error 1% -o volume.json",
+    );
+    let volume: Value = serde_json::from_slice(&folder.read("volume.json")).unwrap();
+    let numbers = volume["coefficients"].as_array().unwrap();
+    let number = |k: usize| numbers[k].as_f64().unwrap();
+    let coefficients: [Rgb; 9] =
+        std::array::from_fn(|k| Rgb::from([0, 1, 2].map(|c| number(3 * k + c))));
+    folder.write("points.json", "[[32, 32]]");
+    for eye in [
+        [3.0, 2.0, 1.0],
+        [-2.0, 1.0, -3.0],
+        [0.5, 3.0, 0.2],
+        [-1.0, -2.0, 2.0],
+    ] {
+        let camera = json!({ "eye": eye, "target": [0.0, 0.0, 0.0], "up": [0.0, 0.0, 1.0], "vertical_fov": 4.0,
+                             "width": 65, "height": 65 });
+        folder.write("camera.json", camera.to_string());
+        let Some(seen) = shown_of(&folder, "probes.mjs", "volume.json", &[]) else {
+            return;
+        };
+        let expected =
+            harmonic_irradiance(&coefficients, DVec3::from(eye).normalize()) * (0.5 / PI);
+        for c in 0..3 {
+            // The light of all probes is the same but for their noise.
+            let off = seen[0][c] / expected[c] - 1.0;
+            assert!(
+                off.abs() < 0.02,
+                "from {eye:?}: {:?}, {expected:?}",
+                seen[0]
+            );
+        }
+    }
+}
+
 fn scene(folder: &Folder) -> Scene {
     let bytes = folder.read("box.grf");
     let files = azulejo_formats::Memory::new();
@@ -189,10 +236,12 @@ fn paths(scene: &Scene, tracer: &Tracer, camera: &Camera, places: &[[f64; 2]]) -
 
 /// What a viewer shows at the places; `None` if it is not installed.
 fn shown(folder: &Folder, script: &str, options: &[&str]) -> Option<Vec<[f64; 3]>> {
+    shown_of(folder, script, "baked.glb", options)
+}
+
+fn shown_of(folder: &Folder, script: &str, model: &str, options: &[&str]) -> Option<Vec<[f64; 3]>> {
     let path = |name: &str| folder.path(name).into_os_string();
-    let mut arguments = ["baked.glb", "camera.json", "points.json"]
-        .map(path)
-        .to_vec();
+    let mut arguments = [model, "camera.json", "points.json"].map(path).to_vec();
     for option in options {
         arguments.push(match *option {
             "e.exr" => path(option),
