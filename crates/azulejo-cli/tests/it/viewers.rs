@@ -5,11 +5,14 @@
 use crate::directional::write_plates;
 use crate::support::{Folder, project};
 use azulejo_render::{ReferencePass, reference_radiance};
+use azulejo_scene::harmonics::harmonic_irradiance;
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Rgb, Scene};
 use azulejo_testing::Need;
 use azulejo_trace::{Progress, Tracer};
+use glam::DVec3;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use std::ffi::OsStr;
 use std::fs;
 
@@ -86,7 +89,7 @@ fn relief_has_the_light_of_tilted_surfaces() {
         json!([[32, 32], [25, 25], [40, 40], [25, 40]]).to_string(),
     );
     for script in ["three.mjs", "babylon.mjs"] {
-        let mut of = |model: &str| {
+        let of = |model: &str| {
             folder.ok(&format!(
                 "bake {model}.gltf -o baked.glb --size 64 --error 1% --sky 0.5 --directional"
             ));
