@@ -1,22 +1,24 @@
 //! The files of a lightmap.
 
 use super::args::{BakeArgs, LightArg, LightsArg};
-use super::page;
 use super::pictures::{self, Pictures};
 use super::source::BakeSource;
 use crate::draft_list::DraftList;
 use crate::failure::Failure;
-use crate::report::Report;
+use crate::report::{Report, percent};
 use crate::session::Session;
 use azulejo::bake::LightmapPage;
+use azulejo::bake::web_page::{self, PageModel};
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
+use azulejo::page;
 use azulejo_formats::Files;
 use azulejo_formats::gltf::patch::{
     self, Container, LightmapEdit, LightmapUvs, LightsMode, PatchedFile,
 };
 use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
+use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 /// What the main output is.
@@ -114,7 +116,7 @@ impl BakeOutputs {
         match &self.main {
             Some((output, OutputKind::Page)) => {
                 let mut file = Vec::new();
-                page::write(args, source, baked, &mut file).map_err(Failure::failed)?;
+                write_page(args, source, baked, &mut file).map_err(Failure::failed)?;
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
@@ -143,6 +145,25 @@ impl BakeOutputs {
         report.fact("output", written, "wrote", names);
         Ok(())
     }
+}
+
+/// Writes the page that shows the lightmap.
+fn write_page(
+    args: &BakeArgs,
+    source: &BakeSource,
+    baked: &Baked,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let title = args.input.scenes.first().and_then(|path| path.file_stem());
+    let model = PageModel {
+        title: title.unwrap_or_default().to_string_lossy().into_owned(),
+        note: format!(
+            "Irradiance is known to {} of its mean (one standard error).",
+            percent(baked.lightmap.relative_error())
+        ),
+        ..page::of_baked(&source.scene, baked)?
+    };
+    web_page::write(&model, out)
 }
 
 /// Files that a file in another folder than the one it was read from names: it would not find them.

@@ -1,21 +1,26 @@
-//! The scene of a lightmap as a page.
+//! Scenes as web pages: with the light of a lightmap, with that of their vertices, or plain.
+//!
+//! [`of_baked`] and [`of_scene`] make the model of a page, which [`azulejo_bake::web_page::write()`] writes. Title
+//! and note are the caller's to fill in.
 
-use super::args::BakeArgs;
-use super::source::BakeSource;
-use crate::camera;
-use crate::report::percent;
-use azulejo::bake::layout::NO_CHART;
-use azulejo::bake::web_page::{
-    self, PageLightmap, PageMaterial, PageMesh, PageModel, PageOpacity, PagePicture,
+mod vertices;
+
+use crate::lightmap::Baked;
+use azulejo_bake::ReceiverLayout;
+use azulejo_bake::layout::NO_CHART;
+use azulejo_bake::web_page::{
+    PageLightmap, PageMaterial, PageMesh, PageModel, PageOpacity, PagePicture,
 };
-use azulejo::lightmap::Baked;
-use azulejo_formats::gltf;
 use azulejo_formats::picture::png;
-use azulejo_scene::{Camera, Material, OpacityChannel, OpacityMode, Scene, Sidedness};
+use azulejo_formats::{divide_into_triangles, gltf};
+use azulejo_scene::{
+    Camera, Image, Material, Object, OpacityChannel, OpacityMode, Scene, Sidedness, Texture,
+};
+use azulejo_trace::Tracer;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io;
+use vertices::VertexTexels;
 
 /// Width over height of the window that the page is expected in.
 const ASPECT: f64 = 1.6;
@@ -23,47 +28,75 @@ const ASPECT: f64 = 1.6;
 /// Opacity with which glass is shown.
 const GLASS: f32 = 0.25;
 
-/// Writes the page.
-pub fn write(
-    args: &BakeArgs,
-    source: &BakeSource,
-    baked: &Baked,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let scene = &source.scene;
+/// Bytes of a page that a triangle takes at least, about, with its vertices: of models by others 6 to 67.
+const LEAST_TRIANGLE: u64 = 6;
+
+/// The page of a baked scene.
+///
+/// # Errors
+/// A picture of a material cannot be written.
+pub fn of_baked(scene: &Scene, baked: &Baked) -> io::Result<PageModel> {
     let origin = gltf::local_origin(scene);
-    let title = args
-        .input
-        .scenes
-        .first()
-        .map(|p: &std::path::PathBuf| p.as_path());
-    let title = title.and_then(Path::file_stem).unwrap_or_default();
-    let mut model = PageModel {
-        title: title.to_string_lossy().into_owned(),
-        cameras: cameras(scene, origin),
-        up: scene.units.up,
-        photometric: scene.units.photometric,
-        note: format!(
-            "Irradiance is known to {} of its mean (one standard error).",
-            percent(baked.lightmap.relative_error())
-        ),
-        ..PageModel::default()
-    };
-    for page in &baked.lightmap.pages {
-        model.lightmaps.push(PageLightmap {
+    let mut model = surroundings(scene, origin)?;
+    model.lightmaps = (baked.lightmap.pages.iter())
+        .map(|page| PageLightmap {
             width: page.size[0],
             height: page.size[1],
             irradiance: page.irradiance.clone(),
             standard_error: page.standard_error.clone(),
-        });
+        })
+        .collect();
+    for (&object, layout) in baked.objects.iter().zip(&baked.atlas.layout.receivers) {
+        let object = &scene.objects[object as usize];
+        add_meshes(object, origin, Some(layout), &mut model);
     }
-    for material in &scene.materials {
-        model.materials.push(material_of(scene, material)?);
+    Ok(model)
+}
+
+/// The page of a scene with the irradiance of its vertices; what has none is plain, a scene without any as a whole.
+///
+/// Exact shapes become polygons, and sheets with light on both sides are there twice.
+///
+/// # Errors
+/// A picture of a material cannot be written.
+pub fn of_scene(scene: &Scene) -> io::Result<PageModel> {
+    let mut scene = scene.split_sides().into_owned();
+    divide_into_triangles(&mut scene);
+    let origin = gltf::local_origin(&scene);
+    let mut model = surroundings(&scene, origin)?;
+    let light = VertexTexels::new(&scene);
+    model.lightmaps.extend(light.map);
+    for (object, layout) in scene.objects.iter().zip(&light.layouts) {
+        add_meshes(object, origin, layout.as_ref(), &mut model);
     }
-    for receiver in 0..baked.atlas.receivers.len() {
-        add_meshes(scene, origin, baked, receiver, &mut model);
-    }
-    web_page::write(&model, out)
+    Ok(model)
+}
+
+/// Bytes that the page of a scene takes at least, about: few operations tell that a scene is too large for one.
+pub fn least_size(scene: &Scene) -> u64 {
+    let triangles = |object: &Object| {
+        let faces = object.shape.mesh().map(|mesh| &mesh.faces);
+        faces.map_or(0, |f| f.corners.len() - 2 * f.len()) as u64
+    };
+    // A byte per pixel is little for a photograph.
+    let pixels = |material: &Material| {
+        let shown = picture_of(scene, material);
+        shown.map_or(0, |(_, image)| image.pixels.len() as u64)
+    };
+    let geometry: u64 = scene.objects.iter().map(triangles).sum();
+    LEAST_TRIANGLE * geometry + scene.materials.iter().map(pixels).sum::<u64>()
+}
+
+/// The page without surfaces: materials and views.
+fn surroundings(scene: &Scene, origin: DVec3) -> io::Result<PageModel> {
+    let materials = scene.materials.iter().map(|m| material_of(scene, m));
+    Ok(PageModel {
+        materials: materials.collect::<io::Result<_>>()?,
+        cameras: cameras(scene, origin),
+        up: scene.units.up,
+        photometric: scene.units.photometric,
+        ..PageModel::default()
+    })
 }
 
 /// The views of the scene; without any, the one that `render` takes if it is from within. From outside the page
@@ -77,8 +110,8 @@ fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
     if !scene.cameras.is_empty() {
         return scene.cameras.iter().cloned().map(moved).collect();
     }
-    let first = camera::first_look(scene, ASPECT);
-    if first == camera::overview(scene, ASPECT) {
+    let first = azulejo_render::first_view(scene, &Tracer::new(scene), ASPECT);
+    if first == Camera::framing(scene.bounds(), ASPECT, scene.units.up.axis()) {
         return Vec::new();
     }
     vec![moved(Camera {
@@ -87,27 +120,26 @@ fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
     })]
 }
 
+/// The picture that a page shows of a material, and how it is placed.
+fn picture_of<'a>(scene: &'a Scene, material: &Material) -> Option<(&'a Texture, &'a Image)> {
+    let texture = &scene.textures[*material.textures.first()? as usize];
+    Some((texture, texture.image.as_ref()?))
+}
+
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
-    let picture = material
-        .textures
-        .first()
-        .map(|&t| &scene.textures[t as usize]);
-    let picture = match picture.and_then(|t| Some((t, t.image.as_ref()?))) {
-        None => None,
-        Some((texture, image)) => {
-            let mut bytes = Vec::new();
-            png::write_linear(image, &mut bytes)?;
-            Some(PagePicture {
-                bytes,
-                media_type: "image/png".to_owned(),
-                wrap: texture.wrap,
-            })
-        }
-    };
+    let picture = picture_of(scene, material).map(|(texture, image)| {
+        let mut bytes = Vec::new();
+        png::write_linear(image, &mut bytes)?;
+        Ok::<_, io::Error>(PagePicture {
+            bytes,
+            media_type: "image/png".to_owned(),
+            wrap: texture.wrap,
+        })
+    });
     Ok(PageMaterial {
         name: material.name.clone(),
         base_color: material.diffuse.to_f32(),
-        picture,
+        picture: picture.transpose()?,
         emission: material.emission.to_f32(),
         opacity: opacity_of(material),
         double_sided: material.sidedness != Sidedness::One,
@@ -142,13 +174,17 @@ fn opacity_of(material: &Material) -> PageOpacity {
 type Key = (u32, [u64; 3], [u64; 2], [u32; 2]);
 
 /// Adds a mesh for each material and page of an object, with positions relative to the page's origin: they
-/// are in single precision.
-fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, model: &mut PageModel) {
-    let object = &scene.objects[baked.objects[receiver] as usize];
+/// are in single precision. The layout says where its triangles lie in lightmaps; without one it has no light.
+fn add_meshes(
+    object: &Object,
+    origin: DVec3,
+    layout: Option<&ReceiverLayout>,
+    model: &mut PageModel,
+) {
     let Some(placed) = object.shape.placed_mesh() else {
         return;
     };
-    let (mesh, layout) = (placed.mesh, &baked.atlas.layout.receivers[receiver]);
+    let mesh = placed.mesh;
     // A mesh of the page has one material and one lightmap, so an object falls into parts.
     let mut parts: HashMap<(u32, u32), (PageMesh, HashMap<Key, u32>)> = HashMap::new();
     let mut order = Vec::new();
@@ -156,7 +192,10 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
     for face in 0..mesh.faces.len() {
         let first = mesh.faces.starts[face] as usize;
         for triangle in mesh.triangulate(face) {
-            let part = (mesh.face_materials[face], layout.pages[number]);
+            let part = (
+                mesh.face_materials[face],
+                layout.map_or(0, |l| l.pages[number]),
+            );
             let (page_mesh, known) = parts.entry(part).or_insert_with(|| {
                 order.push(part);
                 let new = PageMesh {
@@ -168,7 +207,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
                 (new, HashMap::new())
             });
             // Triangles without a chart have no place in the lightmap, and are left out.
-            let is_charted = layout.charts[number] != NO_CHART;
+            let is_charted = layout.is_none_or(|l| l.charts[number] != NO_CHART);
             for (k, &corner) in triangle.iter().enumerate().filter(|_| is_charted) {
                 let corner = first + corner as usize;
                 let vertex = mesh.faces.corners[corner];
@@ -176,13 +215,13 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
                 let normal =
                     normal.unwrap_or_else(|| placed.face_area_vector(face).normalize_or(DVec3::Z));
                 let uv = mesh.uvs.as_ref().map(|uvs| uvs.at(corner, vertex));
-                let place = layout.uvs[number][k];
+                let place = layout.map(|l| l.uvs[number][k]);
                 // Corners that agree in all attributes share a vertex; floats are compared by their bits.
                 let key = (
                     vertex,
                     normal.to_array().map(f64::to_bits),
                     uv.unwrap_or(DVec2::ZERO).to_array().map(f64::to_bits),
-                    place.map(f32::to_bits),
+                    place.unwrap_or_default().map(f32::to_bits),
                 );
                 let next = page_mesh.positions.len() as u32;
                 let index = *known.entry(key).or_insert(next);
@@ -191,7 +230,7 @@ fn add_meshes(scene: &Scene, origin: DVec3, baked: &Baked, receiver: usize, mode
                     page_mesh.positions.push(position.as_vec3().to_array());
                     page_mesh.normals.push(normal.as_vec3().to_array());
                     page_mesh.uvs.extend(uv.map(|uv| uv.as_vec2().to_array()));
-                    page_mesh.lightmap_uvs.push(place);
+                    page_mesh.lightmap_uvs.extend(place);
                     let color = mesh.colors.get(vertex as usize);
                     page_mesh.colors.extend(color.map(|c| c.to_f32()));
                 }
