@@ -7,7 +7,7 @@ use crate::light::{self, LightArgs};
 use crate::page;
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
-use azulejo::bake::{Lightmap, Resolution, UnwrapOptions};
+use azulejo::bake::{LightmapPage, Resolution, UnwrapOptions};
 use azulejo::lightmap::{BakeError, BakeOptions, BakeSource, Baked, Coordinates, bake};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
@@ -124,7 +124,7 @@ impl NativeLightmap {
     /// Its pages.
     #[getter]
     fn pages<'py>(&self, py: Python<'py>) -> PyResult<Vec<PageArrays<'py>>> {
-        let arrays = |page: &azulejo::bake::LightmapPage| {
+        let arrays = |page: &LightmapPage| {
             let [width, height] = page.size;
             let texels =
                 |values: &[[f32; 3]]| image(py, (width, height), values.as_flattened().to_vec());
@@ -133,7 +133,8 @@ impl NativeLightmap {
             let (light, errors) = (texels(&page.irradiance)?, texels(&page.standard_error)?);
             Ok((light, errors, areas.into_pyarray(py)))
         };
-        self.lightmap().pages.iter().map(arrays).collect()
+        let pages = &self.model.baked.lightmap.pages;
+        pages.iter().map(arrays).collect()
     }
 
     /// Statistics by name.
@@ -154,33 +155,40 @@ impl NativeLightmap {
     }
 
     /// The page that shows it, as HTML.
-    fn html(&self, py: Python<'_>, words: (String, String), most: Option<u64>) -> PyResult<String> {
+    fn html(&self, py: Python<'_>, words: page::Words, most: Option<u64>) -> PyResult<String> {
         let model = self.model.clone();
-        page::html(py, words, most, move |most| {
-            let scene = &model.source.scene;
-            page::check_size(
-                azulejo::page::least_size(scene) + model.baked.texels.sites as u64,
-                most,
-            )?;
-            azulejo::page::of_baked(scene, &model.baked).map_err(refused)
-        })
+        page::html(py, move || model.page(words, most))
     }
 
-    /// Writes the model with it as a binary glTF file, and returns what is to be said of that.
-    fn save_glb(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
+    /// Writes the page, or the model with the lightmap as a binary glTF file; returns what is to be said of that.
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        is_page: bool,
+        words: page::Words,
+    ) -> PyResult<Vec<String>> {
         let model = self.model.clone();
         work::run(py, &WorkOptions::new(None, None), move |p| {
             let output = Output::check(&path).map_err(output_error)?;
-            let file = model.source.glb(&model.baked).map_err(refused)?;
-            let written = output.write(p, |out| out.write_all(&file.bytes));
+            let (bytes, notes) = if is_page {
+                (model.page(words, None)?, Vec::new())
+            } else {
+                let file = model.source.glb(&model.baked).map_err(refused)?;
+                (file.bytes, file.notes)
+            };
+            let written = output.write(p, |out| out.write_all(&bytes));
             written.map_err(output_error)?;
-            Ok(file.notes)
+            Ok(notes)
         })
     }
 }
 
-impl NativeLightmap {
-    fn lightmap(&self) -> &Lightmap {
-        &self.model.baked.lightmap
+impl BakedModel {
+    fn page(&self, words: page::Words, most: Option<u64>) -> PyResult<Vec<u8>> {
+        let (scene, texels) = (&self.source.scene, self.baked.texels.sites as u64);
+        page::check_size(azulejo::page::least_size(scene) + texels, most)?;
+        let model = azulejo::page::of_baked(scene, &self.baked).map_err(refused)?;
+        page::written(model, words, most)
     }
 }

@@ -5,27 +5,36 @@ use crate::work::{self, WorkOptions};
 use azulejo::bake::web_page::{self, PageModel};
 use pyo3::prelude::*;
 
-/// The page of a model, as HTML with a title and a note, if it is not larger than permitted.
+/// What a page says of itself: its title, and what is added to its note.
+pub type Words = (String, String);
+
+/// A page as HTML, in a thread of its own.
 ///
 /// # Errors
-/// Those of `model`, which gets the permitted size; the page is larger than that.
+/// Those of `page`.
 pub fn html(
     py: Python<'_>,
-    (title, note): (String, String),
-    most: Option<u64>,
-    model: impl FnOnce(Option<u64>) -> PyResult<PageModel> + Send + 'static,
+    page: impl FnOnce() -> PyResult<Vec<u8>> + Send + 'static,
 ) -> PyResult<String> {
-    work::run(py, &WorkOptions::new(None, None), move |_| {
-        let model = PageModel {
-            title,
-            note,
-            ..model(most)?
-        };
-        let mut page = Vec::new();
-        web_page::write(&model, &mut page).map_err(refused)?;
-        check_size(page.len() as u64, most)?;
-        String::from_utf8(page).map_err(refused)
-    })
+    let bytes = work::run(py, &WorkOptions::new(None, None), move |_| page())?;
+    String::from_utf8(bytes).map_err(refused)
+}
+
+/// The page of a model as HTML, if it is not larger than permitted.
+///
+/// # Errors
+/// It cannot be written, or is larger than that.
+pub fn written(model: PageModel, (title, more): Words, most: Option<u64>) -> PyResult<Vec<u8>> {
+    let note = format!("{} {more}", model.note).trim().to_owned();
+    let model = PageModel {
+        title,
+        note,
+        ..model
+    };
+    let mut page = Vec::new();
+    web_page::write(&model, &mut page).map_err(refused)?;
+    check_size(page.len() as u64, most)?;
+    Ok(page)
 }
 
 /// Refuses a page of so many bytes or more.

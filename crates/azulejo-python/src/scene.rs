@@ -224,11 +224,12 @@ impl NativeScene {
     }
 
     /// The page that shows it with the light of its vertices, as HTML.
-    fn html(&self, py: Python<'_>, words: (String, String), most: Option<u64>) -> PyResult<String> {
+    fn html(&self, py: Python<'_>, words: page::Words, most: Option<u64>) -> PyResult<String> {
         let scene = self.scene.clone();
-        page::html(py, words, most, move |most| {
+        page::html(py, move || {
             page::check_size(azulejo::page::least_size(&scene), most)?;
-            azulejo::page::of_scene(&scene).map_err(refused)
+            let model = azulejo::page::of_scene(&scene).map_err(refused)?;
+            page::written(model, words, most)
         })
     }
 

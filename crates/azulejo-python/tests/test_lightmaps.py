@@ -62,7 +62,9 @@ def test_files_are_those_of_the_command(tmp_path: Path, command: str) -> None:
             cwd=tmp_path,
             capture_output=True,
         )
-    glb, html = ([tmp_path / f"{by}cornell.{kind}" for by in ("python-", "")] for kind in ("glb", "html"))
+    glb, html = (
+        [tmp_path / f"{by}cornell.{kind}" for by in ("python-", "")] for kind in ("glb", "html")
+    )
     assert glb[0].read_bytes() == glb[1].read_bytes()
     mine, other = (path.read_text(encoding="utf-8") for path in html)
     assert mine.replace(repr(lightmap), "cornell") == other

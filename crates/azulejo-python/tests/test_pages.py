@@ -104,11 +104,11 @@ def test_names_stay_texts() -> None:
 def test_scenes_show_the_light_that_they_have(cube: az.Scene) -> None:
     plain = head(frame(cube._repr_html_())["srcdoc"])
     assert plain["lightmaps"] == [] and not any(mesh["lit"] for mesh in plain["meshes"])
-    assert plain["note"] == "The scene has no light: it is shown plain."
+    assert plain["note"] == "The scene has no light on vertices: it is shown plain."
     scene = az.solve_light(lamp_room(), patches=50)
     lit = head(frame(scene._repr_html_())["srcdoc"])
     assert len(lit["lightmaps"]) == 1 and all(mesh["lit"] for mesh in lit["meshes"])
-    assert "at vertices, and interpolated" in lit["note"]
+    assert "that of vertices, interpolated between them. It is known to" in lit["note"]
     # The peak is the largest channel; that of errors is a luminance, like them grey here.
     most = max(scene.mesh(name).irradiance.max() for name in scene.names)
     worst = max(scene.mesh(name).std_error.max() for name in scene.names)
@@ -117,12 +117,16 @@ def test_scenes_show_the_light_that_they_have(cube: az.Scene) -> None:
     assert worst * (1 - 1e-5) <= lit["lightmaps"][0]["errorPeak"] < 2 * worst
 
 
-def test_a_lightmap_is_shown() -> None:
+def test_a_lightmap_is_shown(tmp_path: Path) -> None:
     lightmap = az.bake(lamp_room(), size=64, error=0.1)
     shown = head(frame(lightmap._repr_html_())["srcdoc"])
     assert [(m["width"], m["height"]) for m in shown["lightmaps"]] == [(64, 64)]
     assert shown["title"] == repr(lightmap) and "known to" in shown["note"]
     assert Elements(lightmap._summary()).named("td")[0][1] == "64"
+    # A scene that is read with a lightmap is solved, but has nothing on its vertices.
+    lightmap.save(tmp_path / "room.glb")
+    again = az.load(tmp_path / "room.glb")
+    assert again.is_solved and "shown plain" in head(frame(again._repr_html_())["srcdoc"])["note"]
 
 
 def test_large_scenes_are_described(monkeypatch: pytest.MonkeyPatch) -> None:

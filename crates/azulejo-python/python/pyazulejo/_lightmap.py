@@ -87,17 +87,17 @@ class Lightmap:
             The file cannot be written.
         """
         kind = Path(path).suffix.lower()
-        if kind == ".html":
-            Path(path).write_text(self._page(None), encoding="utf-8", newline="")
-        elif kind == ".glb":
-            for note in self._native.save_glb(fspath(path)):
-                warnings.warn(note, UserWarning, stacklevel=2)
-        else:
+        if kind not in (".html", ".glb"):
             raise AzulejoError(f'a lightmap is written to .html or .glb, not to "{fspath(path)}"')
+        for note in self._native.save(fspath(path), kind == ".html", self._words()):
+            warnings.warn(note, UserWarning, stacklevel=2)
 
     def _page(self, limit: int | None) -> str:
-        note = f"Irradiance is known to {100 * self.error:.4g}% of its mean (one standard error)."
-        return self._native.html((repr(self), note), limit)
+        return self._native.html(self._words(), limit)
+
+    def _words(self) -> tuple[str, str]:
+        known = f"{100 * self.error:.4g}% of its mean (one standard error)"
+        return repr(self), f"Irradiance is known to {known}."
 
     def _summary(self) -> str:
         rows = (

@@ -6,6 +6,7 @@ import sys
 import webbrowser
 from collections.abc import Iterable, Sequence
 from html import escape
+from itertools import islice
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Protocol, Union
@@ -95,7 +96,7 @@ def table(
 ) -> str:
     """The first of `count` rows as HTML: a name, which may be any text, and numbers."""
     lines = ["".join(f"<th>{head}</th>" for head in heads)]
-    for _, (name, numbers) in zip(range(SHOWN_ROWS), rows):
+    for name, numbers in islice(rows, SHOWN_ROWS):
         cells = "".join(f"<td>{number:.4g}</td>" for number in numbers)
         lines.append(f"<th>{escape(name)}</th>{cells}")
     rest = f"<p>and {count - SHOWN_ROWS:,} more {what}</p>" if count > SHOWN_ROWS else ""

@@ -213,13 +213,9 @@ class Scene:
         return int(name)
 
     def _page(self, limit: int | None) -> str:
-        return self._native.html((repr(self), self._note()), limit)
-
-    def _note(self) -> str:
-        if not self.is_solved:
-            return "The scene has no light: it is shown plain."
-        known = f" to {100 * self._report['error']:.4g}% of its mean" if self._report else ""
-        return f"Irradiance is known{known} at vertices, and interpolated between them."
+        error = self._report["error"] if self._report else None
+        known = "" if error is None else f"It is known to {100 * error:.4g}% of its mean."
+        return self._native.html((repr(self), known), limit)
 
     def _summary(self) -> str:
         rows = ((n, [f, a]) for n, f, a in zip(self.names, self.faces, self.areas, strict=True))

@@ -1,7 +1,7 @@
 //! Scenes as web pages: with the light of a lightmap, with that of their vertices, or plain.
 //!
-//! [`of_baked`] and [`of_scene`] make the model of a page, which [`azulejo_bake::web_page::write()`] writes. Title
-//! and note are the caller's to fill in.
+//! [`of_baked`] and [`of_scene`] make the model of a page, which [`azulejo_bake::web_page::write()`] writes. The
+//! title is the caller's to fill in.
 
 mod vertices;
 
@@ -14,7 +14,7 @@ use azulejo_bake::web_page::{
 use azulejo_formats::picture::png;
 use azulejo_formats::{divide_into_triangles, gltf};
 use azulejo_scene::{
-    Camera, Image, Material, Object, OpacityChannel, OpacityMode, Scene, Sidedness, Texture,
+    Camera, Image, Material, Object, OpacityChannel, OpacityMode, Scene, Shape, Sidedness, Texture,
 };
 use azulejo_trace::Tracer;
 use glam::{DVec2, DVec3};
@@ -31,13 +31,19 @@ const GLASS: f32 = 0.25;
 /// Bytes of a page that a triangle takes at least, about, with its vertices: of models by others 6 to 67.
 const LEAST_TRIANGLE: u64 = 6;
 
+/// Triangles of an exact solid: of a parallelogram 2, of a sphere some 1,500.
+const EXACT_TRIANGLES: u64 = 100;
+
 /// The page of a baked scene.
 ///
 /// # Errors
 /// A picture of a material cannot be written.
 pub fn of_baked(scene: &Scene, baked: &Baked) -> io::Result<PageModel> {
     let origin = gltf::local_origin(scene);
-    let mut model = surroundings(scene, origin)?;
+    let mut model = PageModel {
+        materials: materials(scene)?,
+        ..surroundings(scene, origin)
+    };
     model.lightmaps = (baked.lightmap.pages.iter())
         .map(|page| PageLightmap {
             width: page.size[0],
@@ -53,20 +59,29 @@ pub fn of_baked(scene: &Scene, baked: &Baked) -> io::Result<PageModel> {
     Ok(model)
 }
 
-/// The page of a scene with the irradiance of its vertices; what has none is plain, a scene without any as a whole.
+/// The page of a scene with the irradiance of its vertices; what has none is plain, a scene without any as a whole. The
+/// note says which of these it is.
 ///
 /// Exact shapes become polygons, and sheets with light on both sides are there twice.
 ///
 /// # Errors
 /// A picture of a material cannot be written.
 pub fn of_scene(scene: &Scene) -> io::Result<PageModel> {
-    let mut scene = scene.split_sides().into_owned();
-    divide_into_triangles(&mut scene);
-    let origin = gltf::local_origin(&scene);
-    let mut model = surroundings(&scene, origin)?;
-    let light = VertexTexels::new(&scene);
-    model.lightmaps.extend(light.map);
-    for (object, layout) in scene.objects.iter().zip(&light.layouts) {
+    let mut shown = scene.split_sides().into_owned();
+    divide_into_triangles(&mut shown);
+    let origin = gltf::local_origin(&shown);
+    let light = VertexTexels::new(&shown);
+    let note = match light.map {
+        Some(_) => "Irradiance is that of vertices, interpolated between them.",
+        None => "The scene has no light on vertices: it is shown plain.",
+    };
+    let mut model = PageModel {
+        materials: materials(&shown)?,
+        lightmaps: light.map.into_iter().collect(),
+        note: note.to_owned(),
+        ..surroundings(scene, origin)
+    };
+    for (object, layout) in shown.objects.iter().zip(&light.layouts) {
         add_meshes(object, origin, layout.as_ref(), &mut model);
     }
     Ok(model)
@@ -74,29 +89,33 @@ pub fn of_scene(scene: &Scene) -> io::Result<PageModel> {
 
 /// Bytes that the page of a scene takes at least, about: few operations tell that a scene is too large for one.
 pub fn least_size(scene: &Scene) -> u64 {
-    let triangles = |object: &Object| {
-        let faces = object.shape.mesh().map(|mesh| &mesh.faces);
-        faces.map_or(0, |f| f.corners.len() - 2 * f.len()) as u64
-    };
+    let triangles = scene.objects.iter().map(|object| triangles(&object.shape));
     // A byte per pixel is little for a photograph.
     let pixels = |material: &Material| {
         let shown = picture_of(scene, material);
         shown.map_or(0, |(_, image)| image.pixels.len() as u64)
     };
-    let geometry: u64 = scene.objects.iter().map(triangles).sum();
-    LEAST_TRIANGLE * geometry + scene.materials.iter().map(pixels).sum::<u64>()
+    let pictures: u64 = scene.materials.iter().map(pixels).sum();
+    LEAST_TRIANGLE * triangles.sum::<u64>() + pictures
 }
 
-/// The page without surfaces: materials and views.
-fn surroundings(scene: &Scene, origin: DVec3) -> io::Result<PageModel> {
-    let materials = scene.materials.iter().map(|m| material_of(scene, m));
-    Ok(PageModel {
-        materials: materials.collect::<io::Result<_>>()?,
+/// The triangles of a shape, about if it is exact.
+fn triangles(shape: &Shape) -> u64 {
+    match (shape, shape.mesh()) {
+        (_, Some(mesh)) => (mesh.faces.corners.len() - 2 * mesh.faces.len()) as u64,
+        (Shape::Exact(exact), _) => EXACT_TRIANGLES * exact.solids.len() as u64,
+        _ => EXACT_TRIANGLES,
+    }
+}
+
+/// What a page shows beside surfaces and their materials.
+fn surroundings(scene: &Scene, origin: DVec3) -> PageModel {
+    PageModel {
         cameras: cameras(scene, origin),
         up: scene.units.up,
         photometric: scene.units.photometric,
         ..PageModel::default()
-    })
+    }
 }
 
 /// The views of the scene; without any, the one that `render` takes if it is from within. From outside the page
@@ -124,6 +143,11 @@ fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
 fn picture_of<'a>(scene: &'a Scene, material: &Material) -> Option<(&'a Texture, &'a Image)> {
     let texture = &scene.textures[*material.textures.first()? as usize];
     Some((texture, texture.image.as_ref()?))
+}
+
+fn materials(scene: &Scene) -> io::Result<Vec<PageMaterial>> {
+    let materials = scene.materials.iter().map(|m| material_of(scene, m));
+    materials.collect()
 }
 
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
