@@ -69,6 +69,14 @@ pub enum Resolution {
 }
 
 impl Resolution {
+    /// Width and height of a page where none is given, texels: of one that is filled, or of the largest one.
+    pub fn page_size(self) -> u32 {
+        match self {
+            Resolution::Fill => 1024,
+            Resolution::PerUnit(_) | Resolution::Texels(_) => 8192,
+        }
+    }
+
     /// Texels per scene unit; `None` for as many as fit.
     fn density(self, receivers: &[Receiver]) -> Option<f64> {
         let area: f64 = receivers.iter().map(|r| r.area() * r.density.powi(2)).sum();

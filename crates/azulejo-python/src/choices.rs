@@ -1,6 +1,7 @@
 //! Options by their names, as on the command line.
 
 use crate::error::refused;
+use azulejo::lightmap::{BakedLight, BakedSides};
 use azulejo::spelling::unknown;
 use azulejo_exchange::GroupBy;
 use azulejo_factors::{Closure, Engine, Hemicube, PatchSize};
@@ -91,6 +92,26 @@ pub fn sides(name: &str) -> PyResult<StoredSides> {
         ("brighter", StoredSides::Brighter),
         ("split", StoredSides::Split),
         ("unturned", StoredSides::Unturned),
+    ];
+    choice("sides", name, &known)
+}
+
+/// Which light a lightmap holds.
+pub fn baked_light(name: &str) -> PyResult<BakedLight> {
+    let known = [
+        ("total", BakedLight::Total),
+        ("indirect", BakedLight::Indirect),
+        ("direct", BakedLight::Direct),
+    ];
+    choice("light", name, &known)
+}
+
+/// Which side of surfaces a lightmap has.
+pub fn baked_sides(name: &str) -> PyResult<BakedSides> {
+    let known = [
+        ("front", BakedSides::Front),
+        ("brighter", BakedSides::Brighter),
+        ("split", BakedSides::Both),
     ];
     choice("sides", name, &known)
 }

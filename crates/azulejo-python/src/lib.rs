@@ -15,7 +15,9 @@ mod factor_files;
 mod form_factors;
 mod geometry;
 mod light;
+mod lightmap;
 mod materials;
+mod page;
 mod picture;
 mod points;
 mod reading;
@@ -43,6 +45,8 @@ mod _pyazulejo {
     use super::form_factors::{NativeFormFactors, compute_form_factors};
     #[pymodule_export]
     use super::light::{probe_irradiance, solve_light};
+    #[pymodule_export]
+    use super::lightmap::{NativeLightmap, bake_lightmap};
     #[pymodule_export]
     use super::materials::NativeMaterials;
     #[pymodule_export]

@@ -54,7 +54,8 @@ impl LightArgs {
         })
     }
 
-    fn work(&self, threads: Option<usize>, callback: Option<Py<PyAny>>) -> WorkOptions {
+    /// How the work is run.
+    pub fn work(&self, threads: Option<usize>, callback: Option<Py<PyAny>>) -> WorkOptions {
         let time = self.time.map(Duration::try_from_secs_f64);
         WorkOptions {
             threads,
@@ -64,7 +65,7 @@ impl LightArgs {
     }
 
     /// Refuses light of which so much is missing that it cannot be trusted.
-    fn check(&self, report: &Report) -> PyResult<()> {
+    pub fn check(&self, report: &Report) -> PyResult<()> {
         if !report.balance.is_broken(report.balance_error)
             || self.allow_imbalance
             || self.bounces.is_some()
@@ -132,7 +133,7 @@ pub fn probe_irradiance<'py>(
 }
 
 /// Says how a scene without light gets some.
-fn explained(error: SolveError) -> PyErr {
+pub fn explained(error: SolveError) -> PyErr {
     match error {
         SolveError::NoLight => refused(
             "nothing in the scene emits light: give a Material an emission, or the Scene a sky",
@@ -142,7 +143,7 @@ fn explained(error: SolveError) -> PyErr {
 }
 
 /// Statistics by name.
-fn described<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
+pub fn described<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
     let rgb = |c: Rgb| c.to_array();
     let statistics = PyDict::new(py);
     let method = match report.method {

@@ -4,6 +4,7 @@ use crate::arrays::{colours, triples, vectors};
 use crate::brdf;
 use crate::choices;
 use crate::error::refused;
+use crate::page;
 use azulejo::periods::Periods;
 use azulejo_scene::sky::SUN_HALF_ANGLE;
 use azulejo_scene::{
@@ -220,6 +221,16 @@ impl NativeScene {
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bounds = self.scene.bounds();
         triples(py, [bounds.min.to_array(), bounds.max.to_array()])
+    }
+
+    /// The page that shows it with the light of its vertices, as HTML.
+    fn html(&self, py: Python<'_>, words: page::Words, most: Option<u64>) -> PyResult<String> {
+        let scene = self.scene.clone();
+        page::html(py, move || {
+            page::check_size(azulejo::page::least_size(&scene), most)?;
+            let model = azulejo::page::of_scene(&scene).map_err(refused)?;
+            page::written(model, words, most)
+        })
     }
 
     /// The mesh of an object, with its light.

@@ -17,6 +17,7 @@
 //! | [`luminaire`] | luminaires of photometric files at their places |
 //! | [`recipe`] | files of rules that are applied to a model each time it is read |
 //! | [`output`] | files written atomically |
+//! | [`page`] | web pages that show a scene with its light |
 //! | [`files`], [`machine`] | messages for errors of the file system; memory of the machine |
 //! | [`spelling`] | messages for unknown names, with the most similar known one |
 //! | [`typeface`] | the embedded typeface |
@@ -35,6 +36,7 @@ pub mod luminaire;
 pub mod machine;
 pub mod models;
 pub mod output;
+pub mod page;
 pub mod periods;
 pub mod probe_grid;
 pub mod recipe;

@@ -14,7 +14,7 @@ mod radiance;
 mod sides;
 mod source;
 
-pub use brightness::{BytePicture, BytePictures};
+pub use brightness::{BytePicture, BytePictures, png_page};
 pub use directions::{DirectionForm, direction_bytes, direction_errors};
 pub use occlusion::bake_occlusion;
 pub use radiance::TexelRadiance;
@@ -271,7 +271,8 @@ pub fn bake<'r>(
 }
 
 /// A scene of meshes alone, for models that are written anew; if wished, cut along the lines on which one
-/// thing stands on another, so that charts can end there. Instances share their mesh, which stays whole.
+/// thing stands on another, so that charts can end there. Instances share their mesh, which stays whole. Light on
+/// vertices is left out.
 pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
     // The size of a letter counts, not of its whole line.
     let size = |exact: &Exact| {
@@ -286,6 +287,7 @@ pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
             let grids = primitive.grids(chord_error, f64::INFINITY);
             object.shape = Shape::Mesh(primitive.tessellate(&grids));
         }
+        forget_light(&mut object.shape);
     }
     if !cuts_contacts {
         return meshes;
@@ -301,6 +303,19 @@ pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
         }
     }
     cut
+}
+
+/// Removes light on vertices: files would have it beside that of the lightmap.
+fn forget_light(shape: &mut Shape) {
+    match shape {
+        Shape::Mesh(mesh) => {
+            mesh.irradiance.clear();
+            mesh.irradiance_error.clear();
+            mesh.back = None;
+        }
+        Shape::Instance(instance) => instance.light = None,
+        Shape::Primitive(_) | Shape::Exact(_) => {}
+    }
 }
 
 impl Baked {

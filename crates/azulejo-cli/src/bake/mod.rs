@@ -3,7 +3,6 @@
 pub mod args;
 mod check;
 mod coordinates;
-mod page;
 mod pictures;
 mod report;
 mod source;

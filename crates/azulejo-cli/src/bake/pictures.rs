@@ -6,7 +6,9 @@ use crate::failure::Failure;
 use crate::report::{Report, number, percent, short};
 use crate::session::Session;
 use azulejo::bake::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
-use azulejo::lightmap::{Baked, BytePicture, BytePictures, TexelRadiance, direction_bytes};
+use azulejo::lightmap::{
+    Baked, BytePicture, BytePictures, TexelRadiance, direction_bytes, png_page,
+};
 use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
 use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
 use azulejo_formats::picture::{hdr, png};
@@ -74,7 +76,8 @@ pub fn pictures(
             let pages = baked.lightmap.pages.iter().enumerate();
             let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| {
                 let bytes = linear_bytes(&page.irradiance);
-                png_page(name("occlusion", baked, place), page.size, &bytes, 1.0)
+                let name = name("occlusion", baked, place);
+                png_page(name, page.size, &bytes, 1.0).map_err(Failure::failed)
             };
             let pages: Result<Vec<LightmapPage>, Failure> = pages.map(picture).collect();
             return Ok(Pictures::by_pages(baked, pages?));
@@ -103,7 +106,7 @@ fn irradiance(
     let picture = |picture: &BytePicture| {
         let page = &baked.lightmap.pages[picture.page];
         let intensity = picture.intensity;
-        let mut png = png_page(picture.name.clone(), page.size, &picture.rgb, intensity)?;
+        let mut png = picture.png(baked).map_err(Failure::failed)?;
         if let Some(form) = args.files.directional.map(DirectionalArg::form) {
             let up = source.scene.units.up;
             for bytes in direction_bytes(baked, picture.page, form, up) {
@@ -190,27 +193,10 @@ fn shown(
             None => srgb_bytes(texels),
         };
         let size = baked.lightmap.pages[place].size;
-        png_page(name("lightmap", baked, place), size, &rgb, intensity)
+        let name = name("lightmap", baked, place);
+        png_page(name, size, &rgb, intensity).map_err(Failure::failed)
     };
     texels.map(picture).collect()
-}
-
-fn png_page(
-    name: String,
-    [width, height]: [u32; 2],
-    rgb: &[u8],
-    intensity: f64,
-) -> Result<LightmapPage, Failure> {
-    let mut file = Vec::new();
-    png::write(width, height, rgb, &mut file).map_err(Failure::failed)?;
-    Ok(LightmapPage {
-        name,
-        picture: file,
-        media_type: MediaType::Png,
-        intensity,
-        fallback: None,
-        directions: Vec::new(),
-    })
 }
 
 /// The name of a page's picture.

@@ -22,10 +22,6 @@ use azulejo_trace::{Blocks, Tracer};
 use std::fmt;
 use std::path::Path;
 
-/// Size of pages where none is given, and where the density is.
-const SIZE: u32 = 1024;
-const MOST_SIZE: u32 = 8192;
-
 /// Distance up to which things occlude, as a share of the size of the model.
 const OCCLUSION_DISTANCE: f64 = 0.1;
 
@@ -230,13 +226,9 @@ fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
         (None, Some(texels)) => Resolution::Texels(texels),
         (None, None) => Resolution::Fill,
     };
-    let size = match resolution {
-        Resolution::Fill => SIZE,
-        _ => MOST_SIZE,
-    };
     UnwrapOptions {
         resolution,
-        size: args.size.unwrap_or(size),
+        size: args.size.unwrap_or(resolution.page_size()),
         pages: args.pages,
         padding: args.padding.max(1 << args.mips),
         blocks: args.blocks,

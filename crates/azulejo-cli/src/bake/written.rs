@@ -1,22 +1,24 @@
 //! The files of a lightmap.
 
 use super::args::{BakeArgs, LightArg, LightsArg};
-use super::page;
 use super::pictures::{self, Pictures};
 use super::source::BakeSource;
 use crate::draft_list::DraftList;
 use crate::failure::Failure;
-use crate::report::Report;
+use crate::report::{Report, percent};
 use crate::session::Session;
+use azulejo::bake::web_page::{self, PageModel};
 use azulejo::bake::{DIRECTIONAL, LightmapPage};
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
+use azulejo::page;
 use azulejo_formats::Files;
 use azulejo_formats::gltf::patch::{
     self, Container, LightmapEdit, LightmapUvs, LightsMode, PatchedFile,
 };
 use azulejo_formats::picture::exr::{self, ChannelValues, NamedChannel};
 use azulejo_scene::{Image, Up};
+use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 /// What the main output is.
@@ -137,7 +139,7 @@ impl BakeOutputs {
         match &self.main {
             Some((output, OutputKind::Page)) => {
                 let mut file = Vec::new();
-                page::write(args, source, baked, &mut file).map_err(Failure::failed)?;
+                write_page(args, source, baked, &mut file).map_err(Failure::failed)?;
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
@@ -210,6 +212,25 @@ fn layered(
 /// What a file with directions says of its layers.
 const LAYERS: &str = "R, G, B: irradiance, or its standard error. L00, L1-1, L10, L11: coefficients of real spherical \
     harmonics of the radiance above each texel (bands 0 and 1: the constant, y, z, x), in the axes of glTF, y up.";
+
+/// Writes the page that shows the lightmap.
+fn write_page(
+    args: &BakeArgs,
+    source: &BakeSource,
+    baked: &Baked,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let title = args.input.scenes.first().and_then(|path| path.file_stem());
+    let model = PageModel {
+        title: title.unwrap_or_default().to_string_lossy().into_owned(),
+        note: format!(
+            "Irradiance is known to {} of its mean (one standard error).",
+            percent(baked.lightmap.relative_error())
+        ),
+        ..page::of_baked(&source.scene, baked)?
+    };
+    web_page::write(&model, out)
+}
 
 /// Files that a file in another folder than the one it was read from names: it would not find them.
 fn copied(

@@ -19,7 +19,9 @@ from ._compressed import CompressedFactors
 from ._exchange import Exchange, band_fraction, exchange
 from ._form_factors import Factor, FormFactors, form_factors
 from ._light import Irradiance, probe, render, solve_light, tone_map
+from ._lightmap import Lightmap, LightmapPage, bake
 from ._materials import Material
+from ._page import show
 from ._points import PointFactors, point_factors
 from ._pyazulejo import AzulejoError, __version__
 from ._radiosity import NodeHeat, Radiosity, radiosity
@@ -33,6 +35,8 @@ __all__ = [
     "Factor",
     "FormFactors",
     "Irradiance",
+    "Lightmap",
+    "LightmapPage",
     "Material",
     "MeshArrays",
     "NodeHeat",
@@ -41,6 +45,7 @@ __all__ = [
     "Scene",
     "SkyPatches",
     "__version__",
+    "bake",
     "band_fraction",
     "brdf",
     "directions",
@@ -51,6 +56,7 @@ __all__ = [
     "probe",
     "radiosity",
     "render",
+    "show",
     "solve_light",
     "tone_map",
 ]

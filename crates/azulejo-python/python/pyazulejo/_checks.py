@@ -92,14 +92,14 @@ def share(name: str, value: Any) -> float | None:
     return number
 
 
-def memory(value: int | str | None) -> int | None:
+def memory(value: int | str | None, name: str = "memory") -> int | None:
     """Bytes: a number, or text as "8G"."""
     if isinstance(value, str):
         found = re.fullmatch(r"\s*([0-9.]+)\s*([kKmMgGtT]?)i?[bB]?\s*", value)
         if not found:
-            raise AzulejoError(f'memory is "{value}", expected bytes, or as in "512M" or "8G"')
-        value = int(real("memory", found[1]) * _BYTES[found[2].lower()])
-    return optional_whole("memory", value, 2**20, 2**60)
+            raise AzulejoError(f'{name} is "{value}", expected bytes, or as in "512M" or "8G"')
+        value = int(real(name, found[1]) * _BYTES[found[2].lower()])
+    return optional_whole(name, value, 2**20, 2**60)
 
 
 def colour(name: str, value: Colour) -> tuple[float, float, float]:

@@ -28,6 +28,7 @@ from ._checks import share as _share
 from ._checks import threads as _threads
 from ._compressed import CompressedFactors
 from ._foreign import check_sums, compressed, row_list, row_names
+from ._page import SHOWN_ROWS, table
 from ._progress import Progress, watching
 from ._pyazulejo import (
     AzulejoError,
@@ -606,21 +607,11 @@ class FormFactors(MatrixRows):
         """The first rows as a table for notebooks: what they send to rows, sky, ground and backs, and its sum."""
         to_rows = self.matrix @ self.ends
         shares = [to_rows, self.sky, self.ground, self.hidden, self.cut + self.lost]
-        table = np.column_stack([self.areas, *shares, sum(shares), self.row_error])
-        heads = ["area", "to rows", "sky", "ground", "backs", "lost", "sum", "error of the row"]
-        cells = [f"<th>{head}</th>" for head in ["row", *heads]]
-        lines = [f"<tr>{''.join(cells)}</tr>"]
-        for i, numbers in enumerate(table[:_SHOWN_ROWS]):
-            name = str(i) if self.names is None else self.names[i]
-            cells = [f"<td>{number:.4g}</td>" for number in numbers]
-            lines.append(f"<tr><th>{escape(name)}</th>{''.join(cells)}</tr>")
-        more = len(self) - _SHOWN_ROWS
-        rest = f"<p>and {more:,} more rows</p>" if more > 0 else ""
-        return f"<p>{escape(repr(self))}</p><table>{''.join(lines)}</table>{rest}"
-
-
-# Rows that notebooks show.
-_SHOWN_ROWS = 20
+        numbers = np.column_stack([self.areas, *shares, sum(shares), self.row_error])[:SHOWN_ROWS]
+        heads = ["row", "area", "to rows", "sky", "ground", "backs", "lost", "sum", "error of the row"]
+        names = self.names or map(str, range(len(self)))
+        rows = zip(names, numbers.tolist(), strict=False)
+        return f"<p>{escape(repr(self))}</p>{table(heads, rows, len(self))}"
 
 
 def _moved(numbers: Sequence[float] | None) -> Mapping[str, float] | None:

@@ -10,10 +10,12 @@ __all__ = [
     "AzulejoError",
     "NativeCompressedFactors",
     "NativeFormFactors",
+    "NativeLightmap",
     "NativeMaterials",
     "NativeScene",
     "NativeThermalSolution",
     "__version__",
+    "bake_lightmap",
     "band_fractions",
     "compute_compressed_factors",
     "compute_form_factors",
@@ -33,6 +35,7 @@ __all__ = [
 __version__: str
 
 _Floats = NDArray[np.float64]
+_Texels = NDArray[np.float32]
 _SkyArrays = tuple[NDArray[np.float32], NDArray[np.float32], _Floats, _Floats, str]
 _Colour = tuple[float, float, float]
 _Material = tuple[str, _Colour, _Colour, _Colour, bool, str | None]
@@ -69,6 +72,7 @@ class NativeScene:
     def unit(self) -> float | None: ...
     @property
     def bounds(self) -> _Floats: ...
+    def html(self, words: tuple[str, str], most: int | None) -> str: ...
     def mesh(
         self, object: int
     ) -> tuple[_Floats, NDArray[np.uint32], NDArray[np.uint32], _Floats | None, _Floats | None]: ...
@@ -138,6 +142,17 @@ class NativeMaterials:
     @property
     def bands(self) -> list[str]: ...
     def paint(self, scene: NativeScene) -> NativeScene: ...
+
+@final
+class NativeLightmap:
+    @property
+    def pages(self) -> list[tuple[_Texels, _Texels, _Texels]]: ...
+    @property
+    def report(self) -> dict[str, Any]: ...
+    def html(self, words: tuple[str, str], most: int | None) -> str: ...
+    def save(
+        self, path: str | PathLike[str], is_page: bool, words: tuple[str, str]
+    ) -> list[str]: ...
 
 @final
 class NativeThermalSolution:
@@ -235,6 +250,13 @@ def compute_form_factors(
     threads: int | None,
     progress: Any,
 ) -> tuple[NativeFormFactors, list[str]]: ...
+def bake_lightmap(
+    scene: NativeScene,
+    texels: dict[str, Any],
+    light: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> NativeLightmap: ...
 def solve_light(
     scene: NativeScene,
     options: dict[str, Any],

@@ -14,6 +14,7 @@ from ._checks import Colour, colour, listed, positive, vector
 from ._checks import threads as _threads
 from ._materials import Material, Materials, material_table, of_meshes
 from ._meshes import face_arrays, is_mesh, parts
+from ._page import notebook_html, table
 from ._progress import Progress, watching
 from ._pyazulejo import AzulejoError, NativeMaterials, NativeScene, load_scene
 
@@ -210,6 +211,18 @@ class Scene:
         if not 0 <= name < len(names):
             raise AzulejoError(f"there is no object {name}: the scene has {len(names)}")
         return int(name)
+
+    def _page(self, limit: int | None) -> str:
+        error = self._report["error"] if self._report else None
+        known = "" if error is None else f"It is known to {100 * error:.4g}% of its mean."
+        return self._native.html((repr(self), known), limit)
+
+    def _summary(self) -> str:
+        rows = ((n, [f, a]) for n, f, a in zip(self.names, self.faces, self.areas, strict=True))
+        return table(["object", "faces", "area"], rows, len(self.names), "objects")
+
+    def _repr_html_(self) -> str:
+        return notebook_html(self)
 
     def __repr__(self) -> str:
         lit = ", solved" if self.is_solved else ""

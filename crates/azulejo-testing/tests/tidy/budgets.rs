@@ -7,14 +7,14 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 4800),
+    ("azulejo", 5200),
     ("azulejo-bake", 5250),
     ("azulejo-cli", 24_120),
     ("azulejo-exchange", 8350),
     ("azulejo-factors", 18_340),
     ("azulejo-formats", 65_800),
     ("azulejo-gpu", 2200),
-    ("azulejo-python", 2900),
+    ("azulejo-python", 3100),
     ("azulejo-radiosity", 7920),
     ("azulejo-render", 5200),
     ("azulejo-scene", 15_330),

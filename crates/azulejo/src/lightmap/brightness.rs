@@ -7,7 +7,10 @@
 use super::Baked;
 use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{LightmapPage, srgb_bytes};
+use azulejo_formats::gltf::patch::{self as gltf, MediaType};
+use azulejo_formats::picture::png;
 use std::collections::HashSet;
+use std::io;
 
 /// Brightest texel over the mean above which bright parts are kept apart.
 const MOST: f32 = 16.0;
@@ -38,6 +41,39 @@ pub struct BytePicture {
     pub rgb: Vec<u8>,
     /// Irradiance of the linear value 1.
     pub intensity: f64,
+}
+
+impl BytePicture {
+    /// A picture of a glTF file.
+    ///
+    /// # Errors
+    /// Its size is not that of its page.
+    pub fn png(&self, baked: &Baked) -> io::Result<gltf::LightmapPage> {
+        let size = baked.lightmap.pages[self.page].size;
+        png_page(self.name.clone(), size, &self.rgb, self.intensity)
+    }
+}
+
+/// Bytes in sRGB, row by row, as a picture of a glTF file; `intensity` is the light of a white texel.
+///
+/// # Errors
+/// There are not three bytes for each texel.
+pub fn png_page(
+    name: String,
+    [width, height]: [u32; 2],
+    rgb: &[u8],
+    intensity: f64,
+) -> io::Result<gltf::LightmapPage> {
+    let mut picture = Vec::new();
+    png::write(width, height, rgb, &mut picture)?;
+    Ok(gltf::LightmapPage {
+        name,
+        picture,
+        media_type: MediaType::Png,
+        intensity,
+        fallback: None,
+        directions: Vec::new(),
+    })
 }
 
 /// A part of an object, which has one material: its receiver and number.

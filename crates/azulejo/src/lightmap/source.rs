@@ -3,10 +3,13 @@
 //! A [`BakeSource`] says which objects of a scene are baked, and which faces of the file they are.
 //! [`BakeSource::layouts`] carries the charts of a lightmap over to the file.
 
-use super::{Baked, meshes_of};
+use super::{Baked, BytePictures, meshes_of};
 use crate::models::unbaked;
 use azulejo_bake::Receiver;
-use azulejo_formats::gltf::patch::{GltfFile, ObjectLayout};
+use azulejo_formats::gltf::patch::{
+    self, Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode,
+    ObjectLayout, PatchError, PatchedFile,
+};
 use azulejo_formats::gltf::{self, MattSurfaces, ObjectOrigin, Stillness};
 use azulejo_formats::{Folder, ReadError, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
@@ -66,6 +69,8 @@ pub enum SourceError {
     Read(ReadError),
     /// The scene cannot be written.
     Write(io::Error),
+    /// The file cannot get a lightmap.
+    Patch(PatchError),
     /// Triangles would have no area in the single precision of the format.
     Precision,
 }
@@ -75,6 +80,7 @@ impl fmt::Display for SourceError {
         match self {
             SourceError::Read(error) => error.fmt(f),
             SourceError::Write(error) => error.fmt(f),
+            SourceError::Patch(error) => error.fmt(f),
             SourceError::Precision => f.write_str(
                 "some triangles cannot be written in single precision: scale the model with --place",
             ),
@@ -87,6 +93,12 @@ impl std::error::Error for SourceError {}
 impl From<ReadError> for SourceError {
     fn from(error: ReadError) -> SourceError {
         SourceError::Read(error)
+    }
+}
+
+impl From<PatchError> for SourceError {
+    fn from(error: PatchError) -> SourceError {
+        SourceError::Patch(error)
     }
 }
 
@@ -218,6 +230,32 @@ impl BakeSource {
             is_given: false,
             notes: Vec::new(),
         })
+    }
+
+    /// The file with a lightmap as PNG, which `MOZ_lightmap` names, in one binary file; lamps that are not surfaces are
+    /// dark. What `azulejo bake` writes where nothing else is asked for.
+    ///
+    /// # Errors
+    /// [`SourceError::Patch`] and [`SourceError::Write`].
+    pub fn glb(&self, baked: &Baked) -> Result<PatchedFile, SourceError> {
+        let bytes = BytePictures::new(baked, true);
+        let pages = bytes.pictures.iter().map(|picture| picture.png(baked));
+        let edit = LightmapEdit {
+            content: None,
+            objects: &self.layouts_in(baked, |receiver, t| bytes.of_triangles[receiver][t]),
+            pages: &pages.collect::<io::Result<Vec<_>>>()?,
+            uvs: LightmapUvs::default(),
+            instances: InstanceMode::Copy,
+            convention: Convention::Moz,
+            lights: LightsMode::Dim,
+            mipmaps: false,
+            output: patch::Output {
+                container: Container::Glb,
+                stem: "",
+            },
+        };
+        let file = self.file.patched();
+        Ok(patch::with_lightmap(&file, &self.origins, &edit)?)
     }
 
     /// Where the faces of the file's objects lie in a lightmap of this source, for each of its origins.

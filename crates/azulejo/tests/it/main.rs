@@ -7,6 +7,7 @@ mod instances;
 mod lightmap;
 mod lightmap_contacts;
 mod outside;
+mod page;
 mod pictured_lamps;
 mod rtrace;
 mod typeface;

@@ -95,6 +95,8 @@ class Interface {
         ["low", "high"].forEach((id) => on(id, "change", () => this.rangeTyped()));
         on("full", "click", () => this.fullscreen());
         on("help-button", "click", () => this.help());
+        // A form of the dialog would close it, too, but frames may forbid forms.
+        on("help-close", "click", () => element("help").close());
         on("fold", "click", () => this.fold());
         element("full").hidden = !document.fullscreenEnabled;
         window.addEventListener("keydown", (event) => this.keyPressed(event));

@@ -118,11 +118,15 @@ const STEPS = {
 };
 const TURNS = { ArrowLeft: -1, ArrowRight: 1 };
 
+// Whether another page is around this one, as a notebook: the wheel scrolls that until the model is clicked.
+const isFramed = window.parent !== window;
+
 // Pointers and keys on a canvas. `viewer` has eye, model, isWalking, pickAt(x, y) and changed(isMoving).
 class Navigation {
     constructor(canvas, viewer) {
         this.canvas = canvas;
         this.viewer = viewer;
+        document.documentElement.classList.toggle("framed", isFramed);
         this.pointers = new Map();
         this.held = new Set();
         this.travelled = 0;
@@ -231,6 +235,9 @@ class Navigation {
     }
 
     rolled(event) {
+        if (isFramed && !document.hasFocus()) {
+            return;
+        }
         event.preventDefault();
         this.findPivot();
         const { eye, isWalking, model } = this.viewer;
