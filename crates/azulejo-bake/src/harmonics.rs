@@ -12,6 +12,9 @@ pub const DIRECTIONAL: usize = 4;
 /// about the same direction all over so small a place.
 const LEVEL: u32 = 3;
 
+/// The indirect light that arrives at points from their hemispheres.
+pub type HarmonicGather<'g, E> = dyn FnMut(&[GatherPoint]) -> Result<Vec<Harmonics>, E> + 'g;
+
 /// The first coefficients of what was gathered, each with its standard error, W/(sr·m²).
 pub(crate) fn site_harmonics(found: &Harmonics) -> Vec<SiteLight> {
     let coefficients = found.coefficients[..DIRECTIONAL].iter();
@@ -68,7 +71,7 @@ impl TexelHarmonics {
         &mut self,
         samples: &Samples,
         run: Run,
-        gather: &mut dyn FnMut(&[GatherPoint]) -> Result<Vec<Harmonics>, E>,
+        gather: &mut HarmonicGather<E>,
     ) -> Result<(), E> {
         let cells = TexelCells::of_level(samples, LEVEL);
         let points: Vec<GatherPoint> = cells.nodes().iter().map(|&n| cells.point(n)).collect();

@@ -57,7 +57,7 @@ pub use denoise::denoise;
 pub use direct::{DirectGather, DirectTexels, direct, direct_from};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
-pub use harmonics::{DIRECTIONAL, TexelHarmonics};
+pub use harmonics::{DIRECTIONAL, HarmonicGather, TexelHarmonics};
 pub use importance::{ChartImportance, chart_importance};
 pub use kept::kept_layout;
 pub use lattice::TexelCells;

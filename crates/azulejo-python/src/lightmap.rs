@@ -52,6 +52,8 @@ impl TexelArgs {
             (None, None) => Resolution::Fill,
         };
         Ok(BakeOptions {
+            denoises: false,
+            is_directional: false,
             charts: UnwrapOptions {
                 resolution,
                 size: self.size.unwrap_or(resolution.page_size()),
