@@ -50,7 +50,7 @@ pub struct DirectTexels {
 }
 
 /// Light at a point, and the coefficients of where it comes from, if that is asked for.
-type Found = (Gathered, Vec<SiteLight>);
+type DirectedLight = (Gathered, Vec<SiteLight>);
 
 impl DirectTexels {
     fn none(count: usize, is_directional: bool) -> DirectTexels {
@@ -64,7 +64,7 @@ impl DirectTexels {
         }
     }
 
-    fn set(&mut self, sample: usize, (light, harmonics): &Found) {
+    fn set(&mut self, sample: usize, (light, harmonics): &DirectedLight) {
         self.light.set(sample, light);
         self.harmonics.set(sample, harmonics);
     }
@@ -87,7 +87,7 @@ pub struct DirectGather<'a> {
 
 impl DirectGather<'_> {
     /// Light at points by themselves.
-    fn at(&self, points: &[GatherPoint]) -> Vec<Found> {
+    fn at(&self, points: &[GatherPoint]) -> Vec<DirectedLight> {
         if !self.is_directional {
             let light = self.gatherer.direct(points, 1, self.seed);
             return light.iter().map(|l| (l.whole(), Vec::new())).collect();
@@ -98,7 +98,7 @@ impl DirectGather<'_> {
     }
 
     /// The mean light of points side by side.
-    fn mean_of(&self, points: &[GatherPoint]) -> Found {
+    fn mean_of(&self, points: &[GatherPoint]) -> DirectedLight {
         let share = 1.0 / points.len() as f64;
         let mut sum = Gathered::default();
         let mut add = |lights: &[DirectLight]| {
@@ -125,7 +125,7 @@ impl DirectGather<'_> {
 fn interpolate(
     direct: &mut DirectTexels,
     cells: TexelCells,
-    of_nodes: Vec<Found>,
+    of_nodes: Vec<DirectedLight>,
     missing: &[u32],
     run: Run,
 ) -> Result<(), Cancelled> {
@@ -270,9 +270,9 @@ fn at_centres(gathers: DirectGather, run: Run) -> Result<DirectTexels, Cancelled
 /// Gathers at the nodes of the finest lattice of a few for which there is time, by the pace of those before it.
 fn at_lattice<'a>(
     samples: &'a Samples,
-    gather: &(impl Fn(&[u32]) -> Vec<Found> + Sync),
+    gather: &(impl Fn(&[u32]) -> Vec<DirectedLight> + Sync),
     run: Run,
-) -> Result<(TexelCells<'a>, Vec<Found>), Cancelled> {
+) -> Result<(TexelCells<'a>, Vec<DirectedLight>), Cancelled> {
     let gathered = |cells: &TexelCells| {
         in_counted_batches(cells.nodes(), (BATCH, BLOCK), run, |batch| {
             Ok(gather(batch))
@@ -372,7 +372,7 @@ fn noisiest(samples: &Samples, found: &SiteDirect, permitted: f64) -> Vec<bool> 
 }
 
 /// Direct light of a texel from points all over what it covers.
-fn over_texel(gather: DirectGather, sample: usize, places: u32) -> Found {
+fn over_texel(gather: DirectGather, sample: usize, places: u32) -> DirectedLight {
     let (samples, seed) = (gather.samples, gather.seed);
     let s = &samples.samples[sample];
     let coverage = &samples.pages[s.page as usize];
