@@ -24,6 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     assert_eq!(loaded.scene.objects.len(), origins.len());
     let page = LightmapPage {
+        directions: vec![b"picture".to_vec(); 3],
         name: "light".to_owned(),
         picture: b"picture".to_vec(),
         media_type: MediaType::Png,
@@ -32,6 +33,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let objects: Vec<Option<ObjectLayout>> = origins.iter().map(layout).collect();
     let edit = LightmapEdit {
+        content: Some("a-b"),
         objects: &objects,
         pages: &[page],
         uvs: LightmapUvs::default(),

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// Rays of each probe before its noise is known.
 const FIRST_RAYS: u32 = 128;
 
-/// Most rays of a probe.
+/// A probe with so many rays gets no more.
 const MOST_RAYS: u32 = 1 << 14;
 
 /// Times that rays are added.
@@ -27,10 +27,8 @@ const ROUNDS: u32 = 8;
 /// What of a requested error is aimed at: estimated errors have errors.
 const NOISE_SHARE: f64 = 0.95;
 
-/// Places and normals at which the irradiance is also gathered, to see what patches and higher bands are off by, and
-/// the error to which it is.
+/// Places and normals at which the irradiance is also gathered, to see what patches and higher bands are off by.
 const CHECKED: u32 = 64;
-const CHECK_ERROR: f64 = 0.01;
 
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
@@ -118,6 +116,7 @@ pub fn grid_light(
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let solved = SolvedLight::new(&proxy, pass, run)?;
     solved.agree()?;
+    // Light comes from all around: the normal is any that is not an axis of most models.
     let points: Vec<GatherPoint> = (0..grid.len())
         .map(|probe| GatherPoint {
             position: grid.position(probe),
@@ -142,6 +141,7 @@ pub fn grid_light(
         let rest = permitted - direct.variance();
         indirect.refine(&points, rest, run, &mut |points, rays| around(points, rays))?;
     }
+    // State what is left, and which probes are inside of solids.
     let rays = indirect.rays.iter().map(|&n| f64::from(n)).sum::<f64>() / grid.len().max(1) as f64;
     let mean = mean_irradiance(&direct.light) + mean_irradiance(&indirect.light);
     let noise = (direct.variance() + indirect.variance()).sqrt() / mean.max(f64::MIN_POSITIVE);
@@ -167,7 +167,7 @@ pub fn grid_light(
         report: solved.report(),
         grid,
     };
-    of_grid.systematic = systematic(&of_grid, scene, tracer, pass, run)?;
+    of_grid.systematic = systematic(&of_grid, &solved)?;
     of_grid.fill();
     Ok(of_grid)
 }
@@ -283,13 +283,7 @@ fn probes_inside(solved: &SolvedLight, points: &[GatherPoint], light: &[Harmonic
 
 /// Root mean square by which irradiance from coefficients is off beyond their noise, relative to the mean, from a sample
 /// of places and normals at which it is gathered by itself.
-fn systematic(
-    light: &GridLight,
-    scene: &Scene,
-    tracer: &Tracer,
-    pass: &FirstPass,
-    run: Run,
-) -> Result<f64, SolveError> {
+fn systematic(light: &GridLight, solved: &SolvedLight) -> Result<f64, SolveError> {
     let outside: Vec<usize> = (0..light.grid.len())
         .filter(|&p| !light.is_inside[p])
         .collect();
@@ -306,12 +300,7 @@ fn systematic(
             normal,
         })
         .collect();
-    let exact = FirstPass {
-        error: Some(CHECK_ERROR),
-        rays: None,
-        ..pass.clone()
-    };
-    let truth = azulejo_radiosity::probe(scene, tracer, &points, &exact, run.without_storage())?;
+    let truth = solved.probe(&points)?;
     let (mut squares, mut mean) = (0.0, 0.0);
     for ((probe, normal), truth) in chosen.iter().zip(&truth.estimates) {
         let found = harmonic_irradiance(&light.coefficients[*probe], *normal);

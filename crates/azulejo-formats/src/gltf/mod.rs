@@ -105,6 +105,7 @@ fn read_recorded(
     let container = container::split(bytes, name, &mut messages)?;
     let root = document::parse(&container, name, &mut messages)?;
     let tree = Tree::of(&root, container.json, name)?;
+    origin::warn_of_rest(&root, container.json, &mut messages);
     let buffers = Buffers::load(&root, container.bin, files, options);
     let data = Data {
         root: &root,

@@ -4,6 +4,7 @@
 //! is recorded while it reads. Edits of the file ([`patch`](super::patch)) start from it.
 
 use super::animations::Targets;
+use super::messages::GltfMessages;
 use super::nodes::children;
 use gltf_json::{Node, Root};
 use std::sync::Arc;
@@ -139,6 +140,30 @@ impl OriginRecorder {
     /// All that was recorded.
     pub fn finish(self) -> Vec<ObjectOrigin> {
         self.list
+    }
+}
+
+/// Says which lamps are taken where they rest, although an animation moves them, and that of some nodes only the finest
+/// level of detail is read. `json` is the text of the file.
+pub(super) fn warn_of_rest(root: &Root, json: &[u8], messages: &mut GltfMessages) {
+    let mut is_moved = vec![false; root.nodes.len()];
+    for &node in &Targets::of(json).moved_nodes {
+        spread(&root.nodes, node, &mut is_moved, true);
+    }
+    for (index, node) in root.nodes.iter().enumerate() {
+        let extensions = node.extensions.as_ref();
+        let is_lamp = extensions.is_some_and(|e| e.khr_lights_punctual.is_some());
+        if is_lamp && is_moved[index] {
+            messages.of(
+                "lamp that an animation moves: shines from where it rests",
+                || format!("nodes[{index}]"),
+            );
+        }
+        if coarser(node).next().is_some() {
+            messages.of("MSFT_lod: the finest level of detail is read", || {
+                format!("nodes[{index}]")
+            });
+        }
     }
 }
 

@@ -124,3 +124,35 @@ fn levels_and_instances() {
     ];
     assert_eq!(levels, expected);
 }
+
+/// What an animation moves, and coarser levels, are named at their nodes.
+#[test]
+fn lamps_that_move_and_levels_are_named() {
+    let rest = format!(
+        "\"extensionsUsed\":[\"KHR_lights_punctual\"],\
+         \"extensions\":{{\"KHR_lights_punctual\":{{\"lights\":[{{\"type\":\"point\"}}]}}}},\
+         \"animations\":[{{\"samplers\":[{{\"input\":0,\"output\":0}}],\
+           \"channels\":[{{\"sampler\":0,\"target\":{{\"node\":1,\"path\":\"translation\"}}}}]}}],\
+         \"meshes\":[{{\"primitives\":[{PRIMITIVE}]}}],\
+         \"nodes\":[{{\"mesh\":0,\"extensions\":{{\"MSFT_lod\":{{\"ids\":[4]}}}}}},{{\"children\":[2]}},\
+           {{\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":0}}}}}},\
+           {{\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":0}}}}}},{{\"mesh\":0}}]"
+    );
+    let file = triangle(&[], "", &rest);
+    let (loaded, _) = read_with_origins(
+        file.as_bytes(),
+        "lamps.gltf",
+        &Memory::new(),
+        &ReadOptions::default(),
+    )
+    .unwrap();
+    let warned: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    let has =
+        |text: &str, place: &str| warned.iter().any(|w| w.contains(text) && w.contains(place));
+    assert!(
+        has("lamp that an animation moves", "nodes[2]"),
+        "{warned:?}"
+    );
+    assert!(has("MSFT_lod", "nodes[0]"), "{warned:?}");
+    assert_eq!(warned.iter().filter(|w| w.contains("lamp")).count(), 1);
+}
