@@ -77,7 +77,7 @@ pub fn write(
     write_levels([image.width, image.height, 0], "rd", texels, data, out)
 }
 
-/// Writes a volume of linear light, whose layers are pictures of equal size, as [`write`] does, in one size.
+/// Writes a volume of linear light, whose layers are pictures of equal size, as [`write()`] does, in one size.
 ///
 /// # Errors
 /// Errors of `out`.
