@@ -145,5 +145,5 @@ fn vector_irradiance_is_irradiance_along_the_normal() {
     // What is stated of the coefficients is of that size.
     let [radiance, direction] = direction_errors(&harmonics);
     assert!(radiance > 1e-4 && radiance < 0.1, "{radiance}");
-    assert!(direction > 1e-4 && direction < 0.15, "{direction}");
+    assert!(direction > 1e-4 && direction < 0.2, "{direction}");
 }
