@@ -96,8 +96,8 @@ pub struct GridLight {
     /// Root mean square of the standard error of irradiance over all probes and normals, relative to the mean.
     pub noise: f64,
     /// The same of what coefficients cannot say, because it is in higher bands, and of what the light of patches is off
-    /// by, from a sample: about 0.13 where all light is from one direction.
-    pub systematic: f64,
+    /// by, from a sample: about 0.13 where all light is from one direction. `None` if no time was left for that.
+    pub systematic: Option<f64>,
     /// The light between patches.
     pub report: Report,
 }
@@ -163,11 +163,15 @@ pub fn grid_light(
         is_inside,
         rays,
         noise,
-        systematic: 0.0,
+        systematic: None,
         report: solved.report(),
         grid,
     };
-    of_grid.systematic = systematic(&of_grid, &solved)?;
+    of_grid.systematic = match systematic(&of_grid, &solved) {
+        Ok(systematic) => Some(systematic),
+        Err(SolveError::OutOfTime) => None,
+        Err(error) => return Err(error),
+    };
     of_grid.fill();
     Ok(of_grid)
 }

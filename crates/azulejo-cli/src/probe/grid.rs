@@ -104,6 +104,7 @@ pub fn run(
         grid_light(&scene, &tracer, grid, &options, run)
     })
     .map_err(pass::failure)?;
+    pass::refuse_imbalance(&light.report, &args.first_pass)?;
     spent("tracing", "trace", clock, &mut report);
     describe(&light, args, &mut report);
     let units = scene.units;
@@ -165,13 +166,16 @@ fn describe(light: &GridLight, args: &ProbeArgs, report: &mut Report) {
     });
     let words = format!("{} of the mean irradiance{request}", percent(light.noise));
     report.fact("noise", number(light.noise), "noise", words);
-    let words = format!(
-        "{}: what bands 0 to 2 cannot say of hard light, and patches of light nearby",
-        percent(light.systematic)
-    );
+    let words = match light.systematic {
+        Some(off) => format!(
+            "{}: what bands 0 to 2 cannot say of hard light, and patches of light nearby",
+            percent(off)
+        ),
+        None => "not measured: no time was left".to_owned(),
+    };
     report.fact(
         "systematic",
-        number(light.systematic),
+        light.systematic.map(number),
         "beside noise",
         words,
     );
