@@ -25,6 +25,9 @@ use std::io::{self, Write};
 /// Most probes of a grid: their light takes some gigabytes.
 const MOST_PROBES: u64 = 1 << 20;
 
+/// Error beside the requested one up to which that counts as reached.
+const TOLERATED: f64 = 1.2;
+
 /// What a grid is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum GridFormat {
@@ -107,6 +110,7 @@ pub fn run(
     pass::refuse_imbalance(&light.report, &args.first_pass)?;
     spent("tracing", "trace", clock, &mut report);
     describe(&light, args, &mut report);
+    say_unreached(&light, args, session);
     let units = scene.units;
     let shown = match (format, units.up) {
         (GridFormat::Npz, _) | (_, Up::Y) => None,
@@ -143,6 +147,19 @@ fn output(args: &ProbeArgs, session: &mut Session) -> Result<(Output, GridFormat
     let output = Output::check(path)?;
     session.claim_stdout(output.is_stdout())?;
     Ok((output, format))
+}
+
+/// Says that the requested error is not reached.
+fn say_unreached(light: &GridLight, args: &ProbeArgs, session: &mut Session) {
+    if let Some(requested) = args.first_pass.error
+        && light.noise > TOLERATED * requested
+    {
+        session.note(&format!(
+            "the noise is {}, not {}: the time is over, or the noisiest probes have all the rays that they get",
+            percent(light.noise),
+            percent(requested)
+        ));
+    }
 }
 
 fn describe(light: &GridLight, args: &ProbeArgs, report: &mut Report) {

@@ -9,5 +9,6 @@ mod lightmap_contacts;
 mod outside;
 mod page;
 mod pictured_lamps;
+mod probe_grid;
 mod rtrace;
 mod typeface;
