@@ -2,79 +2,11 @@
 
 use crate::drawing::escaped;
 use crate::report::{Report, number, short};
-use azulejo_scene::{LightKind, PhotometricWeb, Scene};
-use glam::DVec3;
+use azulejo::luminaire::kinds::{LuminaireKind, PLANES, beam_angle, round_step};
+use azulejo_scene::Scene;
 use serde_json::json;
 use std::f64::consts::PI;
 use std::fmt::Write;
-use std::sync::Arc;
-
-/// The lights of one luminaire, or of several alike.
-struct LuminaireKind<'a> {
-    name: &'a str,
-    web: &'a Arc<PhotometricWeb>,
-    /// The sum of their factors: radiant intensity where the web says 1, W/sr.
-    scale: f64,
-    lights: usize,
-}
-
-/// Half planes about the axis, in which intensities are plotted: of 0 and 180, and of 90 and 270 degrees.
-const PLANES: [(&str, DVec3); 2] = [("C0 – C180", DVec3::X), ("C90 – C270", DVec3::Y)];
-
-impl LuminaireKind<'_> {
-    /// Those of a scene, in order. Points that stand for one opening share their web, and so do luminaires that were read
-    /// once.
-    fn of(scene: &Scene) -> Vec<LuminaireKind<'_>> {
-        let mut kinds: Vec<LuminaireKind<'_>> = Vec::new();
-        for light in &scene.lights {
-            let LightKind::Luminaire { scale, web, .. } = &light.kind else {
-                continue;
-            };
-            let same = |kind: &&mut LuminaireKind| {
-                kind.name == light.name && (Arc::ptr_eq(kind.web, web) || kind.web == web)
-            };
-            match kinds.iter_mut().find(same) {
-                Some(kind) => {
-                    kind.scale += scale.mean();
-                    kind.lights += 1;
-                }
-                None => kinds.push(LuminaireKind {
-                    name: &light.name,
-                    web,
-                    scale: scale.mean(),
-                    lights: 1,
-                }),
-            }
-        }
-        kinds
-    }
-
-    /// Intensity at an angle from the aim, radians, on the side of a plane that the axis points to; negative angles are on
-    /// the other side.
-    fn intensity(&self, axis: DVec3, angle: f64) -> f64 {
-        let (sin, cos) = angle.sin_cos();
-        self.scale * self.web.toward(axis * sin - DVec3::Z * cos)
-    }
-
-    /// The full angle in a plane, degrees, beyond which the intensity is less than a share of the largest in it.
-    fn beam(&self, axis: DVec3, share: f64) -> f64 {
-        const STEPS: i32 = 1800;
-        let angle = |k: i32| PI * f64::from(k) / f64::from(STEPS);
-        let all: Vec<f64> = (-STEPS..=STEPS)
-            .map(|k| self.intensity(axis, angle(k)))
-            .collect();
-        let limit = share * all.iter().copied().fold(0.0, f64::max);
-        if limit <= 0.0 {
-            return 0.0;
-        }
-        let first = all.iter().position(|i| *i >= limit);
-        let last = all.iter().rposition(|i| *i >= limit);
-        match (first, last) {
-            (Some(first), Some(last)) => (last - first) as f64 * angle(1).to_degrees(),
-            _ => 0.0,
-        }
-    }
-}
 
 /// Adds a line for each kind of luminaire.
 pub fn describe(scene: &Scene, report: &mut Report) {
@@ -93,8 +25,9 @@ pub fn describe(scene: &Scene, report: &mut Report) {
     for kind in &kinds {
         let flux = kind.scale * square * kind.web.sphere_integral();
         let most = kind.scale * square * kind.web.most();
-        let beams = PLANES.map(|(_, axis)| kind.beam(axis, 0.5));
-        let fields = PLANES.map(|(_, axis)| kind.beam(axis, 0.1));
+        let profiles = PLANES.map(|(_, axis)| kind.profile(axis));
+        let [beams, fields] =
+            [0.5, 0.1].map(|share| profiles.each_ref().map(|p| beam_angle(p, share)));
         let points = match kind.lights {
             1 => String::new(),
             n => format!(", as {n} points"),
@@ -207,9 +140,8 @@ fn panel(
     ];
     for ((name, axis), (k, stroke)) in PLANES.into_iter().zip(strokes.into_iter().enumerate()) {
         let mut path = String::new();
-        for degrees in -180..=180 {
-            let angle = f64::from(degrees).to_radians();
-            let [x, y] = at(angle, square * kind.intensity(axis, angle));
+        for (angle, intensity) in kind.profile(axis) {
+            let [x, y] = at(angle, square * intensity);
             write!(
                 path,
                 "{}{x:.1} {y:.1}",
@@ -234,25 +166,12 @@ fn panel(
     )
 }
 
-/// A number of one digit, 1, 2 or 5 times a power of ten, of about this size.
-fn round_step(about: f64) -> f64 {
-    if about.is_nan() || about <= 0.0 {
-        return 1.0;
-    }
-    let power = 10f64.powf(about.log10().floor());
-    match about / power {
-        x if x < 1.5 => power,
-        x if x < 3.5 => 2.0 * power,
-        x if x < 7.5 => 5.0 * power,
-        _ => 10.0 * power,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_scene::{Light, Rgb, WebType};
-    use glam::DMat3;
+    use azulejo_scene::{Light, LightKind, PhotometricWeb, Rgb, WebType};
+    use glam::{DMat3, DVec3};
+    use std::sync::Arc;
 
     fn scene() -> Scene {
         // Straight down 100 cd, linear to nothing at 60 degrees in the plane of 0 degrees and at 30 in that of 90.
@@ -275,26 +194,9 @@ mod tests {
     }
 
     #[test]
-    fn beams_are_full_angles() {
-        let scene = scene();
-        let kinds = LuminaireKind::of(&scene);
-        assert_eq!([kinds.len(), kinds[0].lights, kinds[1].lights], [2, 2, 1]);
-        let beams = PLANES.map(|(_, axis)| kinds[0].beam(axis, 0.5));
-        assert!(
-            (beams[0] - 60.0).abs() < 0.3 && (beams[1] - 30.0).abs() < 0.3,
-            "{beams:?}"
-        );
-        assert!((kinds[0].intensity(DVec3::X, PI / 6.0) - 100.0).abs() < 1e-9);
-    }
-
-    #[test]
     fn plots_show_every_kind_once() {
         let text = plot(&scene()).unwrap();
         assert!(text.contains("b &lt;c&gt;") && text.matches("C90 – C270").count() == 2);
         assert_eq!(plot(&Scene::default()), None);
-        assert_eq!(
-            [70.0, 30.0, 12.0, 90.0].map(round_step),
-            [50.0, 20.0, 10.0, 100.0]
-        );
     }
 }

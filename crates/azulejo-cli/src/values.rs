@@ -209,12 +209,16 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| format!("expected width x height, each from 1 to {MAX_SIDE}, as in 640x480"))
 }
 
+/// Numbers with commas between them.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(number).collect()
+}
+
 /// A point or a direction: `1,2,3`.
 pub fn vector(text: &str) -> Result<DVec3, String> {
-    let parts: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    match parts[..] {
+    match numbers(text)?[..] {
         [x, y, z] => Ok(DVec3::new(x, y, z)),
-        _ => Err(format!(
+        ref parts => Err(format!(
             "{} numbers, expected three, as in 1,2,3",
             parts.len()
         )),

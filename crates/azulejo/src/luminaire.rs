@@ -15,10 +15,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod kinds;
+
 use crate::models::{ReadFailure, read_bytes};
-use azulejo_formats::ReadError;
 use azulejo_formats::mgf::black_body_color;
 use azulejo_formats::photometry::PhotometricFile;
+use azulejo_formats::{Folder, ReadError};
 use azulejo_scene::environment::upright;
 use azulejo_scene::{Light, Rgb, Units};
 use glam::{DAffine3, DMat3, DVec3};
@@ -96,7 +98,12 @@ impl PlacedLuminaire {
         let bytes = read_bytes(&self.file).map_err(LuminaireError::File)?;
         let shown = self.file.to_string_lossy();
         let file = PhotometricFile::read(&bytes, &shown, self.lamp_set);
-        let file = file.map_err(LuminaireError::Content)?;
+        let mut file = file.map_err(LuminaireError::Content)?;
+        // As it was made to hang it has all of its light.
+        if self.tilt != 0.0 {
+            let beside = Folder::of_model(&self.file);
+            file.read_tilt(&beside).map_err(LuminaireError::Content)?;
+        }
         let wrong = |words: &str| LuminaireError::Value(format!("{shown}: {words}"));
         let numbers = [self.tilt, self.rotation, self.spin];
         if !(self.position.is_finite() && numbers.iter().all(|x| x.is_finite())) {

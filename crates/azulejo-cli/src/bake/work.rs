@@ -66,8 +66,8 @@ impl<'a> BakeWork<'a> {
     ) -> Result<(BakeWork<'a>, LightmapUvs), Failure> {
         if source.receivers.is_empty() {
             return Err(Failure::failed(
-                "there is no surface that could receive a lightmap: what is animated, skinned, morphed or instanced \
-                 by EXT_mesh_gpu_instancing does not, nor do points and lines",
+                "there is no surface that could receive a lightmap: what is animated, skinned or morphed does not, nor \
+                 do points and lines",
             ));
         }
         let tracer = prepared.tracer(&source.scene)?;

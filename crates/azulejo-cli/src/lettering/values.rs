@@ -43,14 +43,14 @@ pub fn radiance(text: &str) -> Result<Rgb, String> {
     if let Some(digits) = text.strip_prefix('#') {
         return screen_color(digits).ok_or_else(|| format!("\"{text}\", expected as in #e8a030"));
     }
-    let parts: Vec<f64> = text
+    match text
         .split(',')
         .map(not_negative)
-        .collect::<Result<_, _>>()?;
-    match parts[..] {
+        .collect::<Result<Vec<_>, _>>()?[..]
+    {
         [grey] => Ok(Rgb::grey(grey)),
         [r, g, b] => Ok(Rgb::new(r, g, b)),
-        _ => Err(format!(
+        ref parts => Err(format!(
             "{} numbers, expected one or three, as in 0.8,0.4,0.1, or #e8a030",
             parts.len()
         )),

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::report::{Report, count, number, percent, short};
 use crate::runner::Runner;
 use crate::session::Session;
+use crate::values::numbers;
 use crate::{input, pass};
 use azulejo::output::Output;
 use azulejo::probe_grid::{GridLight, ProbeGrid, grid_light};
@@ -58,11 +59,9 @@ pub fn resolution(text: &str) -> Result<[u32; 3], String> {
 
 /// `X0,Y0,Z0,X1,Y1,Z1`: two opposite corners.
 pub fn bounds(text: &str) -> Result<Aabb, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    let numbers: Option<[f64; 6]> = numbers.ok().and_then(|numbers| numbers.try_into().ok());
-    let [x0, y0, z0, x1, y1, z1] = numbers
-        .filter(|numbers| numbers.iter().all(|n| n.is_finite()))
-        .ok_or("expected six numbers, two corners of a box")?;
+    let [x0, y0, z0, x1, y1, z1] = numbers(text)?[..] else {
+        return Err("expected six numbers, two corners of a box".to_owned());
+    };
     let (a, b) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
     let bounds = Aabb {
         min: a.min(b),
@@ -200,7 +199,7 @@ fn describe(light: &GridLight, args: &ProbeArgs, report: &mut Report) {
 
 /// The grid with its box and all coefficients, in the axes of glTF.
 fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Result<()> {
-    let numbers = |values: &[[Rgb; HARMONICS]]| -> Vec<f32> {
+    let of = |values: &[[Rgb; HARMONICS]]| -> Vec<f32> {
         let all = values.iter().flatten().flat_map(|rgb| rgb.to_f32());
         all.collect()
     };
@@ -217,8 +216,8 @@ fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Resul
         "resolution": light.grid.resolution,
         "min": bounds.min.to_array(),
         "max": bounds.max.to_array(),
-        "coefficients": numbers(&light.coefficients),
-        "standardErrors": numbers(&light.standard_errors),
+        "coefficients": of(&light.coefficients),
+        "standardErrors": of(&light.standard_errors),
         "inside": inside,
         "noise": light.noise,
         "systematic": light.systematic,
@@ -230,12 +229,9 @@ fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Resul
 /// Arrays by z, y and x, in the axes of the scene.
 fn write_npz(light: &GridLight, out: &mut dyn Write) -> io::Result<()> {
     let [x, y, z] = light.grid.resolution.map(|n| n as usize);
-    let numbers = |values: &[[Rgb; HARMONICS]]| -> Vec<f64> {
-        values
-            .iter()
-            .flatten()
-            .flat_map(|rgb| rgb.to_array())
-            .collect()
+    let of = |values: &[[Rgb; HARMONICS]]| -> Vec<f64> {
+        let all = values.iter().flatten().flat_map(|rgb| rgb.to_array());
+        all.collect()
     };
     let positions: Vec<f64> = (0..light.grid.len())
         .flat_map(|probe| light.grid.position(probe).to_array())
@@ -248,10 +244,10 @@ fn write_npz(light: &GridLight, out: &mut dyn Write) -> io::Result<()> {
     let mut archive = NpzWriter::new(out);
     let shape = [z, y, x, HARMONICS, 3];
     archive.add("coefficients", |out| {
-        npy::write(&shape, &numbers(&light.coefficients), out)
+        npy::write(&shape, &of(&light.coefficients), out)
     })?;
     archive.add("std_error", |out| {
-        npy::write(&shape, &numbers(&light.standard_errors), out)
+        npy::write(&shape, &of(&light.standard_errors), out)
     })?;
     archive.add("positions", |out| {
         npy::write(&[z, y, x, 3], &positions, out)

@@ -1,6 +1,6 @@
 //! Options of light from outside, as typed.
 
-use crate::values::{instant, not_negative, number};
+use crate::values::{instant, not_negative, number, numbers};
 use azulejo_scene::sky::{SunPosition, direction_from, sun_position};
 use clap::{Args, ValueHint};
 use glam::DVec3;
@@ -165,10 +165,6 @@ pub fn site(text: &str) -> Option<Result<Site, String>> {
              longitude from -180 to 180, north and east positive"
         ))
     })
-}
-
-fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    text.split(',').map(number).collect()
 }
 
 fn not_below_0(value: f64) -> Result<f64, String> {

@@ -7,6 +7,7 @@ use azulejo_scene::math::Ray;
 use azulejo_scene::{Image, Rgb, Scene, WrapMode};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DVec2, DVec3};
+use serde_json::json;
 use std::f64::consts::PI;
 use std::fs;
 
@@ -154,6 +155,47 @@ fn copies_show_their_own_light() {
         let levels = radiance(&scene, &points);
         assert!(levels[0].g > 1.5 * levels[2].g, "{how}: {levels:?}");
     }
+}
+
+/// Instances at one node get light of their own as nodes, and are instances again without it.
+#[test]
+fn instances_show_their_own_light() {
+    let folder = Folder::new();
+    let mut file: serde_json::Value = serde_json::from_str(TWO_SHEETS).unwrap();
+    let places = [0.0_f32, 0.0, 0.0, 0.0, -1.0, 3.0];
+    let bytes = places.iter().flat_map(|v| v.to_le_bytes());
+    folder.write("places.bin", bytes.collect::<Vec<u8>>());
+    file["extensionsUsed"] = json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing"]);
+    file["scenes"][0]["nodes"] = json!([0, 2]);
+    file["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 4 } } });
+    let list = |name: &str| file[name].as_array().unwrap().clone();
+    let [mut buffers, mut views, mut accessors] = ["buffers", "bufferViews", "accessors"].map(list);
+    buffers.push(json!({ "uri": "places.bin", "byteLength": 24 }));
+    views.push(json!({ "buffer": 1, "byteLength": 24 }));
+    accessors.push(json!({ "bufferView": 4, "componentType": 5126, "type": "VEC3", "count": 2 }));
+    file["buffers"] = buffers.into();
+    file["bufferViews"] = views.into();
+    file["accessors"] = accessors.into();
+    folder.write("one.gltf", file.to_string());
+    folder.write("two.gltf", TWO_SHEETS);
+    let [found, expected] = ["one", "two"].map(|name| {
+        folder.ok(&format!(
+            "bake {name}.gltf -o {name}.glb --size 64 --error 5%"
+        ));
+        let scene = scene_of(&folder, &format!("{name}.glb"));
+        radiance(&scene, &matt_points(&scene))
+    });
+    assert_eq!(found.len(), 4);
+    for (a, b) in found.iter().zip(&expected) {
+        assert!((a.g / b.g - 1.0).abs() < 0.02, "{a:?}, {b:?}");
+    }
+    folder.ok("bake --verify one.glb");
+    folder.ok("bake one.glb --strip -o again.glb");
+    let scene = scene_of(&folder, "again.glb");
+    assert_eq!(scene.shared_meshes().len(), 1);
+    folder.ok("bake one.glb -o one2.glb --size 64 --error 5%");
+    assert_eq!(folder.read("one2.glb"), folder.read("one.glb"));
 }
 
 /// Light that is computed anew begins without the old lightmap, and with the lamps that were dimmed for it.

@@ -134,6 +134,32 @@ fn both_ways_of_light_see_the_distribution() {
     assert!(mean(&by_rays) > 1.1 * mean(&bare));
 }
 
+/// A lamp that burns worse where it is tilted, by the table of another file (LM-63, `TILT=` a name).
+#[test]
+fn tilted_lamps_have_what_is_left_of_their_light() {
+    let folder = Folder::new();
+    folder.write("box.obj", BOX);
+    folder.write("points.txt", "2 .01 2 0 1 0\n");
+    folder.write("plain.ies", wallwasher());
+    folder.write(
+        "tilted.ies",
+        wallwasher().replace("TILT=NONE", "TILT=hid.tlt"),
+    );
+    let seen = |file: &str, tilt: u32| {
+        let line = "probe box.obj --points points.txt --bounces 0 -o - --lamp";
+        lux(&folder, &format!("{line} {file}@2,2.4,2,{tilt}"))[0]
+    };
+    assert_eq!(seen("tilted.ies", 0), seen("plain.ies", 0));
+    folder.fails(
+        "info box.obj --lamp tilted.ies@2,2.4,2,30",
+        1,
+        "hid.tlt: found",
+    );
+    folder.write("hid.tlt", "1\n2\n0 60\n1 0.5\n");
+    let ratio = seen("tilted.ies", 30) / seen("plain.ies", 30);
+    assert!((ratio - 0.75).abs() < 1e-12, "{ratio}");
+}
+
 #[test]
 fn luminaires_are_described_and_plotted() {
     let folder = Folder::new();

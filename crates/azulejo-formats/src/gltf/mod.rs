@@ -13,6 +13,7 @@ mod cube_map;
 mod document;
 mod draco;
 mod image_based;
+mod instances;
 mod irradiance;
 mod json_parts;
 mod lightmap;

@@ -2,6 +2,7 @@
 
 use super::accessor::Data;
 use super::image_based;
+use super::instances::{InstanceLists, InstanceTransform};
 use super::irradiance::{self, StoredIrradiance};
 use super::lightmap;
 use super::material::{GltfLightmap, Surfaces};
@@ -10,14 +11,12 @@ use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable};
 use super::origin::{Faces, ObjectOrigin, ObjectPlace, OriginRecorder};
 use super::skin::Joints;
-use super::transforms::placed;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::surface::single::CoarseCoordinates;
 use crate::{ReadError, ReadOptions};
 use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape, SharedMesh, Units};
-use glam::{DAffine3, DVec3};
-use gltf_json::accessor::Accessor;
+use glam::DAffine3;
 use gltf_json::extensions::scene::khr_lights_punctual::{self, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, Root};
@@ -39,9 +38,6 @@ const ELEMENTS_PER_NODE: u64 = 16;
 
 /// Longest path that becomes an object's name, in bytes.
 const MOST_PATH: usize = 1000;
-
-/// Translations, rotations and scales of instances.
-type InstanceTransforms = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
 
 /// A scene under construction.
 pub(super) struct GltfWalk<'w, 'a> {
@@ -461,64 +457,28 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         node: &Node,
         each: u64,
     ) -> Result<Option<Vec<DAffine3>>, ReadError> {
-        let extensions = node.extensions.as_ref();
-        let instancing = extensions.and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
-        let Some(extension) = instancing else {
+        let Some(lists) = InstanceLists::of(node) else {
             return Ok(None);
         };
-        let attribute = |name: &str| {
-            let index = extension.get("attributes")?.get(name)?.as_u64()?;
-            u32::try_from(index).ok().map(Index::new)
-        };
-        let lists = ["TRANSLATION", "ROTATION", "SCALE"].map(attribute);
-        let given = lists.iter().flatten().next().copied();
-        let count = given.ok_or_else(|| "no attributes".to_owned());
-        let transforms = match count.and_then(|given| self.data.count(given)) {
+        let transforms = match lists.count(self.data) {
             Err(fault) => Err(fault),
             Ok(count) => {
                 let cost = each.saturating_add(ELEMENTS_PER_OBJECT + ELEMENTS_PER_MAP);
                 self.spend(cost.saturating_mul(count as u64))?;
-                let count = if self.budget.keeps() { count } else { 0 };
-                match count {
-                    0 => Ok(InstanceTransforms::default()),
-                    _ => self.instance_transforms(lists, count),
+                match self.budget.keeps() {
+                    true => lists.transforms(self.data),
+                    false => Ok(Vec::new()),
                 }
             }
         };
         Ok(match transforms {
-            Ok((translations, rotations, scales)) => Some(
-                (0..translations.len())
-                    .map(|i| placed(translations[i], rotations[i], scales[i]))
-                    .collect(),
-            ),
+            Ok(transforms) => Some(transforms.iter().map(InstanceTransform::map).collect()),
             Err(fault) => {
                 let message = format!("instances left out: {fault}");
                 self.messages.of(&message, || format!("nodes[{index}]"));
                 None
             }
         })
-    }
-
-    fn instance_transforms(
-        &self,
-        lists: [Option<Index<Accessor>>; 3],
-        count: usize,
-    ) -> Result<InstanceTransforms, String> {
-        let data = self.data;
-        let [translation, rotation, scale] = lists;
-        let vectors = |list: Option<Index<Accessor>>, rest| match list {
-            Some(list) => data.read(list, count, DVec3::from),
-            None => Ok(vec![rest; count]),
-        };
-        let rotations = match rotation {
-            Some(list) => data.read(list, count, |q: [f64; 4]| q)?,
-            None => vec![[0.0, 0.0, 0.0, 1.0]; count],
-        };
-        Ok((
-            vectors(translation, DVec3::ZERO)?,
-            rotations,
-            vectors(scale, DVec3::ONE)?,
-        ))
     }
 
     fn camera(&mut self, index: Index<gltf_json::Camera>, placement: NodePlacement) {

@@ -76,6 +76,7 @@ pub(super) fn parse(bytes: &[u8], set: usize) -> Result<PhotometricFile, Photome
         },
         factor: 1.0,
         tilt: Vec::new(),
+        tilt_file: None,
         body: None,
         sets: sets.iter().map(LampSet::words).collect(),
     })

@@ -84,9 +84,18 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PhotometricFile, PhotometryError> {
         opening: opening([width, length].map(|size| size * metres)),
         factor,
         tilt,
+        tilt_file: head.tilt_file,
         body: head.body,
         sets: Vec::new(),
     })
+}
+
+/// Reads the table of a file that `TILT=` names: the four lines that follow `TILT=INCLUDE` in others.
+///
+/// # Errors
+/// What is wrong, and where.
+pub(super) fn tilt_table(bytes: &[u8]) -> Result<Vec<[f64; 2]>, PhotometryError> {
+    IesNumbers::new(bytes, bytes).tilt(true)
 }
 
 /// Share of the largest intensity below 0 that is taken for 0.
@@ -97,6 +106,7 @@ struct IesHeader {
     name: String,
     body: Option<String>,
     tilt_included: bool,
+    tilt_file: Option<String>,
     /// Whether the number after the ballast factor is a factor too, the ballast-lamp photometric
     /// factor. It was in 1986 and 1991; 1995 and 2002 reserve it, and in 2019 it says where the file
     /// comes from, as 1.10100 does for an accredited laboratory.
@@ -109,6 +119,7 @@ fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
         name: String::new(),
         body: None,
         tilt_included: false,
+        tilt_file: None,
         has_third_factor: true,
     };
     let mut lines = TextCursor::new(bytes);
@@ -120,6 +131,8 @@ fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
         }
         if let Some(tilt) = after(&line, "TILT=") {
             head.tilt_included = tilt.eq_ignore_ascii_case("INCLUDE");
+            let is_none = tilt.is_empty() || tilt.eq_ignore_ascii_case("NONE");
+            head.tilt_file = (!is_none && !head.tilt_included).then(|| tilt.to_owned());
             return Some((head, lines.rest()));
         }
         for key in ["[LUMINAIRE]", "[LUMCAT]"] {

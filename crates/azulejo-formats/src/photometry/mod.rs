@@ -30,6 +30,8 @@ pub struct PhotometricFile {
     pub factor: f64,
     /// Angles in degrees by which it may be tilted, ascending, and what is then left of its light.
     pub tilt: Vec<[f64; 2]>,
+    /// The file beside it that has that table, if it has not been read ([`PhotometricFile::read_tilt`]).
+    pub tilt_file: Option<String>,
     /// MGF file of its geometry, whose surfaces emit.
     pub body: Option<String>,
     /// The sets of lamps of which it holds one, by their type, number and lumens; empty of IES.
@@ -124,6 +126,26 @@ impl PhotometricFile {
             false => ies::parse(bytes),
         };
         parsed.map_err(|e| TextCursor::new(bytes).error(name, e.at, e.found, e.expected))
+    }
+
+    /// Reads the table of its [`tilt_file`](PhotometricFile::tilt_file), if it has one.
+    ///
+    /// # Errors
+    /// A file that is not there, and what is not as the format has it, with its line.
+    pub fn read_tilt(&mut self, files: &dyn Files) -> Result<(), ReadError> {
+        let Some(name) = &self.tilt_file else {
+            return Ok(());
+        };
+        let expected = "the tilt table of the luminaire beside it";
+        let bytes = files.read(name);
+        let bytes = bytes.map_err(|fault| ReadError::whole(name, fault.to_string(), expected))?;
+        let bytes = &*decoded(&bytes);
+        check_length(bytes, name)?;
+        let table = ies::tilt_table(bytes);
+        self.tilt =
+            table.map_err(|e| TextCursor::new(bytes).error(name, e.at, e.found, e.expected))?;
+        self.tilt_file = None;
+        Ok(())
     }
 
     /// Luminous flux, lumens: the integral of the intensity.

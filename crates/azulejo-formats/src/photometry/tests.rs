@@ -87,6 +87,32 @@ fn types_a_and_b() {
 }
 
 #[test]
+fn tilt_tables_beside_the_file() {
+    let text = ies("0 0 0", "0 180", "0", "100 100");
+    assert_eq!(parsed(&text).tilt_file, None);
+    let mut lamp = parsed(&text.replace("TILT=NONE", "TILT= hid.tlt "));
+    assert_eq!(lamp.tilt_file.as_deref(), Some("hid.tlt"));
+    let beside = |table: &str| Memory::new().with("hid.tlt", table);
+    let error = |lamp: &PhotometricFile, files: &Memory| {
+        let error = lamp.clone().read_tilt(files).unwrap_err();
+        error.to_string()
+    };
+    let missing = error(&lamp, &Memory::new());
+    assert!(missing.starts_with("hid.tlt: "), "{missing}");
+    assert!(missing.contains("expected the tilt table"), "{missing}");
+    let damaged = error(&lamp, &beside("1\n3\n0 45 90\n1 0.9"));
+    assert!(damaged.starts_with("hid.tlt:4:"), "{damaged}");
+    lamp.read_tilt(&beside("1\n3\n0 45 90\n1 0.9 0.8\n"))
+        .unwrap();
+    assert_eq!(
+        [0.0, 45.0, -90.0].map(|angle| lamp.tilt_factor(angle)),
+        [1.0, 0.9, 0.8]
+    );
+    // There is nothing more to read.
+    lamp.read_tilt(&Memory::new()).unwrap();
+}
+
+#[test]
 fn the_third_factor_is_one_in_old_files_only() {
     let check = |first: &str, expected: f64| {
         let text = ies("0 0 0", "0 180", "0", "100 100");

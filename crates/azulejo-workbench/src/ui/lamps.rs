@@ -3,8 +3,9 @@
 use super::inspector::{name, speed, vector};
 use super::panel_context::PanelContext;
 use super::viewport::number;
-use super::{emitter, inputs, surroundings};
+use super::{emitter, inputs, polar, surroundings};
 use crate::document::{Edit, ItemId, SceneLight};
+use azulejo::luminaire::kinds::LuminaireKind;
 use azulejo::scene::{EnvironmentSource, Light, LightKind, Rgb, Units};
 use egui::{Grid, Ui};
 use glam::{DMat3, DQuat, DVec3};
@@ -17,6 +18,17 @@ pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
     let rows = Grid::new("light").num_columns(2);
     let changed = rows.show(ui, |ui| numbers(ui, cx, lamp.id, &mut light.kind));
     ui.weak(attenuation(&light, cx));
+    if let LightKind::Luminaire { scale, web, .. } = &light.kind {
+        let units = cx.app.document.units;
+        let kind = LuminaireKind {
+            name: &light.name,
+            web,
+            scale: scale.mean(),
+            lights: 1,
+        };
+        let square = units.metres() * units.metres();
+        polar::show(ui, cx, &kind, (unit(units, "W/sr", "cd"), square));
+    }
     if changed.inner {
         cx.edit(Edit::SetLight(lamp.id, light));
     }
@@ -59,7 +71,8 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
             scale,
             web,
         } => {
-            let aim = -world_from_web.z_axis;
+            // Without negative zeros, which would be shown.
+            let aim = DVec3::ZERO - world_from_web.z_axis;
             let mut turned = aim;
             let moved = vector(ui, cx.tr("Position"), position, step)
                 | unit_vector(ui, cx.tr("Direction"), &mut turned);
@@ -67,6 +80,7 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
                 let turn = DMat3::from_quat(DQuat::from_rotation_arc(aim, turned));
                 *world_from_web = turn * *world_from_web;
             }
+            let moved = moved | spin(ui, cx, world_from_web);
             let (name, unit) = (cx.tr("Greatest intensity"), unit(units, "W/sr", "cd"));
             let dimmed = light_color(ui, cx, lamp, name, (unit, square * web.most()), scale);
             total(ui, cx, web.sphere_integral() * square * scale.luminance());
@@ -92,6 +106,26 @@ fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -
             changed | light_color(ui, cx, lamp, name, ("×", 1.0), &mut environment.scale)
         }
     }
+}
+
+/// A row with the angle by which a luminaire is turned about its aim, counter-clockwise as seen from behind; returns
+/// whether it was changed.
+fn spin(ui: &mut Ui, cx: &PanelContext, world_from_web: &mut DMat3) -> bool {
+    let aim = -world_from_web.z_axis;
+    let plain = DMat3::from_quat(DQuat::from_rotation_arc(-DVec3::Z, aim));
+    let now = plain.transpose() * world_from_web.x_axis;
+    let was = now.y.atan2(now.x).to_degrees();
+    let mut degrees = was;
+    let name = cx.tr("Turn about the aim");
+    let drag = inputs::number(&mut degrees, -180.0..=180.0)
+        .speed(0.5)
+        .suffix("°");
+    let changed = inputs::labelled_row(ui, name, drag).changed();
+    if changed {
+        let turn = DMat3::from_axis_angle(-aim, (degrees - was).to_radians());
+        *world_from_web = turn * *world_from_web;
+    }
+    changed
 }
 
 /// A row with the flux of a light in watts and in lumens.

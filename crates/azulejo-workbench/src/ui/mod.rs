@@ -23,6 +23,7 @@ mod material_library;
 mod menu;
 mod messages;
 mod panel_context;
+mod polar;
 pub mod script;
 mod surroundings;
 mod tree;

@@ -370,3 +370,30 @@ fn units_say_what_numbers_mean() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert!(!window.state().app.is_changed());
 }
+
+#[test]
+fn a_luminaire_says_its_beam_and_is_turned_about_its_aim() {
+    let folder = TestFolder::new("luminaire");
+    let mut window = window(with_luminaire(&folder));
+    let half = "Beam (half of the greatest): 60° × 30°";
+    assert!(says(&window, half), "{:#?}", labels(&window));
+    assert!(says(&window, "Field (a tenth): 108° × 54°"));
+    let axis = |window: &TestWindow, y: bool| match window.state().app.document.lights[0].light.kind
+    {
+        LightKind::Luminaire { world_from_web, .. } if y => world_from_web.y_axis,
+        LightKind::Luminaire { world_from_web, .. } => world_from_web.x_axis,
+        _ => panic!("no luminaire"),
+    };
+    assert!((axis(&window, false) - DVec3::X).length() < 1e-12);
+    set(&mut window, "Turn about the aim", 90.0);
+    assert!((axis(&window, false) - DVec3::Y).length() < 1e-12);
+    assert!((axis(&window, true) + DVec3::X).length() < 1e-12);
+    // The same angle in another direction.
+    set(&mut window, "Direction x", 1.0);
+    set(&mut window, "Direction z", 0.0);
+    let turned = find(&window, Role::SpinButton, "Turn about the aim").value();
+    assert!(turned.is_some_and(|text| text.starts_with("90")));
+    set(&mut window, "Turn about the aim", 0.0);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!((axis(&window, false) - DVec3::Y).length() < 1e-9);
+}

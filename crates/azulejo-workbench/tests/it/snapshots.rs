@@ -91,6 +91,14 @@ fn the_panel_of_a_sky_is_shown() {
 }
 
 #[test]
+fn the_polar_plot_of_a_luminaire_is_shown() {
+    let folder = TestFolder::new("polar");
+    if let Some(mut window) = drawn(with_luminaire(&folder)) {
+        window.snapshot_options("luminaire", &tolerance());
+    }
+}
+
+#[test]
 fn a_lightmap_is_shown_beside_the_model() {
     let mut app = opened("cornell.grf");
     app.execute(Command::SetBake(BakeSettings {

@@ -1,7 +1,7 @@
 //! A window without a screen, and helpers to operate it.
 
 use azulejo_workbench::app::{App, Severity};
-use azulejo_workbench::command::Command;
+use azulejo_workbench::command::{Command, Selection};
 use azulejo_workbench::ui::Workbench;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -185,6 +185,24 @@ impl TestFolder {
         std::fs::copy(example(name), self.path(name)).unwrap();
         self.path(name)
     }
+}
+
+/// An app with a luminaire of IES LM-63 whose light is selected: 100 cd straight down, nothing from 60 degrees on across
+/// and from 30 along.
+pub fn with_luminaire(folder: &TestFolder) -> App {
+    let path = folder.path("wash.ies");
+    let text = "IESNA:LM-63-2002\n[LUMINAIRE] Wash\nTILT=NONE\n1 1000 1 3 2 1 2 0 0 0\n1 1 30\n0 30 60\n0 90\n\
+        100 50 0\n100 0 0\n";
+    std::fs::write(&path, text).unwrap();
+    let mut app = App::quiet();
+    app.execute(Command::Open(vec![path]));
+    while !app.jobs().is_empty() {
+        std::thread::sleep(Duration::from_millis(1));
+        app.poll();
+    }
+    let lamp = app.document.lights[0].id;
+    app.execute(Command::Select(Selection::one(lamp)));
+    app
 }
 
 impl Drop for TestFolder {

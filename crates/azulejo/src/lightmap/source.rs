@@ -122,6 +122,10 @@ impl BakeSource {
     ) -> Result<Option<BakeSource>, SourceError> {
         // Read the file without a lightmap that is in it, to know where the objects of the scene come from.
         file.bytes = unbaked(file.bytes, &file.name).0;
+        // Instances get light of their own as nodes.
+        if let Some(expanded) = patch::expanded(&file.patched())? {
+            file.bytes = expanded;
+        }
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read?;
         // A scene with fewer objects, or with more that are not just there for the light, is not that of the file.
@@ -129,7 +133,7 @@ impl BakeSource {
         if has_more || scene.objects.len() < origins.len() {
             return Ok(None);
         }
-        // Leave out what moves. Instances, and objects that the file does not have, shade but do not receive.
+        // Leave out what moves. Objects that the file does not have shade but do not receive.
         let (mut kept, mut receivers, mut origin_of) = (Vec::new(), Vec::new(), Vec::new());
         let mut moving = 0;
         for (number, object) in scene.objects.iter().enumerate() {
@@ -138,7 +142,7 @@ impl BakeSource {
                 moving += 1;
                 continue;
             }
-            if origin.is_some_and(|o| o.instance.is_none()) {
+            if origin.is_some() {
                 receivers.push(kept.len() as u32);
                 origin_of.push(number);
             }
@@ -149,12 +153,6 @@ impl BakeSource {
             notes.push(format!(
                 "{moving} objects that are animated, skinned or morphed neither receive nor shade"
             ));
-        }
-        if origins.iter().any(|o| o.instance.is_some()) {
-            notes.push(
-                "instances by EXT_mesh_gpu_instancing shade, but have no lightmap: they share one mesh"
-                    .to_owned(),
-            );
         }
         let order = vec![None; receivers.len()];
         Ok(Some(BakeSource {

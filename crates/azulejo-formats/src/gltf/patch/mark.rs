@@ -20,8 +20,8 @@ pub const MARK: [&str; 4] = ["asset", "extras", "azulejo", "lightmap"];
 /// The convention of an edit that has put light on vertices.
 pub const OF_VERTICES: &str = "vertices";
 
-/// Ends an edit: the file with its mark, which has these `facts`. If the file has a mark already, it is the one that
-/// counts: what undoes it undoes this edit, too.
+/// Ends an edit: the file with its mark, which has these `facts`. If the file has a mark already, its facts stay and are
+/// added to: what undoes it undoes this edit, too.
 ///
 /// # Errors
 /// More bytes than are allowed.
@@ -40,8 +40,13 @@ pub fn finished<'s>(
     let known = source.json.find(&MARK);
     let intact = known.and_then(|_| undone(&source.json));
     if known.is_none() || intact.is_some() {
-        let mut mark = known.cloned().unwrap_or(facts);
+        let mut mark = known.cloned().unwrap_or_else(|| json!({}).into());
         ["before", "hash"].iter().for_each(|key| mark.remove(key));
+        for (key, fact) in facts.members() {
+            if mark.get(key).is_none() {
+                mark.key(key).set(fact.clone());
+            }
+        }
         names.for_each(|name| _ = mark.key("files").push(name));
         if let (None, Some(bin)) = (known, source.parts.bin()) {
             mark.key("bin").set(bin.len());

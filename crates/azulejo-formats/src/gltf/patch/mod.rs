@@ -13,7 +13,7 @@
 //! | `assign`, `splits` | texture coordinates of objects as those of vertices |
 //! | `work`, `meshes` | the meshes of a file with them |
 //! | `looks`, `materials`, `lights` | what shows them |
-//! | `lightmap`, `vertex_light` | the edits as a whole |
+//! | `lightmap`, `vertex_light`, `expansion` | the edits as a whole |
 //! | `mark`, `strip` | what was there before |
 //! | `convert` | other containers |
 //! | `existing` | the lightmap that a file has |
@@ -24,6 +24,7 @@ mod assign;
 mod convert;
 mod error;
 mod existing;
+mod expansion;
 mod glb;
 mod json;
 mod lightmap;
@@ -45,6 +46,7 @@ mod work;
 
 pub use error::PatchError;
 pub use existing::{coordinates, found_lightmap};
+pub use expansion::expanded;
 pub use strip::{content, lost, strip};
 pub use types::{
     Container, Convention, FoundLightmap, FoundPage, GltfFile, InstanceMode, LightmapEdit,
@@ -58,10 +60,11 @@ use azulejo_scene::Scene;
 use glb::Parts;
 use json::{Json, MOST_LEVELS};
 use notes::Notes;
-use source::{Source, with_source};
+use source::with_source;
 
 /// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
-/// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
+/// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.) Instances have none
+/// unless the file is [`expanded`].
 ///
 /// # Errors
 /// Files that cannot be read or are not UTF-8, layouts that do not fit the origins, and more bytes than
@@ -74,17 +77,29 @@ pub fn with_lightmap(
     let mut notes = Notes::default();
     let parts = Parts::of(original.bytes, original.name)?;
     let mut bytes = None;
+    let mut expands = false;
     let json = Json::parse(parts.text, MOST_LEVELS);
-    if json.is_ok_and(|json| json.find(&mark::MARK).is_some()) {
-        notes.add("the file had a lightmap, or light on its vertices: removed");
+    if let Some(mark) = json.as_ref().ok().and_then(|json| json.find(&mark::MARK)) {
+        expands = expansion::is_of_expansion(mark);
+        if !expands {
+            notes.add("the file had a lightmap, or light on its vertices: removed");
+        }
         bytes = Some(strip(original.bytes, original.name)?.bytes);
     }
     let file = GltfFile {
         bytes: bytes.as_deref().unwrap_or(original.bytes),
         ..*original
     };
-    in_container(&file, &edit.output, notes, |source, notes| {
-        lightmap::edited(source, origins, edit, notes)
+    in_container(&file, &edit.output, notes, |file, notes| {
+        // The container has changed, if at all, before the nodes do, so that what undoes the edit has both.
+        let bytes = if expands { expanded(file)? } else { None };
+        let file = GltfFile {
+            bytes: bytes.as_deref().unwrap_or(file.bytes),
+            ..*file
+        };
+        with_source(&file, |source| {
+            lightmap::edited(source, origins, edit, notes)
+        })
     })
 }
 
@@ -122,8 +137,10 @@ pub fn with_vertex_light(
     scene: &Scene,
     output: Output,
 ) -> Result<PatchedFile, PatchError> {
-    in_container(original, &output, Notes::default(), |source, notes| {
-        vertex_light::edited(source, origins, scene, output, notes)
+    in_container(original, &output, Notes::default(), |file, notes| {
+        with_source(file, |source| {
+            vertex_light::edited(source, origins, scene, output, notes)
+        })
     })
 }
 
@@ -132,10 +149,10 @@ fn in_container(
     file: &GltfFile,
     output: &Output,
     mut notes: Notes,
-    edited: impl Fn(&Source, Notes) -> Result<PatchedFile, PatchError>,
+    edited: impl Fn(&GltfFile, Notes) -> Result<PatchedFile, PatchError>,
 ) -> Result<PatchedFile, PatchError> {
     let Some(other) = convert::converted(file, output, &mut notes)? else {
-        return with_source(file, |source| edited(source, notes));
+        return edited(file, notes);
     };
     let files = convert::Overlay {
         old: file.files,
@@ -146,7 +163,7 @@ fn in_container(
         files: &files,
         ..*file
     };
-    let mut patched = with_source(&other_file, |source| edited(source, notes))?;
+    let mut patched = edited(&other_file, notes)?;
     patched.files.splice(0..0, other.files.iter().cloned());
     Ok(patched)
 }

@@ -4,6 +4,7 @@ mod corpus;
 mod craft;
 mod crafted;
 mod existing;
+mod expansion;
 mod kept;
 mod materials;
 mod vertex_light;
