@@ -21,6 +21,11 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Option<Report>, Fai
     if !stored::is_archive(path) {
         return Ok(None);
     }
+    if args.output.is_some() {
+        return Err(Failure::misuse(
+            "--output: form factors have no luminaire to plot",
+        ));
+    }
     let read = stored::read_whole(path, None, session)?;
     let mut report = Report::default();
     match &read {

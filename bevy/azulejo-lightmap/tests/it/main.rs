@@ -1,5 +1,7 @@
-//! Models with lightmaps, loaded by Bevy.
+//! Models with lightmaps and volumes of light, loaded by Bevy.
 
+mod gpu;
 mod loading;
 mod model;
 mod picture;
+mod volume;

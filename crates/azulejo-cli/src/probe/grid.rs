@@ -197,7 +197,7 @@ fn describe(light: &GridLight, args: &ProbeArgs, report: &mut Report) {
     );
 }
 
-/// The grid with its box and all coefficients, in the axes of glTF.
+/// The grid with its box and all coefficients, in the axes and the metres of glTF.
 fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Result<()> {
     let of = |values: &[[Rgb; HARMONICS]]| -> Vec<f32> {
         let all = values.iter().flatten().flat_map(|rgb| rgb.to_f32());
@@ -207,15 +207,16 @@ fn write_json(light: &GridLight, units: Units, out: &mut dyn Write) -> io::Resul
         .filter(|&p| light.is_inside[p])
         .collect();
     let bounds = light.grid.bounds;
+    let [min, max] = [bounds.min, bounds.max].map(|corner| (corner * units.metres()).to_array());
     let value = json!({
         "generator": "azulejo",
         "content": "radiance around each probe as real spherical harmonics of bands 0 to 2: for each probe nine \
-            coefficients, Y00, Y1-1 (y), Y10 (z), Y11 (x), Y2-2 to Y22, of red, green and blue each; y is up",
+            coefficients, Y00, Y1-1 (y), Y10 (z), Y11 (x), Y2-2 to Y22, of red, green and blue each; y is up, and the box is in metres",
         "unit": if units.photometric { "cd/m2" } else { "W/(sr m2)" },
         "order": "x fastest, then y, then z; probes are in the middle of their cells",
         "resolution": light.grid.resolution,
-        "min": bounds.min.to_array(),
-        "max": bounds.max.to_array(),
+        "min": min,
+        "max": max,
         "coefficients": of(&light.coefficients),
         "standardErrors": of(&light.standard_errors),
         "inside": inside,

@@ -1,8 +1,9 @@
 //! Light at the points of grids.
 
-use crate::support::Folder;
+use crate::support::{Folder, project};
 use azulejo_formats::numpy::npz::NpzReader;
 use serde_json::Value;
+use std::fs;
 use std::io::Cursor;
 
 /// A triangle far below everything, which hardly hides any of a sky.
@@ -62,6 +63,21 @@ fn an_even_sky_has_one_coefficient() {
         archive.array("std_error").unwrap().unwrap().shape(),
         [2, 3, 2, 9, 3]
     );
+}
+
+/// The box is where `bake` puts the model: in metres, with y up.
+#[test]
+fn the_box_is_in_metres() {
+    let folder = Folder::new();
+    let text = fs::read(project().join("examples/cornell.grf")).unwrap();
+    folder.write("box.grf", text);
+    folder.ok("probe box.grf --grid 1,1,1 --grid-box 50,60,70,500,400,300 -o v.json --error 50%");
+    let volume: Value = serde_json::from_slice(&folder.read("v.json")).unwrap();
+    let [min, max] = ["min", "max"].map(|corner| numbers(&volume[corner]));
+    for (found, expected) in [(min, [0.05, 0.06, 0.07]), (max, [0.5, 0.4, 0.3])] {
+        let mut pairs = found.iter().zip(expected);
+        assert!(pairs.all(|(f, e)| (f - e).abs() < 1e-12), "{found:?}");
+    }
 }
 
 /// Probes inside of a box have the light of those around.
