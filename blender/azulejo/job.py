@@ -35,7 +35,8 @@ def find_executable(given: str) -> str:
     if found:
         return found
     if given:
-        raise JobError(f"azulejo is not at {given}: see the preferences of the add-on")
+        what = "is not a program that can be run" if os.path.exists(given) else "is not there"
+        raise JobError(f"{given} {what}: set the path of azulejo in the preferences of the add-on")
     raise JobError("azulejo is not on the search path: install it, or set its path in the preferences of the add-on")
 
 
@@ -101,11 +102,11 @@ class Job:
         return self.process.poll() is None
 
     def status(self) -> str:
-        """One line on the state of the work."""
+        """A few words on the state of the work."""
         seconds = time.monotonic() - self.started
         stage = self.stage or (self.lines[-1] if self.lines else "starting")
         percent = f" {self.percent}%" if self.stage else ""
-        return f"azulejo: {stage}{percent}, {seconds:.0f} s — Esc cancels"
+        return f"{stage}{percent}, {seconds:.0f} s"
 
     def finish(self) -> None:
         """Waits for the end; raises an error with the last words of the program if it has failed."""

@@ -6,6 +6,7 @@ import shutil
 import tempfile
 import time
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 
@@ -23,6 +24,7 @@ class Bake:
     def __init__(self, context: bpy.types.Context) -> None:
         """Exports the scene and starts azulejo."""
         self.settings = context.scene.azulejo
+        self.is_cancelled = False
         self.is_indirect = self.settings.light == "indirect"
         executable = find_executable(settings.executable(context))
         self.scene = context.scene
@@ -66,13 +68,22 @@ class AZULEJO_OT_bake(bpy.types.Operator):
     bl_label = "Bake light with azulejo"
     bl_options = {"REGISTER", "UNDO"}
 
+    # The one bake that goes on while Blender is used.
+    running: ClassVar[Bake | None] = None
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is something to bake."""
+        if cls.running:
+            cls.poll_message_set("A bake is going on. Esc cancels it")
+            return False
         if context.mode != "OBJECT":
             cls.poll_message_set("Needs Object Mode")
             return False
-        return any(thing.type == "MESH" for thing in context.selected_objects)
+        if not any(thing.type == "MESH" for thing in context.selected_objects):
+            cls.poll_message_set("Select mesh objects first")
+            return False
+        return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Starts a bake that goes on while Blender is used."""
@@ -81,6 +92,7 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         except FAILURES as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        AZULEJO_OT_bake.running = self.bake
         manager = context.window_manager
         self.timer = manager.event_timer_add(STEP, window=context.window)
         manager.progress_begin(0, 100)
@@ -89,22 +101,29 @@ class AZULEJO_OT_bake(bpy.types.Operator):
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Looks after the child process."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self.bake.cancel()
-            self.stop(context)
+        if self.bake.is_cancelled or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
             self.report({"INFO"}, "The bake was cancelled")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         if self.bake.job.is_running():
-            context.workspace.status_text_set(self.bake.job.status())
+            context.workspace.status_text_set(f"azulejo: {self.bake.job.status()} — Esc cancels")
             context.window_manager.progress_update(self.bake.job.percent)
+            redraw_panels(context)
             return {"PASS_THROUGH"}
         self.stop(context)
         return self.end(context)
 
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Ends the bake; Blender calls this, too, when it opens another file or quits."""
+        self.bake.cancel()
+        self.stop(context)
+
     def stop(self, context: bpy.types.Context) -> None:
         """Gives back the timer and the status bar."""
+        AZULEJO_OT_bake.running = None
+        redraw_panels(context)
         context.window_manager.event_timer_remove(self.timer)
         context.window_manager.progress_end()
         context.workspace.status_text_set(None)
@@ -133,6 +152,23 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         return self.end(context)
 
 
+class AZULEJO_OT_cancel(bpy.types.Operator):
+    """Cancel the bake that is going on; the scene stays as it is"""
+
+    bl_idname = "azulejo.cancel"
+    bl_label = "Cancel"
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Whether there is something to cancel."""
+        return AZULEJO_OT_bake.running is not None
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Tells the operator that looks after the bake."""
+        AZULEJO_OT_bake.running.is_cancelled = True
+        return {"FINISHED"}
+
+
 class AZULEJO_OT_remove(bpy.types.Operator):
     """Remove the baked light of the selected objects: their meshes, modifiers and materials are what they were"""
 
@@ -153,7 +189,17 @@ class AZULEJO_OT_remove(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_remove)
+CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_cancel, AZULEJO_OT_remove)
+
+
+def redraw_panels(context: bpy.types.Context) -> None:
+    """Has the sidebars of 3D viewports drawn again."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
 
 
 def register() -> None:
@@ -163,6 +209,9 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Withdraws them."""
+    """Withdraws them; a bake that is going on ends, as Blender forgets its operator."""
+    if AZULEJO_OT_bake.running:
+        AZULEJO_OT_bake.running.cancel()
+        AZULEJO_OT_bake.running = None
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

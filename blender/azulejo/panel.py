@@ -3,7 +3,7 @@
 
 import bpy
 
-from .operators import AZULEJO_OT_bake, AZULEJO_OT_remove
+from .operators import AZULEJO_OT_bake, AZULEJO_OT_cancel, AZULEJO_OT_remove
 
 
 class AZULEJO_PT_bake(bpy.types.Panel):
@@ -19,14 +19,22 @@ class AZULEJO_PT_bake(bpy.types.Panel):
         """Draws the panel."""
         settings, layout = context.scene.azulejo, self.layout
         layout.use_property_split = True
+        # Nothing here is for animation.
+        layout.use_property_decorate = False
         layout.prop(settings, "size")
         error = layout.row()
         error.active = settings.rays == 0
         error.prop(settings, "error")
         for name in ("rays", "light", "sides", "lamp_shapes"):
             layout.prop(settings, name)
-        # Buttons call `invoke`, so that Blender does not wait.
-        layout.operator(AZULEJO_OT_bake.bl_idname, icon="LIGHT")
+        bake = AZULEJO_OT_bake.running
+        if bake:
+            row = layout.row(align=True)
+            row.progress(factor=bake.job.percent / 100, text=bake.job.status())
+            row.operator(AZULEJO_OT_cancel.bl_idname, text="", icon="CANCEL")
+        else:
+            # Buttons call `invoke`, so that Blender does not wait.
+            layout.operator(AZULEJO_OT_bake.bl_idname, icon="LIGHT")
         layout.operator(AZULEJO_OT_remove.bl_idname, icon="X")
 
 
