@@ -5,7 +5,8 @@ import importlib.util
 
 if importlib.util.find_spec("numpy") is None:
     # Blender's own builds have it; packages of distributions may not.
-    raise ImportError("Blender's Python has no NumPy. On Debian and Ubuntu: sudo apt install python3-numpy", name="numpy")
+    message = "Blender's Python has no NumPy. On Debian and Ubuntu: sudo apt install python3-numpy"
+    raise ImportError(message, name="numpy")
 
 from . import operators, panel, settings
 

@@ -66,7 +66,8 @@ class AZULEJO_OT_bake(bpy.types.Operator):
 
     bl_idname = "azulejo.bake"
     bl_label = "Bake light with azulejo"
-    bl_options = {"REGISTER", "UNDO"}
+    # Without "REGISTER": "Repeat Last" would bake in `execute`, and Blender's window would not answer.
+    bl_options = {"UNDO"}
 
     # The one bake that goes on while Blender is used.
     running: ClassVar[Bake | None] = None
@@ -135,9 +136,17 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         except FAILURES as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, words[0])
-        for line in words[1:]:
+        text, *notes = words
+        if not shows_materials(context):
+            text += ". Material Preview and Rendered show it"
+        for line in notes:
             self.report({"WARNING"}, line)
+        # The status bar has room for one report only: the last.
+        if len(notes) == 1:
+            text += f". {notes[0]}"
+        elif notes:
+            text += f". {len(notes)} warnings: click here"
+        self.report({"WARNING" if notes else "INFO"}, text)
         return {"FINISHED"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -192,14 +201,23 @@ class AZULEJO_OT_remove(bpy.types.Operator):
 CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_cancel, AZULEJO_OT_remove)
 
 
+def viewports(context: bpy.types.Context) -> list[bpy.types.Area]:
+    """The 3D viewports of all windows."""
+    return [a for window in context.window_manager.windows for a in window.screen.areas if a.type == "VIEW_3D"]
+
+
+def shows_materials(context: bpy.types.Context) -> bool:
+    """Whether a viewport shows materials, and with them baked light; also if there are no viewports."""
+    kinds = {area.spaces.active.shading.type for area in viewports(context)}
+    return not kinds or bool(kinds & {"MATERIAL", "RENDERED"})
+
+
 def redraw_panels(context: bpy.types.Context) -> None:
     """Has the sidebars of 3D viewports drawn again."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
+    for area in viewports(context):
+        for region in area.regions:
+            if region.type == "UI":
+                region.tag_redraw()
 
 
 def register() -> None:
