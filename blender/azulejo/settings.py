@@ -37,7 +37,7 @@ class Preferences(bpy.types.AddonPreferences):
         try:
             words, icon = f"Uses {find_executable(executable(context))}", "CHECKMARK"
         except JobError as error:
-            words, icon = str(error), "ERROR"
+            words, icon = str(error).split(": ")[0], "ERROR"
         self.layout.label(text=words, icon=icon)
 
 

@@ -284,6 +284,7 @@ def test_missing_program(empty, monkeypatch, tmp_path):
     quick(empty)
     before = state()
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(job, "PLACES", (str(tmp_path / "bin"),))
     with pytest.raises(RuntimeError, match="search path"):
         bpy.ops.azulejo.bake()
     monkeypatch.setattr(settings, "executable", lambda _context: "/nowhere/azulejo")
@@ -405,6 +406,17 @@ def test_camera_view_stays(empty, program):
         before = space.camera
         assert bpy.ops.azulejo.bake() == {"FINISHED"}
         assert (space.region_3d.view_perspective, space.camera) == ("CAMERA", before)
+
+
+@posix
+def test_program_off_the_search_path(monkeypatch, tmp_path):
+    """What `cargo install` has put into the home folder is found by a Blender that was started from a menu."""
+    folder = tmp_path / ".cargo" / "bin"
+    folder.mkdir(parents=True)
+    path = fake_program(folder, "")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert job.find_executable("") == path
 
 
 def test_home_in_path(monkeypatch):
