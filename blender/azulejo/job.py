@@ -108,6 +108,8 @@ class Job:
 
     def status(self) -> str:
         """A few words on the state of the work."""
+        if not self.is_running():
+            return "done, waits for Object Mode"
         seconds = time.monotonic() - self.started
         stage = self.stage or (self.lines[-1] if self.lines else "starting")
         percent = f" {self.percent}%" if self.stage else ""

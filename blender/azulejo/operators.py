@@ -42,7 +42,7 @@ class Bake:
             self.job.finish()
             things = result.apply(self.snapshot, self.is_indirect, context)
             report = json.loads(self.job.output.read_text("utf-8"))
-            words = [f"{len(things)} objects have baked light"]
+            words = [f"{len(things)} objects have baked light" if len(things) != 1 else "1 object has baked light"]
             error = report.get("error")
             if isinstance(error, (int, float)):
                 words[0] += f", estimated error {100 * error:.2g}%"
@@ -108,7 +108,8 @@ class AZULEJO_OT_bake(bpy.types.Operator):
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        if self.bake.job.is_running():
+        # Meshes that are being edited cannot get light.
+        if self.bake.job.is_running() or context.mode != "OBJECT":
             context.workspace.status_text_set(f"azulejo: {self.bake.job.status()} — Esc cancels")
             context.window_manager.progress_update(self.bake.job.percent)
             redraw_panels(context)
@@ -194,7 +195,7 @@ class AZULEJO_OT_remove(bpy.types.Operator):
         """Removes it."""
         count = sum(result.remove(thing) for thing in context.selected_objects)
         result.purge()
-        self.report({"INFO"}, f"The baked light of {count} objects was removed")
+        self.report({"INFO"}, f"The baked light of {count} object{'s' if count != 1 else ''} was removed")
         return {"FINISHED"}
 
 

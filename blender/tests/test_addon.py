@@ -327,6 +327,7 @@ class Window:
         )
         self.context = types.SimpleNamespace(
             scene=scene,
+            mode="OBJECT",
             window=bpy.context.window,
             preferences=bpy.context.preferences,
             selected_objects=bpy.context.selected_objects,
@@ -391,6 +392,25 @@ def test_cancel(empty, monkeypatch, tmp_path, way):
         assert None in calls
     assert state() == before
     assert bpy.ops.azulejo.bake.poll() and not bpy.ops.azulejo.cancel.poll()
+
+
+def test_edit_mode(empty, program):
+    """A bake that ends in Edit Mode waits: meshes that are being edited cannot get light."""
+    add_sun()
+    cube = scenes.box("cube", (-1, -1, 0), (1, 1, 1))
+    quick(empty)
+    window = Window(empty)
+    assert window.invoke() == {"RUNNING_MODAL"}
+    window.context.view_layer, window.context.mode = bpy.context.view_layer, "EDIT_MESH"
+    window.operator.bake.job.process.wait()
+    assert window.event("TIMER") == {"PASS_THROUGH"}
+    assert "waits for Object Mode" in window.calls[-2]
+    assert not cube.azulejo.is_baked
+    window.context.mode = "OBJECT"
+    assert window.event("TIMER") == {"FINISHED"}
+    assert cube.azulejo.is_baked
+    # The last report is the one that Blender shows.
+    assert window.calls[-1].startswith("1 object has baked light")
 
 
 def test_camera_view_stays(empty, program):
