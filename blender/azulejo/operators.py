@@ -95,8 +95,8 @@ class AZULEJO_OT_bake(bpy.types.Operator):
             return {"CANCELLED"}
         AZULEJO_OT_bake.running = self.bake
         manager = context.window_manager
+        # Not `progress_begin`, which has a number instead of the pointer for minutes.
         self.timer = manager.event_timer_add(STEP, window=context.window)
-        manager.progress_begin(0, 100)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -111,7 +111,6 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         # Meshes that are being edited cannot get light.
         if self.bake.job.is_running() or context.mode != "OBJECT":
             context.workspace.status_text_set(f"azulejo: {self.bake.job.status()} — Esc cancels")
-            context.window_manager.progress_update(self.bake.job.percent)
             redraw_panels(context)
             return {"PASS_THROUGH"}
         self.stop(context)
@@ -127,7 +126,6 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         AZULEJO_OT_bake.running = None
         redraw_panels(context)
         context.window_manager.event_timer_remove(self.timer)
-        context.window_manager.progress_end()
         context.workspace.status_text_set(None)
 
     def end(self, context: bpy.types.Context) -> set[str]:

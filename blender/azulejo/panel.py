@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The panel in the sidebar of the 3D viewport, and entries of the menu Object."""
+"""The panel in the sidebar of the 3D viewport, and entries of the menus Object and Render."""
 
 import bpy
 
@@ -39,7 +39,7 @@ class AZULEJO_PT_bake(bpy.types.Panel):
 
 
 def draw_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
-    """Adds the operators to the menu Object."""
+    """Adds the operators to a menu."""
     self.layout.separator()
     column = self.layout.column()
     column.operator_context = "INVOKE_DEFAULT"
@@ -47,13 +47,20 @@ def draw_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
     column.operator(AZULEJO_OT_remove.bl_idname)
 
 
+def menus() -> tuple[type[bpy.types.Menu], ...]:
+    """The menus with entries. The end of Object is out of sight in windows of less than 900 pixels in height."""
+    return bpy.types.VIEW3D_MT_object, bpy.types.TOPBAR_MT_render
+
+
 def register() -> None:
     """Registers the panel and the entries."""
     bpy.utils.register_class(AZULEJO_PT_bake)
-    bpy.types.VIEW3D_MT_object.append(draw_menu)
+    for menu in menus():
+        menu.append(draw_menu)
 
 
 def unregister() -> None:
     """Withdraws them."""
-    bpy.types.VIEW3D_MT_object.remove(draw_menu)
+    for menu in menus():
+        menu.remove(draw_menu)
     bpy.utils.unregister_class(AZULEJO_PT_bake)
