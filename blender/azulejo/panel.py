@@ -30,7 +30,8 @@ class AZULEJO_PT_bake(bpy.types.Panel):
         bake = AZULEJO_OT_bake.running
         if bake:
             row = layout.row(align=True)
-            row.progress(factor=bake.job.percent / 100, text=bake.job.status())
+            factor = bake.job.percent / 100 if bake.job.is_running() else 1.0
+            row.progress(factor=factor, text=bake.job.status())
             row.operator(AZULEJO_OT_cancel.bl_idname, text="", icon="CANCEL")
         else:
             # Buttons call `invoke`, so that Blender does not wait.
