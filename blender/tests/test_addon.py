@@ -410,6 +410,26 @@ def test_edit_mode(empty, program):
     assert window.calls[-1].startswith("1 object has baked light")
 
 
+@pytest.mark.parametrize("notes", [[], ["one"], ["one", "two"]])
+@pytest.mark.parametrize("shading", ["SOLID", "MATERIAL"])
+def test_last_report(notes, shading):
+    """The last report, which is the one that Blender shows, says where light is seen and that there are warnings."""
+    view = types.SimpleNamespace(shading=types.SimpleNamespace(type=shading))
+    area = types.SimpleNamespace(type="VIEW_3D", spaces=types.SimpleNamespace(active=view))
+    screen = types.SimpleNamespace(areas=[area, types.SimpleNamespace(type="OUTLINER")])
+    manager = types.SimpleNamespace(windows=[types.SimpleNamespace(screen=screen)])
+    reports: list = []
+    operator = types.SimpleNamespace(
+        bake=types.SimpleNamespace(finish=lambda _context: ["Light", *notes]),
+        report=lambda kind, words: reports.append((*kind, words)),
+    )
+    context = types.SimpleNamespace(window_manager=manager)
+    assert operators.AZULEJO_OT_bake.end(operator, context) == {"FINISHED"}
+    words = "Light" + (". Material Preview and Rendered show it" if shading == "SOLID" else "")
+    words += ["", ". one", ". 2 warnings: click here"][len(notes)]
+    assert reports == [*(("WARNING", note) for note in notes), ("WARNING" if notes else "INFO", words)]
+
+
 def test_camera_view_stays(empty, program):
     """Viewports that look through a camera, which may be their own, go on doing so."""
     bpy.ops.wm.read_factory_settings()
