@@ -142,9 +142,9 @@ class AZULEJO_OT_bake(bpy.types.Operator):
             self.report({"WARNING"}, line)
         # The status bar has room for one report only: the last.
         if len(notes) == 1:
-            text += f". {notes[0]}"
+            text += f"; {notes[0]}"
         elif notes:
-            text += f". {len(notes)} warnings: click here"
+            text += f"; {len(notes)} warnings: click here"
         self.report({"WARNING" if notes else "INFO"}, text)
         return {"FINISHED"}
 

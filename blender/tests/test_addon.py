@@ -426,7 +426,7 @@ def test_last_report(notes, shading):
     context = types.SimpleNamespace(window_manager=manager)
     assert operators.AZULEJO_OT_bake.end(operator, context) == {"FINISHED"}
     words = "Light" + (". Material Preview and Rendered show it" if shading == "SOLID" else "")
-    words += ["", ". one", ". 2 warnings: click here"][len(notes)]
+    words += ["", "; one", "; 2 warnings: click here"][len(notes)]
     assert reports == [*(("WARNING", note) for note in notes), ("WARNING" if notes else "INFO", words)]
 
 
