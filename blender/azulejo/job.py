@@ -21,6 +21,9 @@ except ImportError:
 
 CONTROL = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 BAR = re.compile(r"^\s*(?P<stage>.*?)\s*\[[=> ]*\]\s*(?P<percent>\d+)%")
+# Where programs are that a Blender started from a menu does not find: the search path may be that of the shell only.
+PLACES = ("~/.cargo/bin", "~/.local/bin", "/usr/local/bin")
+WHERE = "in Edit › Preferences › Add-ons › azulejo"
 # Seconds that the program has to end after it was asked to.
 PATIENCE = 3.0
 
@@ -30,13 +33,16 @@ class JobError(Exception):
 
 
 def find_executable(given: str) -> str:
-    """The program: the one that the user has named, or the one on the search path."""
+    """The program: the one that the user has named, or the one on the search path or in usual places."""
     found = shutil.which(given or "azulejo")
+    if not found and not given:
+        found = shutil.which("azulejo", path=os.pathsep.join(os.path.expanduser(place) for place in PLACES))
     if found:
         return found
     if given:
-        raise JobError(f"azulejo is not at {given}: see the preferences of the add-on")
-    raise JobError("azulejo is not on the search path: install it, or set its path in the preferences of the add-on")
+        what = "is not a program that can be run" if os.path.exists(given) else "is not there"
+        raise JobError(f"{given} {what}: set the path of azulejo {WHERE}")
+    raise JobError(f"azulejo is not on the search path: install it, or set its path {WHERE}")
 
 
 class Job:
@@ -101,11 +107,13 @@ class Job:
         return self.process.poll() is None
 
     def status(self) -> str:
-        """One line on the state of the work."""
+        """A few words on the state of the work."""
+        if not self.is_running():
+            return "done, waits for Object Mode"
         seconds = time.monotonic() - self.started
         stage = self.stage or (self.lines[-1] if self.lines else "starting")
         percent = f" {self.percent}%" if self.stage else ""
-        return f"azulejo: {stage}{percent}, {seconds:.0f} s — Esc cancels"
+        return f"{stage}{percent}, {seconds:.0f} s"
 
     def finish(self) -> None:
         """Waits for the end; raises an error with the last words of the program if it has failed."""

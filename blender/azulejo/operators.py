@@ -6,6 +6,7 @@ import shutil
 import tempfile
 import time
 from pathlib import Path
+from typing import ClassVar
 
 import bpy
 
@@ -23,6 +24,7 @@ class Bake:
     def __init__(self, context: bpy.types.Context) -> None:
         """Exports the scene and starts azulejo."""
         self.settings = context.scene.azulejo
+        self.is_cancelled = False
         self.is_indirect = self.settings.light == "indirect"
         executable = find_executable(settings.executable(context))
         self.scene = context.scene
@@ -40,7 +42,7 @@ class Bake:
             self.job.finish()
             things = result.apply(self.snapshot, self.is_indirect, context)
             report = json.loads(self.job.output.read_text("utf-8"))
-            words = [f"{len(things)} objects have baked light"]
+            words = [f"{len(things)} objects have baked light" if len(things) != 1 else "1 object has baked light"]
             error = report.get("error")
             if isinstance(error, (int, float)):
                 words[0] += f", estimated error {100 * error:.2g}%"
@@ -64,15 +66,25 @@ class AZULEJO_OT_bake(bpy.types.Operator):
 
     bl_idname = "azulejo.bake"
     bl_label = "Bake light with azulejo"
-    bl_options = {"REGISTER", "UNDO"}
+    # Without "REGISTER": "Repeat Last" would bake in `execute`, and Blender's window would not answer.
+    bl_options = {"UNDO"}
+
+    # The one bake that goes on while Blender is used.
+    running: ClassVar[Bake | None] = None
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is something to bake."""
+        if cls.running:
+            cls.poll_message_set("A bake is going on. Esc cancels it")
+            return False
         if context.mode != "OBJECT":
             cls.poll_message_set("Needs Object Mode")
             return False
-        return any(thing.type == "MESH" for thing in context.selected_objects)
+        if not any(thing.type == "MESH" for thing in context.selected_objects):
+            cls.poll_message_set("Select mesh objects first")
+            return False
+        return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Starts a bake that goes on while Blender is used."""
@@ -81,32 +93,39 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         except FAILURES as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        AZULEJO_OT_bake.running = self.bake
         manager = context.window_manager
+        # Not `progress_begin`, which has a number instead of the pointer for minutes.
         self.timer = manager.event_timer_add(STEP, window=context.window)
-        manager.progress_begin(0, 100)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Looks after the child process."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self.bake.cancel()
-            self.stop(context)
+        if self.bake.is_cancelled or (event.type == "ESC" and event.value == "PRESS"):
+            self.cancel(context)
             self.report({"INFO"}, "The bake was cancelled")
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        if self.bake.job.is_running():
-            context.workspace.status_text_set(self.bake.job.status())
-            context.window_manager.progress_update(self.bake.job.percent)
+        # Meshes that are being edited cannot get light.
+        if self.bake.job.is_running() or context.mode != "OBJECT":
+            context.workspace.status_text_set(f"azulejo: {self.bake.job.status()} — Esc cancels")
+            redraw_panels(context)
             return {"PASS_THROUGH"}
         self.stop(context)
         return self.end(context)
 
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Ends the bake; Blender calls this, too, when it opens another file or quits."""
+        self.bake.cancel()
+        self.stop(context)
+
     def stop(self, context: bpy.types.Context) -> None:
         """Gives back the timer and the status bar."""
+        AZULEJO_OT_bake.running = None
+        redraw_panels(context)
         context.window_manager.event_timer_remove(self.timer)
-        context.window_manager.progress_end()
         context.workspace.status_text_set(None)
 
     def end(self, context: bpy.types.Context) -> set[str]:
@@ -116,9 +135,17 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         except FAILURES as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, words[0])
-        for line in words[1:]:
+        text, *notes = words
+        if not shows_materials(context):
+            text += ". Material Preview and Rendered show it"
+        for line in notes:
             self.report({"WARNING"}, line)
+        # The status bar has room for one report only: the last.
+        if len(notes) == 1:
+            text += f"; {notes[0]}"
+        elif notes:
+            text += f"; {len(notes)} warnings: click here"
+        self.report({"WARNING" if notes else "INFO"}, text)
         return {"FINISHED"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -131,6 +158,23 @@ class AZULEJO_OT_bake(bpy.types.Operator):
         while self.bake.job.is_running():
             time.sleep(STEP / 4)
         return self.end(context)
+
+
+class AZULEJO_OT_cancel(bpy.types.Operator):
+    """Cancel the bake that is going on; the scene stays as it is"""
+
+    bl_idname = "azulejo.cancel"
+    bl_label = "Cancel"
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Whether there is something to cancel."""
+        return AZULEJO_OT_bake.running is not None
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        """Tells the operator that looks after the bake."""
+        AZULEJO_OT_bake.running.is_cancelled = True
+        return {"FINISHED"}
 
 
 class AZULEJO_OT_remove(bpy.types.Operator):
@@ -149,11 +193,30 @@ class AZULEJO_OT_remove(bpy.types.Operator):
         """Removes it."""
         count = sum(result.remove(thing) for thing in context.selected_objects)
         result.purge()
-        self.report({"INFO"}, f"The baked light of {count} objects was removed")
+        self.report({"INFO"}, f"The baked light of {count} object{'s' if count != 1 else ''} was removed")
         return {"FINISHED"}
 
 
-CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_remove)
+CLASSES = (AZULEJO_OT_bake, AZULEJO_OT_cancel, AZULEJO_OT_remove)
+
+
+def viewports(context: bpy.types.Context) -> list[bpy.types.Area]:
+    """The 3D viewports of all windows."""
+    return [a for window in context.window_manager.windows for a in window.screen.areas if a.type == "VIEW_3D"]
+
+
+def shows_materials(context: bpy.types.Context) -> bool:
+    """Whether a viewport shows materials, and with them baked light; also if there are no viewports."""
+    kinds = {area.spaces.active.shading.type for area in viewports(context)}
+    return not kinds or bool(kinds & {"MATERIAL", "RENDERED"})
+
+
+def redraw_panels(context: bpy.types.Context) -> None:
+    """Has the sidebars of 3D viewports drawn again."""
+    for area in viewports(context):
+        for region in area.regions:
+            if region.type == "UI":
+                region.tag_redraw()
 
 
 def register() -> None:
@@ -163,6 +226,9 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Withdraws them."""
+    """Withdraws them; a bake that is going on ends, as Blender forgets its operator."""
+    if AZULEJO_OT_bake.running:
+        AZULEJO_OT_bake.running.cancel()
+        AZULEJO_OT_bake.running = None
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

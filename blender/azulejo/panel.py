@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""The panel in the sidebar of the 3D viewport, and entries of the menu Object."""
+"""The panel in the sidebar of the 3D viewport, and entries of the menus Object and Render."""
 
 import bpy
 
-from .operators import AZULEJO_OT_bake, AZULEJO_OT_remove
+from .operators import AZULEJO_OT_bake, AZULEJO_OT_cancel, AZULEJO_OT_remove
 
 
 class AZULEJO_PT_bake(bpy.types.Panel):
@@ -19,19 +19,28 @@ class AZULEJO_PT_bake(bpy.types.Panel):
         """Draws the panel."""
         settings, layout = context.scene.azulejo, self.layout
         layout.use_property_split = True
+        # Nothing here is for animation.
+        layout.use_property_decorate = False
         layout.prop(settings, "size")
         error = layout.row()
         error.active = settings.rays == 0
         error.prop(settings, "error")
         for name in ("rays", "light", "sides", "lamp_shapes"):
             layout.prop(settings, name)
-        # Buttons call `invoke`, so that Blender does not wait.
-        layout.operator(AZULEJO_OT_bake.bl_idname, icon="LIGHT")
+        bake = AZULEJO_OT_bake.running
+        if bake:
+            row = layout.row(align=True)
+            factor = bake.job.percent / 100 if bake.job.is_running() else 1.0
+            row.progress(factor=factor, text=bake.job.status())
+            row.operator(AZULEJO_OT_cancel.bl_idname, text="", icon="CANCEL")
+        else:
+            # Buttons call `invoke`, so that Blender does not wait.
+            layout.operator(AZULEJO_OT_bake.bl_idname, icon="LIGHT")
         layout.operator(AZULEJO_OT_remove.bl_idname, icon="X")
 
 
 def draw_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
-    """Adds the operators to the menu Object."""
+    """Adds the operators to a menu."""
     self.layout.separator()
     column = self.layout.column()
     column.operator_context = "INVOKE_DEFAULT"
@@ -39,13 +48,20 @@ def draw_menu(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
     column.operator(AZULEJO_OT_remove.bl_idname)
 
 
+def menus() -> tuple[type[bpy.types.Menu], ...]:
+    """The menus with entries. The end of Object is out of sight in windows of less than 900 pixels in height."""
+    return bpy.types.VIEW3D_MT_object, bpy.types.TOPBAR_MT_render
+
+
 def register() -> None:
     """Registers the panel and the entries."""
     bpy.utils.register_class(AZULEJO_PT_bake)
-    bpy.types.VIEW3D_MT_object.append(draw_menu)
+    for menu in menus():
+        menu.append(draw_menu)
 
 
 def unregister() -> None:
     """Withdraws them."""
-    bpy.types.VIEW3D_MT_object.remove(draw_menu)
+    for menu in menus():
+        menu.remove(draw_menu)
     bpy.utils.unregister_class(AZULEJO_PT_bake)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 """What the user can set, and what objects and materials remember of their state before a bake."""
 
+import os
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -11,6 +13,8 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
+
+from .job import JobError, find_executable
 
 # The name of everything that a bake adds: UV map, image, node group, ending of materials.
 MARK = "azulejo"
@@ -27,9 +31,14 @@ class Preferences(bpy.types.AddonPreferences):
         subtype="FILE_PATH",
     )
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        """Shows the one field."""
+    def draw(self, context: bpy.types.Context) -> None:
+        """Shows the one field, and which program is used."""
         self.layout.prop(self, "executable")
+        try:
+            words, icon = f"Uses {find_executable(executable(context))}", "CHECKMARK"
+        except JobError as error:
+            words, icon = str(error).split(": ")[0], "ERROR"
+        self.layout.label(text=words, icon=icon)
 
 
 class Settings(bpy.types.PropertyGroup):
@@ -117,7 +126,8 @@ def executable(context: bpy.types.Context) -> str:
     """The path of azulejo that the user has set, or an empty text."""
     addon = context.preferences.addons.get(__package__)
     preferences = addon.preferences if addon else None
-    return bpy.path.abspath(preferences.executable) if preferences and preferences.executable else ""
+    path = preferences.executable.strip() if preferences else ""
+    return os.path.expanduser(bpy.path.abspath(path)) if path else ""
 
 
 def uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:

@@ -3,6 +3,7 @@
 
 import contextlib
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -214,6 +215,7 @@ class Export:
         # override of the context alone would leave the user in the temporary scene.
         window = self.context.window
         scene, layer = window.scene, window.view_layer
+        views = list(camera_views())
         window.scene = self.scene
         try:
             bpy.ops.export_scene.gltf(
@@ -242,6 +244,12 @@ class Export:
         finally:
             window.scene = scene
             window.view_layer = layer
+            # Viewports leave the camera when the scene has none.
+            for space, camera, regions in views:
+                if space.use_local_camera:
+                    space.camera = camera
+                for region in regions:
+                    region.view_perspective = "CAMERA"
         document = json.loads(path.read_text("utf-8"))
         lights.write_punctual(document, self.lamps.points)
         # Blender's light is in watts, not in lumens.
@@ -263,6 +271,18 @@ class Export:
             with contextlib.suppress(ReferenceError):
                 if material and material.name_full not in self.kept:
                     bpy.data.materials.remove(material)
+
+
+def camera_views() -> Iterator[tuple[bpy.types.SpaceView3D, bpy.types.Object, list[bpy.types.RegionView3D]]]:
+    """The viewports that look through a camera: their cameras, and the regions that do."""
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            for space in area.spaces:
+                if space.type == "VIEW_3D":
+                    regions = {space.region_3d, *space.region_quadviews}
+                    looking = [region for region in regions if region and region.view_perspective == "CAMERA"]
+                    if looking or space.use_local_camera:
+                        yield space, space.camera, looking
 
 
 def number_corners(mesh: bpy.types.Mesh) -> None:

@@ -284,10 +284,14 @@ def test_missing_program(empty, monkeypatch, tmp_path):
     quick(empty)
     before = state()
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(job, "PLACES", (str(tmp_path / "bin"),))
     with pytest.raises(RuntimeError, match="search path"):
         bpy.ops.azulejo.bake()
     monkeypatch.setattr(settings, "executable", lambda _context: "/nowhere/azulejo")
-    with pytest.raises(RuntimeError, match="not at /nowhere/azulejo"):
+    with pytest.raises(RuntimeError, match="/nowhere/azulejo is not there"):
+        bpy.ops.azulejo.bake()
+    monkeypatch.setattr(settings, "executable", lambda _context: str(tmp_path))
+    with pytest.raises(RuntimeError, match="is not a program that can be run"):
         bpy.ops.azulejo.bake()
     assert state() == before
 
@@ -306,9 +310,47 @@ def test_failing_program(empty, monkeypatch, tmp_path):
     assert state() == before
 
 
+class Window:
+    """Plays the part of Blender's window for a bake that goes on while Blender is used."""
+
+    def __init__(self, scene: bpy.types.Scene) -> None:
+        """Notes what the bake asks for in `calls`."""
+        self.calls: list = []
+        manager = types.SimpleNamespace(
+            windows=[],
+            event_timer_add=lambda step, window: self.calls.append("timer"),
+            event_timer_remove=lambda timer: self.calls.append("no timer"),
+            modal_handler_add=lambda operator: None,
+        )
+        self.context = types.SimpleNamespace(
+            scene=scene,
+            mode="OBJECT",
+            window=bpy.context.window,
+            preferences=bpy.context.preferences,
+            selected_objects=bpy.context.selected_objects,
+            evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+            window_manager=manager,
+            workspace=types.SimpleNamespace(status_text_set=lambda words: self.calls.append(words)),
+        )
+        self.operator = types.SimpleNamespace(report=lambda kind, words: self.calls.append(words))
+        for name in ("stop", "end", "cancel"):
+            method = types.MethodType(getattr(operators.AZULEJO_OT_bake, name), self.operator)
+            setattr(self.operator, name, method)
+
+    def invoke(self) -> set[str]:
+        """The click on the button."""
+        return operators.AZULEJO_OT_bake.invoke(self.operator, self.context, None)
+
+    def event(self, kind: str, value: str = "NOTHING") -> set[str]:
+        """Something that happens in the window."""
+        event = types.SimpleNamespace(type=kind, value=value)
+        return operators.AZULEJO_OT_bake.modal(self.operator, self.context, event)
+
+
 @posix
-def test_cancel(empty, monkeypatch, tmp_path):
-    """Esc ends the program and leaves the scene as it was. Blender's window is played by a stand-in."""
+@pytest.mark.parametrize("way", ["Esc", "button", "quit", "disable"])
+def test_cancel(empty, monkeypatch, tmp_path, way):
+    """Esc, the button, the end of Blender and of the add-on end the program and leave the scene as it was."""
     add_sun()
     scenes.lamps()
     quick(empty)
@@ -317,44 +359,124 @@ def test_cancel(empty, monkeypatch, tmp_path):
     path = fake_program(tmp_path, script)
     monkeypatch.setattr(settings, "executable", lambda _context: path)
     before = state()
-    calls: list = []
-    manager = types.SimpleNamespace(
-        event_timer_add=lambda step, window: calls.append("timer"),
-        event_timer_remove=lambda timer: calls.append("no timer"),
-        progress_begin=lambda low, high: None,
-        progress_update=lambda value: calls.append(value),
-        progress_end=lambda: None,
-        modal_handler_add=lambda operator: None,
-    )
-    workspace = types.SimpleNamespace(status_text_set=lambda words: calls.append(words))
-    context = types.SimpleNamespace(
-        scene=empty,
-        window=bpy.context.window,
-        preferences=bpy.context.preferences,
-        selected_objects=bpy.context.selected_objects,
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
-        window_manager=manager,
-        workspace=workspace,
-    )
-    operator = types.SimpleNamespace(report=lambda kind, words: calls.append(words))
-    for name in ("stop", "end"):
-        setattr(operator, name, types.MethodType(getattr(operators.AZULEJO_OT_bake, name), operator))
-    event = types.SimpleNamespace
-    kind = operators.AZULEJO_OT_bake
-    assert kind.invoke(operator, context, None) == {"RUNNING_MODAL"}
-    folder, process = operator.bake.folder, operator.bake.job.process
+    window = Window(empty)
+    calls = window.calls
+    assert window.invoke() == {"RUNNING_MODAL"}
+    folder, process = window.operator.bake.folder, window.operator.bake.job.process
     for _ in range(100):
-        assert kind.modal(operator, context, event(type="TIMER", value="NOTHING")) == {"PASS_THROUGH"}
-        if 42 in calls:
+        assert window.event("TIMER") == {"PASS_THROUGH"}
+        if "irradiance 42%" in str(calls[-1]):
             break
         time.sleep(0.05)
-    assert 42 in calls and any("irradiance 42%" in str(c) for c in calls)
-    assert kind.modal(operator, context, event(type="MOUSEMOVE", value="NOTHING")) == {"PASS_THROUGH"}
-    assert kind.modal(operator, context, event(type="ESC", value="PRESS")) == {"CANCELLED"}
+    assert "irradiance 42%" in calls[-1]
+    assert window.event("MOUSEMOVE") == {"PASS_THROUGH"}
+    # A second click would start a second bake.
+    assert not bpy.ops.azulejo.bake.poll()
+    if way == "Esc":
+        assert window.event("ESC", "PRESS") == {"CANCELLED"}
+    elif way == "button":
+        assert bpy.ops.azulejo.cancel() == {"FINISHED"}
+        assert window.event("TIMER") == {"CANCELLED"}
+    elif way == "quit":
+        # What Blender calls then, and when it opens another file.
+        window.operator.cancel(window.context)
+    else:
+        operators.unregister()
+        operators.register()
     assert process.poll() is not None and not folder.exists()
-    # The status bar is Blender's again.
-    assert None in calls
+    if way != "disable":
+        # The status bar is Blender's again.
+        assert None in calls
     assert state() == before
+    assert bpy.ops.azulejo.bake.poll() and not bpy.ops.azulejo.cancel.poll()
+
+
+def test_edit_mode(empty, program):
+    """A bake that ends in Edit Mode waits: meshes that are being edited cannot get light."""
+    add_sun()
+    cube = scenes.box("cube", (-1, -1, 0), (1, 1, 1))
+    quick(empty)
+    window = Window(empty)
+    assert window.invoke() == {"RUNNING_MODAL"}
+    window.context.view_layer, window.context.mode = bpy.context.view_layer, "EDIT_MESH"
+    window.operator.bake.job.process.wait()
+    assert window.event("TIMER") == {"PASS_THROUGH"}
+    assert "waits for Object Mode" in window.calls[-1]
+    assert not cube.azulejo.is_baked
+    window.context.mode = "OBJECT"
+    assert window.event("TIMER") == {"FINISHED"}
+    assert cube.azulejo.is_baked
+    # The last report is the one that Blender shows.
+    assert window.calls[-1].startswith("1 object has baked light")
+
+
+@pytest.mark.parametrize("notes", [[], ["one"], ["one", "two"]])
+@pytest.mark.parametrize("shading", ["SOLID", "MATERIAL"])
+def test_last_report(notes, shading):
+    """The last report, which is the one that Blender shows, says where light is seen and that there are warnings."""
+    view = types.SimpleNamespace(shading=types.SimpleNamespace(type=shading))
+    area = types.SimpleNamespace(type="VIEW_3D", spaces=types.SimpleNamespace(active=view))
+    screen = types.SimpleNamespace(areas=[area, types.SimpleNamespace(type="OUTLINER")])
+    manager = types.SimpleNamespace(windows=[types.SimpleNamespace(screen=screen)])
+    reports: list = []
+    operator = types.SimpleNamespace(
+        bake=types.SimpleNamespace(finish=lambda _context: ["Light", *notes]),
+        report=lambda kind, words: reports.append((*kind, words)),
+    )
+    context = types.SimpleNamespace(window_manager=manager)
+    assert operators.AZULEJO_OT_bake.end(operator, context) == {"FINISHED"}
+    words = "Light" + (". Material Preview and Rendered show it" if shading == "SOLID" else "")
+    words += ["", "; one", "; 2 warnings: click here"][len(notes)]
+    assert reports == [*(("WARNING", note) for note in notes), ("WARNING" if notes else "INFO", words)]
+
+
+def test_camera_view_stays(empty, program):
+    """Viewports that look through a camera, which may be their own, go on doing so."""
+    bpy.ops.wm.read_factory_settings()
+    space = next(area.spaces.active for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+    space.region_3d.view_perspective = "CAMERA"
+    other = scenes.add_object("other", bpy.data.cameras.new("other"))
+    quick(bpy.context.scene)
+    for camera in (None, other):
+        space.use_local_camera = camera is not None
+        space.camera = camera or space.camera
+        before = space.camera
+        assert bpy.ops.azulejo.bake() == {"FINISHED"}
+        assert (space.region_3d.view_perspective, space.camera) == ("CAMERA", before)
+
+
+@posix
+def test_program_off_the_search_path(monkeypatch, tmp_path):
+    """What `cargo install` has put into the home folder is found by a Blender that was started from a menu."""
+    folder = tmp_path / ".cargo" / "bin"
+    folder.mkdir(parents=True)
+    path = fake_program(folder, "")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert job.find_executable("") == path
+
+
+def test_home_in_path(monkeypatch):
+    """A tilde in the path of the program is the home folder, as in shells."""
+    preferences = types.SimpleNamespace(executable=" ~/bin/azulejo")
+    addons = {settings.__package__: types.SimpleNamespace(preferences=preferences)}
+    context = types.SimpleNamespace(preferences=types.SimpleNamespace(addons=addons))
+    monkeypatch.setenv("HOME", "/home/someone")
+    monkeypatch.setenv("USERPROFILE", "/home/someone")
+    assert Path(settings.executable(context)) == Path("/home/someone/bin/azulejo")
+
+
+def test_numpy_is_missing(tmp_path):
+    """A Blender without NumPy, as Debian's, says what to install."""
+    script = (
+        "import importlib.util, sys\n"
+        "find = importlib.util.find_spec\n"
+        "importlib.util.find_spec = lambda name, *rest: None if name == 'numpy' else find(name, *rest)\n"
+        f"sys.path.insert(0, {str(FOLDER.parent)!r})\n"
+        "import azulejo\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
+    assert "python3-numpy" in run.stderr.splitlines()[-1]
 
 
 def test_nothing_selected(empty, program):
