@@ -54,7 +54,7 @@ class Settings(bpy.types.PropertyGroup):
     error: FloatProperty(
         name="Error",
         description="Target error: RMS error of the irradiance as a share of its mean, in percent",
-        default=1.0,
+        default=3.0,
         min=0.05,
         max=50.0,
         precision=2,

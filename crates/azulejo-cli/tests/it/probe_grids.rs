@@ -126,9 +126,14 @@ fn grids_that_cannot_be_are_refused() {
             "without a volume",
         ),
         (
-            "--grid 2,2,2 --grid-box 0,0,0,1,1,nan -o v.json",
+            "--grid 2,2,2 --grid-box 0,0,0,1,1 -o v.json",
             2,
             "six numbers",
+        ),
+        (
+            "--grid 2,2,2 --grid-box 0,0,0,1,1,nan -o v.json",
+            2,
+            "\"nan\" is not a number",
         ),
         (
             "--grid-box 0,0,0,1,1,1 --points p.txt -o v.txt",
