@@ -1,10 +1,12 @@
 //! Closed outlines of a drawing as plane figures.
 
 use super::axes::world_from_entity;
+use super::curve::sweep;
 use super::pairs::Pairs;
 use super::parse::position;
 use super::record::{Record, Records};
 use super::spline;
+use super::strands::{OpenOutline, Strand, bounds, join, tolerance};
 use super::units;
 use crate::outline::pen::{Ellipse, Pen};
 use crate::outline::{Drawing, Filled};
@@ -12,16 +14,28 @@ use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
-use azulejo_scene::{Figure, FillRule};
-use glam::{DMat3, DVec2};
+use azulejo_scene::figure::{Rectangle, Segment};
+use azulejo_scene::{Contour, Figure, FillRule};
+use glam::{DAffine2, DMat2, DMat3, DVec2};
 use std::collections::HashMap;
+use std::f64::consts::TAU;
+use std::rc::Rc;
 
-/// Reads the closed polylines, circles, ellipses and splines of a drawing's model space as plane
-/// figures, seen from above. All outlines of a layer form one figure, with holes where one is inside
-/// another ([`FillRule::EvenOdd`]). Open and non-horizontal outlines are left out with a warning.
+/// Blocks within blocks; more are one inside itself.
+const DEEPEST: usize = 32;
+
+/// Most open outlines of which is asked what they surround: the largest.
+const EXAMINED: usize = 64;
+
+/// Reads the outlines of a drawing's model space as plane figures, seen from above: polylines, circles, ellipses and
+/// splines that are closed, and lines, arcs, open polylines and splines where their ends meet, also those of
+/// inserted blocks. All outlines of a layer form one figure, with holes where one is inside another
+/// ([`FillRule::EvenOdd`]); outlines that go through several layers are of that of their first piece. Open and
+/// non-horizontal outlines are left out with a warning.
 ///
 /// # Errors
-/// A file without sections, and one whose outlines have more curves than `options` allow.
+/// A file without sections, one whose outlines have more curves than `options` allow, and one with an open outline
+/// around others: what is inside may be its holes.
 pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
     let bytes = &*decoded(bytes);
     let mut reader = FigureReader {
@@ -34,6 +48,9 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
         metres_per_unit: None,
         layers: Vec::new(),
         by_name: HashMap::new(),
+        blocks: HashMap::new(),
+        block: None,
+        entities: Vec::new(),
         polyline: None,
     };
     let mut records = Records::new(bytes);
@@ -45,16 +62,28 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
     if !reader.has_sections {
         return Err(ReadError::whole(name, "no section", "a drawing in DXF"));
     }
-    let filled = |(name, pen): (String, Pen)| Filled {
-        figure: pen.finish(FillRule::EvenOdd),
+    // Put the blocks into their places, and join what meets.
+    let entities = std::mem::take(&mut reader.entities);
+    let mut strands = vec![Vec::new(); reader.layers.len()];
+    let space = Insertion {
+        map: DAffine2::IDENTITY,
+        layer: None,
+        depth: 0,
+    };
+    reader.expand(&entities, &space, &mut strands)?;
+    let contours = reader.joined(strands)?;
+    let filled = |(name, contours): (String, Vec<Contour>)| Filled {
+        figure: Figure {
+            contours,
+            rule: FillRule::EvenOdd,
+        },
         color: None,
         name,
     };
-    let shapes: Vec<Filled> = reader.layers.into_iter().map(filled).collect();
+    let shapes = reader.layers.into_iter().zip(contours).map(filled);
     Ok(Drawing {
         shapes: shapes
-            .into_iter()
-            .filter(|s| s.figure != Figure::default())
+            .filter(|shape| shape.figure != Figure::default())
             .collect(),
         metres_per_unit: reader.metres_per_unit,
         warnings: reader.warnings.finish(name),
@@ -69,11 +98,50 @@ struct FigureReader<'a> {
     section: Vec<u8>,
     has_sections: bool,
     metres_per_unit: Option<f64>,
-    /// Layers by their names, each with its outlines.
-    layers: Vec<(String, Pen)>,
+    /// The names of layers, in the order in which they occur.
+    layers: Vec<String>,
     by_name: HashMap<String, usize>,
+    blocks: HashMap<Vec<u8>, Rc<FigureBlock>>,
+    /// The block that is being read, and its name.
+    block: Option<(Vec<u8>, FigureBlock)>,
+    /// Those of the model space.
+    entities: Vec<FigureEntity>,
     /// The old kind of polyline, whose vertices are separate records.
     polyline: Option<Polyline>,
+}
+
+/// Something drawn, with the number of its layer.
+#[derive(Clone)]
+enum FigureEntity {
+    Strand(usize, Strand),
+    Insert(usize, FigureInsert),
+}
+
+/// A block in its places.
+#[derive(Clone)]
+struct FigureInsert {
+    offset: usize,
+    block: Vec<u8>,
+    /// Drawing from block, of the first place.
+    map: DAffine2,
+    /// Numbers of columns and rows, and the steps from one to the next.
+    counts: [u32; 2],
+    steps: [DVec2; 2],
+}
+
+/// Entities that are inserted together.
+#[derive(Default)]
+struct FigureBlock {
+    base: DVec2,
+    entities: Vec<FigureEntity>,
+}
+
+/// How entities are put into the drawing.
+struct Insertion {
+    map: DAffine2,
+    /// The layer of what is on layer 0 of a block.
+    layer: Option<usize>,
+    depth: usize,
 }
 
 /// A polyline in its own plane: vertices, each with the bulge of the segment after it.
@@ -91,19 +159,32 @@ const CLOSED: i64 = 1;
 
 impl FigureReader<'_> {
     fn record(&mut self, record: &Record) -> ReadResult {
-        match record.kind {
-            b"SECTION" => self.begin_section(record),
-            b"ENDSEC" => {
+        match (&self.section[..], record.kind) {
+            (_, b"SECTION") => self.begin_section(record),
+            (_, b"ENDSEC") => {
                 self.finish_polyline()?;
+                self.end_block();
                 self.section.clear();
             }
-            _ if self.section != b"ENTITIES" => {}
-            b"VERTEX" => self.vertex(record),
-            b"SEQEND" => self.finish_polyline()?,
-            _ => {
+            (b"ENTITIES" | b"BLOCKS", b"VERTEX") => self.vertex(record),
+            (b"ENTITIES" | b"BLOCKS", b"SEQEND") => self.finish_polyline()?,
+            (b"BLOCKS", b"BLOCK") => {
+                self.end_block();
+                let block = FigureBlock {
+                    base: record.point(10).truncate(),
+                    entities: Vec::new(),
+                };
+                self.block = Some((block_name(record), block));
+            }
+            (b"BLOCKS", b"ENDBLK") => {
+                self.finish_polyline()?;
+                self.end_block();
+            }
+            (b"ENTITIES" | b"BLOCKS", _) => {
                 self.finish_polyline()?;
                 self.entity(record)?;
             }
+            _ => {}
         }
         Ok(())
     }
@@ -116,13 +197,27 @@ impl FigureReader<'_> {
         }
     }
 
+    fn end_block(&mut self) {
+        if let Some((name, block)) = self.block.take() {
+            self.blocks.insert(name, Rc::new(block));
+        }
+    }
+
+    fn position(&self, offset: usize) -> Position {
+        match offset {
+            0 => Position::Whole,
+            at => position(self.bytes, Pairs::new(self.bytes).encoding, at),
+        }
+    }
+
     fn warn(&mut self, message: impl Into<String>, offset: usize) {
-        let bytes = self.bytes;
-        self.warnings
-            .add(self.file, message.into(), || match offset {
-                0 => Position::Whole,
-                at => position(bytes, Pairs::new(bytes).encoding, at),
-            });
+        let position = self.position(offset);
+        self.warnings.add(self.file, message.into(), || position);
+    }
+
+    fn spend(&mut self, elements: usize) -> ReadResult {
+        let spent = self.budget.spend(elements as u64);
+        spent.map_err(|e| e.error(self.file))
     }
 
     fn entity(&mut self, record: &Record) -> ReadResult {
@@ -135,20 +230,27 @@ impl FigureReader<'_> {
             return Ok(());
         }
         match record.kind {
+            b"LINE" => {
+                let ends = [10, 11].map(|code| record.point(code).truncate());
+                self.add(record, vec![Segment::Line(ends)])
+            }
             b"LWPOLYLINE" => self.light_polyline(record),
             b"POLYLINE" => {
                 self.begin_polyline(record);
                 Ok(())
             }
-            b"CIRCLE" => self.circle(record),
+            b"CIRCLE" => self.circle(record, (0.0, TAU)),
+            b"ARC" => {
+                let angles = sweep(record.real(50, 0.0), record.real(51, 360.0));
+                self.circle(record, angles)
+            }
             b"ELLIPSE" => self.ellipse(record),
             b"SPLINE" => self.spline(record),
+            b"INSERT" => self.insert(record),
+            b"ATTRIB" | b"ATTDEF" => Ok(()),
             kind => {
                 let kind = shortened(&text(kind));
-                self.warn(
-                    format!("{kind}: no closed outline, left out"),
-                    record.offset,
-                );
+                self.warn(format!("{kind}: no outline, left out"), record.offset);
                 Ok(())
             }
         }
@@ -173,17 +275,29 @@ impl FigureReader<'_> {
         let next = self.layers.len();
         let index = *self.by_name.entry(name.to_lowercase()).or_insert(next);
         if index == next {
-            self.layers.push((name.into_owned(), Pen::default()));
+            self.layers.push(name.into_owned());
         }
         index
     }
 
-    /// The pen of a layer, with room for some curves.
-    fn pen(&mut self, layer: usize, curves: usize) -> Result<&mut Pen, ReadError> {
-        self.budget
-            .spend(curves as u64)
-            .map_err(|e| e.error(self.file))?;
-        Ok(&mut self.layers[layer].1)
+    fn keep(&mut self, entity: FigureEntity) {
+        match &mut self.block {
+            Some((_, block)) => block.entities.push(entity),
+            None => self.entities.push(entity),
+        }
+    }
+
+    fn add(&mut self, record: &Record, segments: Vec<Segment>) -> ReadResult {
+        let layer = self.layer(record);
+        self.add_strand(layer, record.offset, segments)
+    }
+
+    fn add_strand(&mut self, layer: usize, offset: usize, segments: Vec<Segment>) -> ReadResult {
+        self.spend(segments.len())?;
+        if !segments.is_empty() {
+            self.keep(FigureEntity::Strand(layer, Strand { segments, offset }));
+        }
+        Ok(())
     }
 
     fn light_polyline(&mut self, record: &Record) -> ReadResult {
@@ -249,87 +363,231 @@ impl FigureReader<'_> {
     }
 
     fn draw(&mut self, polyline: Polyline) -> ReadResult {
-        let Some(plane) = polyline.plane else {
+        let (Some(plane), Some(&(first, _))) = (polyline.plane, polyline.vertices.first()) else {
             return Ok(());
         };
-        let vertices = &polyline.vertices;
-        let comes_back =
-            vertices.len() > 2 && vertices.first().map(|v| v.0) == vertices.last().map(|v| v.0);
-        if !polyline.is_closed && !comes_back {
-            self.warn("open polyline: left out", polyline.offset);
-            return Ok(());
-        }
         // A bulge is divided into at most eight pieces.
-        let pen = self.pen(polyline.layer, 8 * vertices.len())?;
+        self.spend(7 * polyline.vertices.len())?;
         let flat = |p: DVec2| (plane * p.extend(0.0)).truncate();
         let is_mirrored = plane.z_axis.z < 0.0;
-        let next = vertices.iter().cycle().skip(1);
-        for (i, (&(from, bulge), &(to, _))) in vertices.iter().zip(next).enumerate() {
-            if i == 0 {
-                pen.move_to(flat(from));
-            }
-            let bulge = if is_mirrored { -bulge } else { bulge };
-            bulged(pen, flat(to), bulge);
+        let mut pen = Pen::default();
+        pen.move_to(flat(first));
+        let ends = polyline.vertices.iter().skip(1).map(|vertex| vertex.0);
+        let ends = ends.chain(polyline.is_closed.then_some(first));
+        for ((_, bulge), to) in polyline.vertices.iter().zip(ends) {
+            let bulge = if is_mirrored { -bulge } else { *bulge };
+            bulged(&mut pen, flat(to), bulge);
         }
-        pen.close();
-        Ok(())
+        self.add_strand(polyline.layer, polyline.offset, pen.into_segments())
     }
 
-    fn circle(&mut self, record: &Record) -> ReadResult {
-        let layer = self.layer(record);
+    /// A circle, or the arc of one: where it begins, and its angle.
+    fn circle(&mut self, record: &Record, angles: (f64, f64)) -> ReadResult {
         let Some(plane) = self.plane(record) else {
             return Ok(());
         };
         let radius = record.real(40, 0.0);
-        if radius > 0.0 {
-            self.pen(layer, 8)?.ellipse(Ellipse {
-                centre: (plane * record.point(10)).truncate(),
-                x: DVec2::new(radius, 0.0),
-                y: DVec2::new(0.0, radius),
-            });
-        }
-        Ok(())
+        let ellipse = Ellipse {
+            centre: (plane * record.point(10)).truncate(),
+            x: radius * plane.x_axis.truncate(),
+            y: radius * plane.y_axis.truncate(),
+        };
+        self.arc(record, ellipse, angles)
     }
 
     /// An ellipse's centre and axes are in the drawing's coordinates, not the entity's.
     fn ellipse(&mut self, record: &Record) -> ReadResult {
-        use std::f64::consts::TAU;
-        let layer = self.layer(record);
-        let turn = record.real(42, TAU) - record.real(41, 0.0);
-        if (turn.abs() - TAU).abs() > 1e-6 {
-            self.warn("arc of an ELLIPSE: open, left out", record.offset);
-            return Ok(());
-        }
         let Some(plane) = self.plane(record) else {
             return Ok(());
         };
         let major = record.point(11);
         let minor = record.real(40, 1.0) * plane.z_axis.cross(major);
-        self.pen(layer, 8)?.ellipse(Ellipse {
+        let ellipse = Ellipse {
             centre: record.point(10).truncate(),
             x: major.truncate(),
             y: minor.truncate(),
-        });
-        Ok(())
+        };
+        let [start, end] = [record.real(41, 0.0), record.real(42, TAU)].map(f64::to_degrees);
+        self.arc(record, ellipse, sweep(start, end))
+    }
+
+    fn arc(&mut self, record: &Record, ellipse: Ellipse, (start, angle): (f64, f64)) -> ReadResult {
+        let mut pen = Pen::default();
+        pen.move_to(ellipse.at(start));
+        let end = match angle > TAU - 1e-6 {
+            true => pen.at(),
+            false => ellipse.at(start + angle),
+        };
+        pen.arc_to(ellipse, start, angle, end);
+        self.add(record, pen.into_segments())
     }
 
     fn spline(&mut self, record: &Record) -> ReadResult {
-        let layer = self.layer(record);
         match spline::curves(record) {
-            Ok(spline) => {
-                let pen = self.pen(layer, spline.len())?;
-                for (i, [a, b, c, d]) in spline.into_iter().enumerate() {
-                    if i == 0 {
-                        pen.move_to(a);
-                    }
-                    pen.cubic_to(b, c, d);
-                }
-                pen.close();
+            Ok(curves) => self.add(record, curves.into_iter().map(Segment::Cubic).collect()),
+            Err(why) => {
+                self.warn(format!("SPLINE {why}: left out"), record.offset);
+                Ok(())
             }
-            Err(why) => self.warn(format!("SPLINE {why}: left out"), record.offset),
+        }
+    }
+
+    fn insert(&mut self, record: &Record) -> ReadResult {
+        let layer = self.layer(record);
+        let Some(plane) = self.plane(record) else {
+            return Ok(());
+        };
+        self.spend(1)?;
+        let plane = DMat2::from_cols(plane.x_axis.truncate(), plane.y_axis.truncate());
+        let turned = plane * DMat2::from_angle(record.real(50, 0.0).to_radians());
+        let scale = DVec2::new(record.real(41, 1.0), record.real(42, 1.0));
+        let count = |code| record.integer(code, 1).clamp(1, 1 << 20) as u32;
+        let step = |code, axis: DVec2| turned * (record.real(code, 0.0) * axis);
+        self.keep(FigureEntity::Insert(
+            layer,
+            FigureInsert {
+                offset: record.offset,
+                block: block_name(record),
+                map: DAffine2::from_mat2_translation(
+                    turned * DMat2::from_diagonal(scale),
+                    plane * record.point(10).truncate(),
+                ),
+                counts: [count(70), count(71)],
+                steps: [step(44, DVec2::X), step(45, DVec2::Y)],
+            },
+        ));
+        Ok(())
+    }
+
+    /// Adds the strands of entities to those of their layers.
+    fn expand(
+        &mut self,
+        entities: &[FigureEntity],
+        into: &Insertion,
+        strands: &mut [Vec<Strand>],
+    ) -> ReadResult {
+        let of_zero = self.by_name.get("0").copied();
+        let of_insert = |layer: usize| match into.layer {
+            Some(inserted) if Some(layer) == of_zero => inserted,
+            _ => layer,
+        };
+        for entity in entities {
+            match entity {
+                FigureEntity::Strand(layer, strand) => {
+                    self.spend(strand.segments.len())?;
+                    let strand = strand.mapped(&into.map);
+                    if strand.points().all(DVec2::is_finite) {
+                        strands[of_insert(*layer)].push(strand);
+                    }
+                }
+                FigureEntity::Insert(layer, insert) => {
+                    let Some(block) = self.blocks.get(&insert.block).cloned() else {
+                        self.warn("INSERT of a block that is missing: left out", insert.offset);
+                        continue;
+                    };
+                    if into.depth == DEEPEST {
+                        self.warn("block inside itself: left out", insert.offset);
+                        continue;
+                    }
+                    for row in 0..insert.counts[1] {
+                        for column in 0..insert.counts[0] {
+                            self.spend(1)?;
+                            let [x, y] = insert.steps;
+                            let step = f64::from(column) * x + f64::from(row) * y;
+                            let map = into.map
+                                * DAffine2::from_translation(step)
+                                * insert.map
+                                * DAffine2::from_translation(-block.base);
+                            let inner = Insertion {
+                                map,
+                                layer: Some(of_insert(*layer)),
+                                depth: into.depth + 1,
+                            };
+                            self.expand(&block.entities, &inner, strands)?;
+                        }
+                    }
+                }
+            }
         }
         Ok(())
     }
+
+    /// The closed outlines of each layer.
+    fn joined(&mut self, strands: Vec<Vec<Strand>>) -> Result<Vec<Vec<Contour>>, ReadError> {
+        let near = tolerance(bounds(strands.iter().flatten()));
+        let mut contours = Vec::new();
+        let mut rest = Vec::new();
+        let mut layer_of = HashMap::new();
+        for (layer, strands) in strands.into_iter().enumerate() {
+            let joined = join(strands, near);
+            contours.push(joined.loops);
+            for strand in joined.open.into_iter().flat_map(|open| open.strands) {
+                layer_of.entry(strand.offset).or_insert(layer);
+                rest.push(strand);
+            }
+        }
+        // What is open in each layer may be closed by others.
+        rest.sort_by_key(|strand| strand.offset);
+        let first = rest.first().and_then(|s| layer_of.get(&s.offset)).copied();
+        let joined = join(rest, near);
+        if let Some(layer) = first {
+            contours[layer].extend(joined.loops);
+        }
+        self.check_open(joined.open, contours.iter().flatten())?;
+        Ok(contours)
+    }
+
+    /// Says what is left out, and refuses it if it is around others, which may be its holes.
+    fn check_open<'c>(
+        &mut self,
+        mut open: Vec<OpenOutline>,
+        contours: impl Iterator<Item = &'c Contour>,
+    ) -> ReadResult {
+        let inside: Vec<Rectangle> = contours.map(around).collect();
+        let size = |open: &OpenOutline| {
+            let around = bounds(&open.strands);
+            (around.max - around.min).length()
+        };
+        open.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        for outline in open.iter().take(EXAMINED) {
+            if !outline.surrounds(&inside) {
+                continue;
+            }
+            // Without the last digits, which are those of rounding.
+            let [x, y] = outline.place.to_array().map(|x| x as f32 + 0.0);
+            let found = match outline.branches {
+                true => format!("lines around others that branch at ({x}, {y})"),
+                false => format!("an outline around others that is open at ({x}, {y})"),
+            };
+            let expected = "one whose ends meet: without it, its holes would be solid";
+            return Err(ReadError {
+                position: self.position(outline.strands[0].offset),
+                ..ReadError::whole(self.file, found, expected)
+            });
+        }
+        for outline in open {
+            let what = match outline.branches {
+                true => "lines that branch: no outline, left out",
+                false => "open outline: left out",
+            };
+            self.warn(what, outline.strands[0].offset);
+        }
+        Ok(())
+    }
+}
+
+/// The smallest rectangle around a closed outline.
+fn around(contour: &Contour) -> Rectangle {
+    let figure = Figure {
+        contours: vec![contour.clone()],
+        rule: FillRule::EvenOdd,
+    };
+    figure.bounds()
+}
+
+/// The name of a block, in any case.
+fn block_name(record: &Record) -> Vec<u8> {
+    record.bytes(2).to_ascii_lowercase()
 }
 
 /// Draws the segment to `to`: straight for a bulge of 0, otherwise an arc of the angle 4·atan(bulge),

@@ -24,6 +24,7 @@ mod polyline;
 mod project;
 mod record;
 mod spline;
+mod strands;
 mod surfaces;
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! Drawing of figures by commands, as fonts and SVG describe them.
 
+use azulejo_scene::figure::Segment;
 use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -26,7 +27,8 @@ pub(crate) struct Ellipse {
 }
 
 impl Ellipse {
-    fn at(&self, t: f64) -> DVec2 {
+    /// The point of an angle.
+    pub fn at(&self, t: f64) -> DVec2 {
         self.centre + t.cos() * self.x + t.sin() * self.y
     }
 
@@ -101,6 +103,23 @@ impl Pen {
         self.move_to(first);
         self.arc_to(ellipse, 0.0, TAU, first);
         self.close();
+    }
+
+    /// The curves of the current contour, which stays open.
+    pub fn into_segments(self) -> Vec<Segment> {
+        let start = |curve: &Curve| match *curve {
+            Curve::Line { start } | Curve::Cubic { start, .. } => start,
+        };
+        let ends = self.curves.iter().skip(1).map(start).chain([self.at]);
+        let segment = |(curve, end): (&Curve, DVec2)| match *curve {
+            Curve::Line { start } => Segment::Line([start, end]),
+            Curve::Cubic {
+                start,
+                control1,
+                control2,
+            } => Segment::Cubic([start, control1, control2, end]),
+        };
+        self.curves.iter().zip(ends).map(segment).collect()
     }
 
     /// Closes the contour at its start; returns whether the current point was there already.

@@ -94,18 +94,20 @@ fn left_out_outlines_are_reported() {
         );
     };
     let open = [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (2.0, 2.0, 0.0)];
-    check(&light(0, &open), "open polyline: left out");
+    check(&light(0, &open), "open outline: left out");
     check(
         &(light(1, &open) + "210\n1\n220\n0\n230\n0\n"),
         "LWPOLYLINE that does not lie flat: left out",
     );
-    check(
-        "0\nLINE\n10\n0\n11\n1\n",
-        "LINE: no closed outline, left out",
-    );
+    check("0\nLINE\n10\n0\n11\n1\n", "open outline: left out");
     check(
         "0\nELLIPSE\n11\n1\n40\n1\n41\n0\n42\n1\n",
-        "arc of an ELLIPSE: open, left out",
+        "open outline: left out",
+    );
+    check("0\nTEXT\n1\nx\n", "TEXT: no outline, left out");
+    check(
+        "0\nINSERT\n2\nnone\n",
+        "INSERT of a block that is missing: left out",
     );
     check(
         "0\nPOLYLINE\n70\n64\n0\nVERTEX\n10\n1\n0\nSEQEND\n",
@@ -119,4 +121,112 @@ fn left_out_outlines_are_reported() {
         "0\nSPLINE\n71\n3\n",
         "SPLINE without control points, or with the wrong number of knots: left out",
     );
+}
+
+/// A rectangle with round corners of four lines and four arcs in any order and direction, as OpenSCAD 2021.01 has it.
+#[test]
+fn pieces_whose_ends_meet_are_outlines() {
+    let line = |a: [f64; 2], b: [f64; 2]| {
+        format!(
+            "0\nLINE\n8\nx\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n",
+            a[0], a[1], b[0], b[1]
+        )
+    };
+    let arc = |c: [f64; 2], from: f64, to: f64| {
+        format!(
+            "0\nARC\n8\nx\n10\n{}\n20\n{}\n40\n10\n50\n{from}\n51\n{to}\n",
+            c[0], c[1]
+        )
+    };
+    let plate = [
+        line([10.0, 0.0], [90.0, 0.0]),
+        arc([90.0, 50.0], 0.0, 90.0),
+        line([90.0, 60.0], [10.0, 60.0]),
+        arc([10.0, 10.0], 180.0, 270.0),
+        line([100.0, 50.0], [100.0, 10.0]),
+        arc([10.0, 50.0], 90.0, 180.0),
+        arc([90.0, 10.0], 270.0, 360.0),
+        line([0.0, 10.0], [0.0, 50.0]),
+    ];
+    let hole = "0\nCIRCLE\n8\nx\n10\n50\n20\n30\n40\n8\n";
+    let rounded = 6000.0 - (4.0 - PI) * 100.0;
+    let area = |drawing: &Drawing| -> f64 {
+        let flat = drawing.shapes[0].figure.flatten(1e-4);
+        let areas = flat.iter().map(|loop_| {
+            let next = loop_.iter().cycle().skip(1);
+            0.5 * loop_
+                .iter()
+                .zip(next)
+                .map(|(a, b)| a.perp_dot(*b))
+                .sum::<f64>()
+        });
+        // The hole is inside.
+        let mut areas: Vec<f64> = areas.map(f64::abs).collect();
+        areas.sort_by(f64::total_cmp);
+        areas.pop().unwrap() - areas.iter().sum::<f64>()
+    };
+    let whole = drawing(&(plate.concat() + hole));
+    assert!(whole.warnings.is_empty() && whole.shapes.len() == 1);
+    let expected = rounded - 64.0 * PI;
+    assert!(
+        (area(&whole) / expected - 1.0).abs() < 1e-5,
+        "{}",
+        area(&whole)
+    );
+    // On two layers they are one outline, too.
+    let mut layers = plate.clone();
+    layers[3] = layers[3].replace("\nx\n", "\ny\n");
+    let layers = drawing(&(layers.concat() + hole));
+    assert!(layers.warnings.is_empty(), "{:?}", layers.warnings);
+    assert!((area(&layers) / expected - 1.0).abs() < 1e-5);
+    // Without one piece the hole would be all there is.
+    let text = format!(
+        "0\nSECTION\n2\nENTITIES\n{}{hole}0\nENDSEC\n0\nEOF\n",
+        plate[1..].concat()
+    );
+    let error = read_figures(text.as_bytes(), "a.dxf", &ReadOptions::default()).unwrap_err();
+    let message = error.to_string();
+    assert!(message.starts_with("a.dxf:5:"), "{message}");
+    assert!(
+        message.contains("an outline around others that is open at (10, 0)"),
+        "{message}"
+    );
+    // A stroke inside, or one that crosses, is none around others.
+    let centre_line = line([30.0, 30.0], [70.0, 30.0]);
+    let marked = drawing(&(plate.concat() + hole + &centre_line));
+    assert_eq!(marked.warnings[0].message, "open outline: left out");
+    assert!((area(&marked) / expected - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn blocks_are_put_in_their_places() {
+    // A half disc of a line and a spline-free arc, around its base point, twice as wide, turned and mirrored, in a row.
+    let block = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nHalf\n10\n1\n20\n0\n\
+        0\nARC\n8\n0\n10\n1\n20\n0\n40\n1\n50\n0\n51\n180\n\
+        0\nPOLYLINE\n8\n0\n70\n0\n0\nVERTEX\n10\n0\n0\nVERTEX\n10\n2\n0\nSEQEND\n0\nENDBLK\n\
+        0\nBLOCK\n2\nself\n0\nINSERT\n2\nSELF\n0\nENDBLK\n0\nENDSEC\n";
+    let read = |entities: &str| {
+        let text = format!("{block}0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n");
+        read_figures(text.as_bytes(), "a.dxf", &ReadOptions::default()).unwrap()
+    };
+    let placed =
+        read("0\nINSERT\n8\ncut\n2\nhalf\n10\n5\n20\n5\n41\n2\n42\n-1\n50\n90\n70\n3\n44\n10\n");
+    assert!(placed.warnings.is_empty(), "{:?}", placed.warnings);
+    assert_eq!(placed.shapes.len(), 1);
+    assert_eq!(placed.shapes[0].name, "cut");
+    let figure = &placed.shapes[0].figure;
+    assert_eq!(figure.contours.len(), 3);
+    assert!((figure.signed_area().abs() - 3.0 * PI).abs() < 1e-4);
+    // Turned by 90 degrees, the flat side is along y, and the mirrored bow is to the right; the row goes upward.
+    let bounds = figure.bounds();
+    assert!(
+        bounds.min.distance(DVec2::new(5.0, 3.0)) < 1e-9,
+        "{bounds:?}"
+    );
+    assert!(
+        bounds.max.distance(DVec2::new(6.0, 27.0)) < 1e-9,
+        "{bounds:?}"
+    );
+    let inside = read("0\nINSERT\n2\nself\n");
+    assert_eq!(inside.warnings[0].message, "block inside itself: left out");
 }
