@@ -3,7 +3,7 @@
 #![no_main]
 
 use azulejo_formats::gltf::patch::{
-    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightmapUvs,
+    self, Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightmapUvs,
     LightsMode, MediaType, ObjectLayout, Output, strip, with_lightmap, with_vertex_light,
 };
 use azulejo_formats::gltf::{FaceOrigin, ObjectOrigin, read_with_origins};
@@ -52,6 +52,12 @@ fuzz_target!(|bytes: &[u8]| {
         files: &files,
         options: &options,
     };
+    if let Ok(Some(expanded)) = patch::expanded(&original) {
+        let whole = read_with_origins(&expanded, "wide.gltf", &files, &ReadOptions::default());
+        let (wide, _) = whole.expect("what is expanded is read");
+        assert!(wide.scene.objects.len() >= loaded.scene.objects.len());
+        drop(strip(&expanded, "wide.gltf").expect("an expansion can be undone"));
+    }
     let output = edit.output;
     if let Ok(lit) = with_vertex_light(&original, &origins, &lit(loaded.scene), output) {
         let all = lit.files.iter();

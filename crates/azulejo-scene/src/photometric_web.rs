@@ -100,8 +100,9 @@ impl PhotometricWeb {
         if !web.sphere_integral.is_finite() {
             return Err("intensities that overflow".to_owned());
         }
-        web.cumulative = web.cells();
-        web.mean_direction = web.mean_of_directions();
+        let middles = web.over_cells(0.5, [ROWS, COLUMNS]);
+        web.cumulative = web.cells(&middles);
+        web.mean_direction = web.mean_of_directions(&middles);
         Ok(web)
     }
 
@@ -259,20 +260,28 @@ impl PhotometricWeb {
         }
     }
 
+    /// Intensities in places of the cells, row by row: their middles for 0.5, their first corners for 0.
+    fn over_cells(&self, within: f64, [rows, columns]: [usize; 2]) -> Vec<f64> {
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| [row, column]));
+        let at = |[row, column]: [usize; 2]| {
+            self.toward(direction(row as f64 + within, column as f64 + within))
+        };
+        places.map(at).collect()
+    }
+
     /// Cumulative weights of the cells: about the integral of the intensity over each.
-    fn cells(&self) -> Vec<f64> {
+    fn cells(&self, middles: &[f64]) -> Vec<f64> {
+        let corners = self.over_cells(0.0, [ROWS + 1, COLUMNS + 1]);
         let mut sum = 0.0;
-        let mut cumulative = Vec::with_capacity(ROWS * COLUMNS);
-        for row in 0..ROWS {
-            for column in 0..COLUMNS {
-                let at = |u: f64, v: f64| self.toward(direction(row as f64 + u, column as f64 + v));
-                let corners = at(0.0, 0.0) + at(1.0, 0.0) + at(0.0, 1.0) + at(1.0, 1.0);
-                let mean = (2.0 * at(0.5, 0.5) + corners / 2.0) / 4.0;
-                sum += (mean + LEAST * self.most) * cell_size(row);
-                cumulative.push(sum);
-            }
-        }
-        cumulative
+        let cumulative = middles.iter().enumerate().map(|(cell, middle)| {
+            let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+            let at = |u: usize, v: usize| corners[(row + u) * (COLUMNS + 1) + column + v];
+            let corners = at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1);
+            let mean = (2.0 * middle + corners / 2.0) / 4.0;
+            sum += (mean + LEAST * self.most) * cell_size(row);
+            sum
+        });
+        cumulative.collect()
     }
 
     /// A unit direction for two numbers in 0..1, about in proportion to the intensity, with its probability density, 1/sr;
@@ -307,13 +316,12 @@ impl PhotometricWeb {
         self.mean_direction
     }
 
-    fn mean_of_directions(&self) -> DVec3 {
+    fn mean_of_directions(&self, middles: &[f64]) -> DVec3 {
         let mut sum = DVec3::ZERO;
-        for row in 0..ROWS {
-            for column in 0..COLUMNS {
-                let w = direction(row as f64 + 0.5, column as f64 + 0.5);
-                sum += self.toward(w) * cell_size(row) * w;
-            }
+        for (cell, middle) in middles.iter().enumerate() {
+            let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+            let w = direction(row as f64 + 0.5, column as f64 + 0.5);
+            sum += middle * cell_size(row) * w;
         }
         match self.sphere_integral {
             0.0 => DVec3::ZERO,

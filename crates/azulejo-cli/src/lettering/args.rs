@@ -214,7 +214,7 @@ pub struct FontPart {
 /// `extrude`
 #[derive(Debug, Args)]
 pub struct ExtrudeArgs {
-    /// Filled shapes of an SVG, or closed outlines of a DXF drawing
+    /// Filled shapes of an SVG, or outlines of a DXF drawing
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
@@ -225,6 +225,9 @@ pub struct ExtrudeArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: f64,
+    /// Raise the front of each shape by this over that of the one painted before it, in scene units
+    #[arg(long, value_name = "STEP", value_parser = values::positive, allow_hyphen_values = true)]
+    pub layers: Option<f64>,
     /// Length of one unit of the drawing, in scene units
     #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
           allow_hyphen_values = true)]
@@ -259,4 +262,5 @@ Examples:
 pub const EXTRUDE_EXAMPLES: &str = "\
 Examples:
   azulejo extrude logo.svg --depth 2 -o logo.grf
+  azulejo extrude badge.svg --depth 2 --layers 0.3 -o badge.glb
   azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb";

@@ -7,11 +7,18 @@ use crate::report::Report;
 use crate::session::Session;
 use azulejo::models::ModelOutput;
 use azulejo::models::read_bytes;
-use azulejo_formats::outline::Drawing;
+use azulejo_formats::outline::{Drawing, Filled};
 use azulejo_formats::{ReadOptions, read_drawing};
+use azulejo_scene::figure::Rectangle;
 use azulejo_scene::{Material, MaterialId, Prism, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
+
+/// Shapes that are compared with those before them.
+const MOST_COMPARED: usize = 200;
+
+/// How far the backs of layers are apart, as a share of the distance of their fronts.
+const BACKS: f64 = 1e-3;
 
 /// Runs `extrude`.
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
@@ -21,6 +28,11 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     let bytes = read_bytes(&args.drawing)?;
     let drawing = read_drawing(&bytes, &path, &ReadOptions::default()).map_err(Failure::failed)?;
     drawing.warnings.iter().for_each(|w| session.warn(w));
+    if args.layers.is_none() && is_painted_over(&drawing.shapes) {
+        session.note(
+            "shapes that are painted over others are inside of them: --layers STEP raises each over those before it",
+        );
+    }
     let stem = args
         .drawing
         .file_stem()
@@ -38,13 +50,33 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     solid::write(&scene, &output, &args.output, session)
 }
 
+/// Whether a shape lies on one of another colour before it, as far as the points of its outlines say.
+fn is_painted_over(shapes: &[Filled]) -> bool {
+    let drawn = shapes.iter().take(MOST_COMPARED);
+    let known: Vec<(&Filled, Rectangle)> = drawn.map(|s| (s, s.figure.bounds())).collect();
+    known.iter().enumerate().any(|(k, (shape, around))| {
+        known[..k].iter().any(|(before, below)| {
+            let overlap = around.min.max(below.min).cmplt(around.max.min(below.max));
+            let mut points = shape.figure.segments().map(|segment| segment.at(0.5));
+            shape.color != before.color
+                && overlap.all()
+                && points.any(|point| before.figure.contains(point))
+        })
+    })
+}
+
 /// A prism for each figure, and a material for each colour.
 fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>, Vec<Prism>) {
-    let world_from_figure =
-        (args.frame.frame(args.scale, args.depth)).world_from_glyph(DVec2::ZERO);
+    let step = args.layers.unwrap_or(0.0);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();
-    for shape in drawing.shapes {
+    for (k, shape) in drawing.shapes.into_iter().enumerate() {
+        // Fronts rise, and backs are a little apart, as equal planes would be one face in two colours.
+        let rise = k as f64 * step;
+        let depth = args.depth + rise * (1.0 - BACKS);
+        let frame = args.frame.frame(args.scale, depth);
+        let mut world_from_figure = frame.world_from_glyph(DVec2::ZERO);
+        world_from_figure.translation -= rise / depth * world_from_figure.matrix3.z_axis;
         let own = args.surface.color.or(shape.color);
         let color = own.unwrap_or(Rgb::grey(0.7));
         let known = colors.iter().position(|c| *c == color);

@@ -256,4 +256,42 @@ fn drawings_become_solid() {
     let report = folder.json("extrude plate.dxf --depth 1 -o plate.grf --color 0.4");
     assert_eq!(report["solids"], json!(1));
     check(bounds(&report), [-2.0, -2.0, -1.0, 2.0, 2.0, 0.0]);
+    // A hole is not filled because the outline around it is open.
+    let open = "0\nLINE\n10\n-5\n20\n-5\n11\n5\n21\n-5\n0\nLINE\n10\n5\n20\n-5\n11\n0\n21\n9\n";
+    folder.write(
+        "open.dxf",
+        format!("0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n40\n1\n{open}0\nENDSEC\n0\nEOF\n"),
+    );
+    let found = "open.dxf:9:1: found an outline around others that is open at (-5, -5)";
+    folder.fails("extrude open.dxf --depth 1 -o open.stl", 1, found);
+}
+
+/// What is painted over other things stands out from them, and without --layers it is said that it does not.
+#[test]
+fn layers_rise_over_what_they_are_painted_on() {
+    let folder = Folder::new();
+    folder.write(
+        "badge.svg",
+        "<svg viewBox='0 0 10 10'><rect width='10' height='10' fill='#fff'/>\
+         <circle cx='5' cy='5' r='3' fill='#f00'/><circle cx='5' cy='5' r='1' fill='#00f'/></svg>",
+    );
+    let flat = folder.ok("extrude badge.svg --depth 2 -o flat.glb");
+    assert!(flat.err.contains("--layers STEP"), "{}", flat.err);
+    let raised = folder.ok("extrude badge.svg --depth 2 --layers 0.5 -o raised.grf");
+    assert!(!raised.err.contains("--layers"), "{}", raised.err);
+    let report = folder.json("extrude badge.svg --depth 2 --layers 0.5 -o raised.grf");
+    check(bounds(&report), [0.0, 0.0, -2.0, 10.0, 10.0, 1.0]);
+    // Beside each other they are as they were.
+    folder.write(
+        "beside.svg",
+        "<svg viewBox='0 0 10 10'><rect width='4' height='4' fill='#fff'/>\
+         <rect x='4' width='4' height='4' fill='#f00'/></svg>",
+    );
+    let beside = folder.ok("extrude beside.svg --depth 2 -o beside.glb");
+    assert!(!beside.err.contains("--layers"), "{}", beside.err);
+    // Paint by paint, seen from the front: blue in the middle.
+    folder.ok("render raised.grf --sky 1 --ground none --from 5,5,20 --at 5,5,0 --fov 40 --size 9x9 --spp 16 -o r.exr");
+    let image = azulejo_formats::picture::decode(&folder.read("r.exr")).unwrap();
+    let [r, g, b] = image.pixels[40];
+    assert!(b > 5.0 * r.max(g), "{r} {g} {b}");
 }
