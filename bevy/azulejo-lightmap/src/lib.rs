@@ -170,7 +170,7 @@ impl LightmapHandler {
 }
 
 /// Checks that Bevy shows lightmaps on a surface. Its shader does not compile if coordinates are missing, which makes the
-/// mesh invisible, and does not fit to skins and morph targets, at which Bevy 0.19 quits.
+/// mesh invisible, and does not fit to skins and morph targets, at which Bevy 0.19 and 0.20 quit.
 ///
 /// # Errors
 /// Why it does not.
