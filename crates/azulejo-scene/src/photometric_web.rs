@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::OnceLock;
 
 /// How two angles say a direction (IES LM-63, CIE 121). A luminaire aims at −z of its own frame, with +y up and +x to the
 /// right for one who stands behind it and looks along the aim.
@@ -19,7 +20,7 @@ pub enum WebType {
 ///
 /// Where the grid has a part of the horizontal angles the others mirror it: of type C a quarter, a half (0 to 180, 90 to
 /// 270 or 180 to 360 degrees) or one plane for all, of types A and B one half.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PhotometricWeb {
     kind: WebType,
     /// Vertical and horizontal angles, as they were given.
@@ -32,9 +33,23 @@ pub struct PhotometricWeb {
     values: Vec<f64>,
     most: f64,
     sphere_integral: f64,
+    /// Made when it is first asked for: some thousand evaluations, which those who read the file alone do not need.
+    cells: OnceLock<WebCells>,
+}
+
+/// The light of a web by cells of the sphere.
+#[derive(Clone, Debug)]
+struct WebCells {
     mean_direction: DVec3,
     /// See [`PhotometricWeb::sample`].
     cumulative: Vec<f64>,
+}
+
+impl PartialEq for PhotometricWeb {
+    fn eq(&self, other: &PhotometricWeb) -> bool {
+        // All else follows from these.
+        self.kind == other.kind && self.degrees == other.degrees && self.values == other.values
+    }
 }
 
 /// Cells of the sphere from which directions are drawn: rows from the aim, columns about it.
@@ -90,8 +105,7 @@ impl PhotometricWeb {
             most: values.iter().copied().fold(0.0, f64::max),
             values,
             sphere_integral: 0.0,
-            mean_direction: DVec3::ZERO,
-            cumulative: Vec::new(),
+            cells: OnceLock::new(),
         };
         if kind == WebType::C {
             web.go_round();
@@ -100,9 +114,6 @@ impl PhotometricWeb {
         if !web.sphere_integral.is_finite() {
             return Err("intensities that overflow".to_owned());
         }
-        let middles = web.over_cells(0.5, [ROWS, COLUMNS]);
-        web.cumulative = web.cells(&middles);
-        web.mean_direction = web.mean_of_directions(&middles);
         Ok(web)
     }
 
@@ -269,8 +280,18 @@ impl PhotometricWeb {
         places.map(at).collect()
     }
 
+    fn cells(&self) -> &WebCells {
+        self.cells.get_or_init(|| {
+            let middles = self.over_cells(0.5, [ROWS, COLUMNS]);
+            WebCells {
+                cumulative: self.cumulative(&middles),
+                mean_direction: self.mean_of_directions(&middles),
+            }
+        })
+    }
+
     /// Cumulative weights of the cells: about the integral of the intensity over each.
-    fn cells(&self, middles: &[f64]) -> Vec<f64> {
+    fn cumulative(&self, middles: &[f64]) -> Vec<f64> {
         let corners = self.over_cells(0.0, [ROWS + 1, COLUMNS + 1]);
         let mut sum = 0.0;
         let cumulative = middles.iter().enumerate().map(|(cell, middle)| {
@@ -287,19 +308,16 @@ impl PhotometricWeb {
     /// A unit direction for two numbers in 0..1, about in proportion to the intensity, with its probability density, 1/sr;
     /// `None` if there is no light.
     pub fn sample(&self, [u, v]: [f64; 2]) -> Option<(DVec3, f64)> {
-        let total = *self.cumulative.last()?;
+        let cumulative = &self.cells().cumulative;
+        let total = *cumulative.last()?;
         if total <= 0.0 {
             return None;
         }
         let target = u * total;
-        let cell = self.cumulative.partition_point(|&c| c <= target);
-        let cell = cell.min(self.cumulative.len() - 1);
-        let before = if cell > 0 {
-            self.cumulative[cell - 1]
-        } else {
-            0.0
-        };
-        let weight = self.cumulative[cell] - before;
+        let cell = cumulative.partition_point(|&c| c <= target);
+        let cell = cell.min(cumulative.len() - 1);
+        let before = if cell > 0 { cumulative[cell - 1] } else { 0.0 };
+        let weight = cumulative[cell] - before;
         let (row, column) = (cell / COLUMNS, cell % COLUMNS);
         // The rest of the first number is even within the cell.
         let within = ((target - before) / weight).clamp(0.0, 1.0);
@@ -313,7 +331,7 @@ impl PhotometricWeb {
     /// The mean direction of the light, of the luminaire's frame: the nearer to a unit vector, the narrower the beam; 0
     /// without light.
     pub fn mean_direction(&self) -> DVec3 {
-        self.mean_direction
+        self.cells().mean_direction
     }
 
     fn mean_of_directions(&self, middles: &[f64]) -> DVec3 {

@@ -414,9 +414,11 @@ impl FigureReader<'_> {
     fn arc(&mut self, record: &Record, ellipse: Ellipse, (start, angle): (f64, f64)) -> ReadResult {
         let mut pen = Pen::default();
         pen.move_to(ellipse.at(start));
-        let end = match angle > TAU - 1e-6 {
-            true => pen.at(),
-            false => ellipse.at(start + angle),
+        let is_whole = angle > TAU - 1e-6;
+        let end = if is_whole {
+            pen.at()
+        } else {
+            ellipse.at(start + angle)
         };
         pen.arc_to(ellipse, start, angle, end);
         self.add(record, pen.into_segments())
@@ -555,9 +557,10 @@ impl FigureReader<'_> {
             }
             // Without the last digits, which are those of rounding.
             let [x, y] = outline.place.to_array().map(|x| x as f32 + 0.0);
-            let found = match outline.branches {
-                true => format!("lines around others that branch at ({x}, {y})"),
-                false => format!("an outline around others that is open at ({x}, {y})"),
+            let found = if outline.branches {
+                format!("lines around others that branch at ({x}, {y})")
+            } else {
+                format!("an outline around others that is open at ({x}, {y})")
             };
             let expected = "one whose ends meet: without it, its holes would be solid";
             return Err(ReadError {
@@ -566,9 +569,10 @@ impl FigureReader<'_> {
             });
         }
         for outline in open {
-            let what = match outline.branches {
-                true => "lines that branch: no outline, left out",
-                false => "open outline: left out",
+            let what = if outline.branches {
+                "lines that branch: no outline, left out"
+            } else {
+                "open outline: left out"
             };
             self.warn(what, outline.strands[0].offset);
         }

@@ -39,10 +39,10 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
             pieces.push(piece(&controls, &knots, degree, span));
         }
     }
-    match pieces.is_empty() {
-        true => Err("whose knots are all the same"),
-        false => Ok(pieces),
+    if pieces.is_empty() {
+        return Err("whose knots are all the same");
     }
+    Ok(pieces)
 }
 
 /// The Bézier curve between two knots, raised to a cubic.

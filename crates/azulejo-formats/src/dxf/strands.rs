@@ -341,9 +341,10 @@ impl StrandGraph {
                 let Some(&k) = at.get(next[place]) else { break };
                 self.is_left[k] = false;
                 let [from, to] = self.ends[k];
-                let (strand, other) = match from == place {
-                    true => (self.strands[k].clone(), to),
-                    false => (self.strands[k].reversed(), from),
+                let (strand, other) = if from == place {
+                    (self.strands[k].clone(), to)
+                } else {
+                    (self.strands[k].reversed(), from)
                 };
                 step_of.insert(place, way.len());
                 way.push((place, strand));

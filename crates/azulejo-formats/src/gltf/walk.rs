@@ -465,9 +465,10 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             Ok(count) => {
                 let cost = each.saturating_add(ELEMENTS_PER_OBJECT + ELEMENTS_PER_MAP);
                 self.spend(cost.saturating_mul(count as u64))?;
-                match self.budget.keeps() {
-                    true => lists.transforms(self.data),
-                    false => Ok(Vec::new()),
+                if self.budget.keeps() {
+                    lists.transforms(self.data)
+                } else {
+                    Ok(Vec::new())
                 }
             }
         };

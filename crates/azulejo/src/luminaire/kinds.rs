@@ -2,7 +2,6 @@
 
 use azulejo_scene::{LightKind, PhotometricWeb, Scene};
 use glam::DVec3;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The lights of one luminaire, or of several alike.
@@ -79,26 +78,23 @@ impl LuminaireKind<'_> {
 /// light.
 pub fn beam_angle(profile: &[(f64, f64)], share: f64) -> f64 {
     let limit = share * profile.iter().map(|(_, i)| *i).fold(0.0, f64::max);
-    let is_in = |(_, intensity): &&(f64, f64)| *intensity >= limit;
-    let ends = (profile.iter().find(is_in), profile.iter().rev().find(is_in));
-    let (Some(_), (Some(first), Some(last))) = ((limit > 0.0).then_some(()), ends) else {
+    let is_in = |(_, intensity): &(f64, f64)| *intensity >= limit;
+    let ends = profile
+        .iter()
+        .position(is_in)
+        .zip(profile.iter().rposition(is_in));
+    let Some((first, last)) = ends.filter(|_| limit > 0.0) else {
         return 0.0;
     };
     // Where the line to the angle beyond has the limit.
-    let edge = |inside: &(f64, f64), outside: Option<&(f64, f64)>| match outside {
-        Some(outside) => {
-            let part = (inside.1 - limit) / (inside.1 - outside.1);
-            inside.0 + (outside.0 - inside.0) * part
-        }
-        None => inside.0,
+    let edge = |inside: usize, outside: Option<&(f64, f64)>| {
+        let (angle, intensity) = profile[inside];
+        outside.map_or(angle, |(beyond, less)| {
+            angle + (beyond - angle) * (intensity - limit) / (intensity - less)
+        })
     };
-    let outside = |reversed: bool| match reversed {
-        false => profile.iter().rev().find(|(angle, _)| *angle < first.0),
-        true => profile.iter().find(|(angle, _)| *angle > last.0),
-    };
-    (edge(last, outside(true)) - edge(first, outside(false)))
-        .to_degrees()
-        .min(2.0 * PI.to_degrees())
+    let before = first.checked_sub(1).map(|k| &profile[k]);
+    (edge(last, profile.get(last + 1)) - edge(first, before)).to_degrees()
 }
 
 /// A number of one digit, 1, 2 or 5 times a power of ten, of about this size: a step of rings.
@@ -120,6 +116,7 @@ mod tests {
     use super::*;
     use azulejo_scene::{Light, Rgb, WebType};
     use glam::DMat3;
+    use std::f64::consts::PI;
 
     #[test]
     fn beams_are_full_angles() {
