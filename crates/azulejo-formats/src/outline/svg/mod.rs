@@ -1,11 +1,12 @@
-//! SVG drawings: their filled shapes.
+//! SVG drawings: their filled and stroked shapes.
 //!
 //! Paths and basic shapes become [`Figure`](azulejo_scene::Figure)s, with all transforms applied,
-//! y up, and arcs as cubic curves. Strokes, text and images are left out and counted.
+//! y up, and arcs as cubic curves. Text and images are left out and counted.
 //! `docs/formats/svg.md` documents how every element is interpreted.
 
 mod path;
 mod shapes;
+mod stroke;
 mod style;
 mod style_sheet;
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The properties by which an element is painted, and their inheritance.
 
 use super::style_sheet::StyleSheet;
-use super::values::color;
+use super::values::{color, length};
 use azulejo_scene::{FillRule, Rgb};
+use kurbo::{Cap, Join, Stroke};
 use roxmltree::Node;
 
 /// The relevant properties of an element, its own or inherited.
@@ -12,15 +13,62 @@ pub(super) struct Style {
     pub fill: Paint,
     /// The fill rule.
     pub rule: FillRule,
-    /// Whether it has a stroke.
-    pub is_stroked: bool,
+    /// How its outline is painted.
+    pub stroke: StrokeStyle,
     /// Whether it is visible.
     pub is_visible: bool,
     /// The value of `currentColor`.
     current: Paint,
 }
 
-/// The paint of the inside of a shape.
+/// How an outline is painted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StrokeStyle {
+    /// Its paint.
+    pub paint: Paint,
+    /// Whether it has gaps.
+    pub is_dashed: bool,
+    width: f64,
+    join: Join,
+    cap: Cap,
+    miter_limit: f64,
+}
+
+impl StrokeStyle {
+    /// The pen; `None` if it draws nothing.
+    pub fn pen(&self) -> Option<Stroke> {
+        let stroke = Stroke::new(self.width)
+            .with_join(self.join)
+            .with_caps(self.cap)
+            .with_miter_limit(self.miter_limit);
+        (self.paint != Paint::None && self.width > 0.0).then_some(stroke)
+    }
+
+    fn set(&mut self, name: &str, value: &str, current: Paint) {
+        match (name, value) {
+            ("stroke", value) => self.paint = paint(value, current),
+            ("stroke-width", value) => {
+                let width = length(value).map(|(width, _)| width);
+                self.width = width.filter(|w| *w >= 0.0).unwrap_or(self.width);
+            }
+            ("stroke-linejoin", "round") => self.join = Join::Round,
+            ("stroke-linejoin", "bevel") => self.join = Join::Bevel,
+            ("stroke-linejoin", _) => self.join = Join::Miter,
+            ("stroke-linecap", "round") => self.cap = Cap::Round,
+            ("stroke-linecap", "square") => self.cap = Cap::Square,
+            ("stroke-linecap", _) => self.cap = Cap::Butt,
+            ("stroke-miterlimit", value) => {
+                let limit = value.parse().ok().filter(|x: &f64| *x >= 1.0);
+                self.miter_limit = limit.unwrap_or(self.miter_limit);
+            }
+            ("stroke-dasharray", value) => self.is_dashed = value != "none",
+            ("stroke-opacity", value) if value.parse() == Ok(0.0) => self.paint = Paint::None,
+            _ => {}
+        }
+    }
+}
+
+/// The paint of the inside or of the outline of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Paint {
     /// Not painted.
@@ -36,7 +84,14 @@ impl Default for Style {
         Style {
             fill: Paint::Color(Rgb::BLACK),
             rule: FillRule::NonZero,
-            is_stroked: false,
+            stroke: StrokeStyle {
+                paint: Paint::None,
+                is_dashed: false,
+                width: 1.0,
+                join: Join::Miter,
+                cap: Cap::Butt,
+                miter_limit: 4.0,
+            },
             is_visible: true,
             current: Paint::Color(Rgb::BLACK),
         }
@@ -71,14 +126,14 @@ impl Style {
             (_, "inherit") => {}
             ("color", value) => self.current = paint(value, self.current),
             ("fill", value) => self.fill = paint(value, self.current),
-            ("fill-opacity" | "opacity", value) if value.parse() == Ok(0.0) => {
-                self.fill = Paint::None;
+            ("fill-opacity", value) if value.parse() == Ok(0.0) => self.fill = Paint::None,
+            ("opacity", value) if value.parse() == Ok(0.0) => {
+                (self.fill, self.stroke.paint) = (Paint::None, Paint::None);
             }
-            ("stroke", value) => self.is_stroked = value != "none",
             ("visibility", value) => self.is_visible = value == "visible",
             ("fill-rule", "evenodd") => self.rule = FillRule::EvenOdd,
             ("fill-rule", "nonzero") => self.rule = FillRule::NonZero,
-            _ => {}
+            (name, value) => self.stroke.set(name, value, self.current),
         }
     }
 }

@@ -71,17 +71,16 @@ impl StyleSheet {
 }
 
 fn matters(name: &str) -> bool {
-    const NAMES: [&str; 8] = [
+    const NAMES: [&str; 7] = [
         "fill",
         "fill-rule",
         "fill-opacity",
         "opacity",
-        "stroke",
         "display",
         "visibility",
         "color",
     ];
-    NAMES.contains(&name)
+    NAMES.contains(&name) || name.starts_with("stroke")
 }
 
 /// Whether a selector is a single name.

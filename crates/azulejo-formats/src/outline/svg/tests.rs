@@ -1,6 +1,6 @@
 use super::*;
 use crate::outline::drawing::Filled;
-use azulejo_scene::{FillRule, Rgb};
+use azulejo_scene::{Figure, FillRule, Rgb};
 use glam::DVec2;
 
 fn drawing(content: &str) -> Drawing {
@@ -109,7 +109,7 @@ fn paint_is_inherited() {
         Some([0.0, 1.0, 0.0]),
     );
     check(
-        &format!("{path} fill='red' style='fill: #00F;stroke:red'/>"),
+        &format!("{path} fill='red' style='fill: #00F;stroke:none'/>"),
         Some([0.0, 0.0, 1.0]),
     );
     check(
@@ -173,8 +173,12 @@ fn use_draws_with_its_own_transform() {
 fn left_out_elements_are_reported() {
     check_warning("<text>a</text>", 0, "text: left out");
     check_warning("<image/>", 0, "image: left out");
-    let stroked = "shape with a stroke but no fill: left out";
-    check_warning("<path fill='none' stroke='red' d='M0 0h1v1z'/>", 0, stroked);
+    let dashed = "stroke-dasharray: drawn without gaps";
+    check_warning(
+        "<path fill='none' stroke='red' stroke-dasharray='1 2' d='M0 0h1'/>",
+        1,
+        dashed,
+    );
     check_warning(
         "<path d='M0 0h1v1'/>",
         1,
@@ -270,4 +274,82 @@ fn crowded_elements_take_no_quadratic_time() {
     let long = format!("<g id='u0' class='{classes}'>{path}</g>");
     let message = error(&format!("<defs>{long}{doubling}</defs><use href='#u6'/>"));
     assert!(message.contains("expand to more than"), "{message}");
+}
+
+/// The areas of strokes: of straight ones exact, of round ones to the tolerance of their edges.
+#[test]
+fn strokes_are_figures() {
+    use std::f64::consts::PI;
+    let areas = |svg: &str| -> Vec<f64> {
+        let drawing = drawing(svg);
+        assert!(drawing.warnings.is_empty(), "{svg}: {:?}", drawing.warnings);
+        let area = |figure: &Figure| {
+            // Where edges overlap, they count once.
+            let b = figure.bounds();
+            let (n, size) = (150, b.size());
+            let inside = (0..n * n).filter(|k| {
+                let at = DVec2::new((k % n) as f64 + 0.5, (k / n) as f64 + 0.5) / n as f64;
+                figure.contains(b.min + at * size)
+            });
+            inside.count() as f64 / (n * n) as f64 * size.x * size.y
+        };
+        drawing.shapes.iter().map(|s| area(&s.figure)).collect()
+    };
+    let check = |svg: &str, expected: &[f64]| {
+        let found = areas(svg);
+        assert_eq!(found.len(), expected.len(), "{svg}: {found:?}");
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a / b - 1.0).abs() < 0.01, "{svg}: {found:?}");
+        }
+    };
+    let none = "fill='none' stroke='red'";
+    check(
+        &format!("<line {none} x1='1' x2='11' stroke-width='2'/>"),
+        &[20.0],
+    );
+    check(
+        &format!("<line {none} x2='10' stroke-width='2' stroke-linecap='square'/>"),
+        &[24.0],
+    );
+    check(
+        &format!("<line {none} x2='10' stroke-width='2' stroke-linecap='round'/>"),
+        &[20.0 + PI],
+    );
+    check(
+        &format!("<path {none} d='M0 0H10V10' stroke-width='2'/>"),
+        &[40.0],
+    );
+    check(
+        &format!(
+            "<polyline {none} points='0 0 10 0 10 10' stroke-width='2' stroke-linejoin='bevel'/>"
+        ),
+        &[39.5],
+    );
+    check(
+        &format!("<rect {none} width='10' height='10' stroke-width='1'/>"),
+        &[121.0 - 81.0],
+    );
+    check(
+        &format!("<circle {none} r='10' stroke-width='2'/>"),
+        &[PI * (121.0 - 81.0)],
+    );
+    // In millimetres, by a style sheet, under a map that stretches, and after what is filled.
+    check(
+        "<style>.a { stroke: #00f; stroke-width: 25.4mm }</style><g transform='scale(2,1)'><line class='a' x2='10'/></g>",
+        &[96.0 * 20.0],
+    );
+    check(
+        "<rect width='4' height='4' fill='#0f0' stroke='#000' stroke-width='1'/>",
+        &[16.0, 25.0 - 9.0],
+    );
+    check(
+        "<rect width='4' height='4' stroke='#000' stroke-width='0'/>",
+        &[16.0],
+    );
+    check(
+        "<line x2='10' stroke='none'/><line x2='10' stroke='red' opacity='0'/>",
+        &[],
+    );
+    let both = drawing("<rect width='4' height='4' fill='#0f0' stroke='#00f'/>");
+    assert_eq!(both.shapes[1].color, Some(Rgb::new(0.0, 0.0, 1.0)));
 }

@@ -1,7 +1,8 @@
-//! Converts the elements of a document to filled figures.
+//! Converts the elements of a document to figures of what they fill and stroke.
 
 use super::path::PathProblems;
 use super::shapes;
+use super::stroke;
 use super::style::{Paint, Style};
 use super::style_sheet::StyleSheet;
 use super::values::{length, numbers, transform};
@@ -113,8 +114,8 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             match site.element.tag_name().name() {
                 "svg" | "g" | "a" | "switch" | "symbol" => push_children(site, &mut open),
                 "use" => self.follow(site, &mut open),
-                "path" | "rect" | "circle" | "ellipse" | "polygon" | "polyline" => {
-                    self.fill(site)?;
+                "path" | "rect" | "circle" | "ellipse" | "polygon" | "polyline" | "line" => {
+                    self.draw(site)?;
                 }
                 name => self.left_out(name, site.element),
             }
@@ -223,26 +224,50 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         }
     }
 
-    fn fill(&mut self, site: PendingElement) -> Result<(), ReadError> {
+    /// Adds what a shape fills, and then its stroke.
+    fn draw(&mut self, site: PendingElement) -> Result<(), ReadError> {
         let element = site.element;
-        // Only visible fills become figures; a stroke without a fill is reported.
-        if !site.style.is_visible {
-            return Ok(());
-        }
-        if site.style.fill == Paint::None {
-            if site.style.is_stroked {
-                self.warn("shape with a stroke but no fill: left out", element);
-            }
+        let stroke = site.style.stroke;
+        let pen_of_stroke = stroke.pen();
+        let is_line = element.tag_name().name() == "line";
+        let fills = site.style.fill != Paint::None && !is_line;
+        if !site.style.is_visible || !(fills || pen_of_stroke.is_some()) {
             return Ok(());
         }
         // Draw in the element's own coordinates, and spend by the curves, which each `use` repeats.
         let mut pen = Pen::default();
-        let Some(outcome) = shapes::draw(element, &mut pen) else {
+        let outcome = if is_line {
+            Some(PathProblems::default())
+        } else {
+            shapes::draw(element, &mut pen)
+        };
+        let Some(outcome) = outcome else {
             self.warn("shape with a length in an unknown unit: left out", element);
             return Ok(());
         };
-        self.note(outcome, element);
-        let mut figure = pen.finish(site.style.rule);
+        self.note(outcome, fills, element);
+        let figure = pen.finish(site.style.rule);
+        let stroked = pen_of_stroke.and_then(|pen| stroke::stroked(element, &figure, &pen));
+        if fills {
+            self.add(figure, site.style.fill, &site)?;
+        }
+        if let Some(stroked) = stroked {
+            if stroke.is_dashed {
+                self.warn("stroke-dasharray: drawn without gaps", element);
+            }
+            self.add(stroked, stroke.paint, &site)?;
+        }
+        Ok(())
+    }
+
+    /// Adds a figure in the coordinates of an element.
+    fn add(
+        &mut self,
+        mut figure: Figure,
+        paint: Paint,
+        site: &PendingElement,
+    ) -> Result<(), ReadError> {
+        let element = site.element;
         self.budget
             .spend(figure.curve_count() as u64)
             .map_err(|e| e.error(self.file))?;
@@ -259,7 +284,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             return Ok(());
         }
         // A gradient or a pattern fills the same figure, but without a colour that could be kept.
-        let color = match site.style.fill {
+        let color = match paint {
             Paint::Color(color) => Some(color),
             Paint::None | Paint::Other => None,
         };
@@ -275,12 +300,12 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         Ok(())
     }
 
-    fn note(&mut self, outcome: PathProblems, element: Node) {
+    fn note(&mut self, outcome: PathProblems, fills: bool, element: Node) {
         if outcome.is_cut {
             let message = "malformed path or points: drawn up to the error";
             self.warn(message, element);
         }
-        for _ in 0..outcome.open.min(1) {
+        if fills && outcome.open > 0 {
             self.warn(
                 "open outline: closed by a straight line, as for filling",
                 element,
