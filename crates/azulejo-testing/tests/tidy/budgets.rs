@@ -12,7 +12,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-cli", 24_400),
     ("azulejo-exchange", 8350),
     ("azulejo-factors", 18_340),
-    ("azulejo-formats", 66_650),
+    ("azulejo-formats", 66_800),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 3100),
     ("azulejo-radiosity", 7960),
