@@ -29,7 +29,8 @@ fn check(bytes: &[u8]) {
     assert_eq!((again.width, again.height), (image.width, image.height));
     let mut volume = Vec::new();
     let layers = [plain.clone(), plain];
-    ktx2::write_volume(&layers, Ktx2Texels::SharedExponent, &mut volume).expect("a vector takes all");
+    ktx2::write_volume(&layers, Ktx2Texels::SharedExponent, &mut volume)
+        .expect("a vector takes all");
     let first = ktx2::read(&volume).expect("the first layer of a volume is read");
     assert_eq!(first.pixels.len(), count);
 }
