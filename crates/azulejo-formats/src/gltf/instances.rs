@@ -77,14 +77,18 @@ impl InstanceTransform {
         placed(self.translation, self.rotation, self.scale)
     }
 
-    /// A node with this place and a mesh.
-    pub fn node(&self, mesh: usize) -> serde_json::Value {
+    /// A node with this place and a mesh; `None` if numbers of it are not finite, as then there is nothing at its place.
+    pub fn node(&self, mesh: usize) -> Option<serde_json::Value> {
         let InstanceTransform {
             translation,
             rotation,
             scale,
         } = self;
         let single = |values: &[f64]| -> Vec<f32> { values.iter().map(|v| *v as f32).collect() };
+        let is_number = |values: DVec3| values.as_vec3().is_finite();
+        if !(is_number(*translation) && is_number(*scale)) {
+            return None;
+        }
         let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
         let mut node = json!({ "mesh": mesh });
         if *translation != DVec3::ZERO {
@@ -96,6 +100,6 @@ impl InstanceTransform {
         if *scale != DVec3::ONE {
             node["scale"] = single(&scale.to_array()).into();
         }
-        node
+        Some(node)
     }
 }

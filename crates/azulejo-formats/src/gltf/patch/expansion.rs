@@ -39,10 +39,10 @@ pub fn expanded(file: &GltfFile) -> Result<Option<Vec<u8>>, PatchError> {
         let mut count = 0;
         for (node, mesh, places) in instances {
             let mut children = Vec::new();
-            for place in &places {
-                children.push(additions.append("nodes", place.node(mesh)).into());
+            for node in places.iter().filter_map(|place| place.node(mesh)) {
+                children.push(additions.append("nodes", node).into());
             }
-            count += places.len();
+            count += children.len();
             let entry = additions.json.key("nodes").at(node);
             children.extend_from_slice(entry.entries("children"));
             entry.key("children").set(Json::List(children));

@@ -132,6 +132,32 @@ fn instances_get_lightmaps() {
     }
 }
 
+/// An instance at no place at all is left out, as by the reader (found by fuzzing).
+#[test]
+fn instances_that_are_nowhere() {
+    let mut craft = two_squares();
+    let places = craft.floats(
+        &[f32::NAN, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, f32::INFINITY, 0.0],
+        "VEC3",
+    );
+    craft.accessors[places] = craft.accessors[places]
+        .split(",\"min\"")
+        .next()
+        .unwrap()
+        .to_owned()
+        + "}";
+    let rest = format!(
+        "\"meshes\":[{{\"primitives\":[{{{SQUARES}}}]}}],\"nodes\":[{{\"mesh\":0,\"extensions\":\
+         {{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{{\"TRANSLATION\":{places}}}}}}}}}]"
+    );
+    let (bytes, files, options) = (craft.glb(&rest), Memory::new(), ReadOptions::default());
+    let new = expanded(&file(&bytes, &files, &options)).unwrap().unwrap();
+    for bytes in [&bytes, &new] {
+        let read = gltf::read_with_origins(bytes, "trees.glb", &files, &options);
+        assert_eq!(read.unwrap().0.scene.objects.len(), 1);
+    }
+}
+
 #[test]
 fn instances_are_limited() {
     let (bytes, files) = (instanced(), Memory::new());
