@@ -48,6 +48,9 @@ const LAMP: f64 = 0.3;
 /// Distance of the lamp from the ceiling, relative to the height of the room.
 const DROP: f64 = 0.04;
 
+/// Share of the directions around one in which nothing may be seen of a side that is not open.
+const OPEN: f64 = 0.75;
+
 impl Room {
     /// The room that a model is, if it is one: a place within the model from which one sees the
     /// fronts of walls all around. A closed solid is none, as from within it only backs are seen.
@@ -95,29 +98,47 @@ impl Room {
         (self.ceiling.unwrap_or(self.lamp.0) - self.floor).length()
     }
 
-    /// A viewpoint and a target: from far on the side with the widest view, at the height of eyes.
+    /// A viewpoint and a target at the height of eyes: into an open side, from one step back, or else from far on the
+    /// side with the widest view. A window or a door is no open side.
     pub fn view(&self, tracer: &Tracer, units: Units) -> (DVec3, DVec3) {
         let up = units.up.axis();
         let eyes = self.floor + up * (0.55 * self.height());
         let around = Frame::from_normal(up);
-        let mut widest = (0.0, DVec3::ZERO);
+        let (mut widest, mut most_open) = ((0.0, DVec3::ZERO), (OPEN, None));
         for step in 0..16 {
             let (sin, cos) = (f64::from(step) * PI / 8.0).sin_cos();
             let direction = cos * around.x + sin * around.y;
-            let reach = match tracer.hit(&Ray::new(eyes, direction)) {
-                Some(hit) => 0.92 * (hit.position - eyes).length(),
-                // Through an open side, one step back from where the model ends.
-                None => 1.8 * exit(tracer.bounds(), eyes, direction),
-            };
-            if reach > 1.001 * widest.0 {
-                widest = (reach, direction);
+            if let Some(hit) = tracer.hit(&Ray::new(eyes, direction)) {
+                let reach = 0.92 * (hit.position - eyes).length();
+                if reach > 1.001 * widest.0 {
+                    widest = (reach, direction);
+                }
+            }
+            let share = openness(tracer, eyes, direction, up);
+            if share > most_open.0 {
+                most_open = (share, Some(direction));
             }
         }
-        let (reach, direction) = widest;
+        let (reach, direction) = match most_open.1 {
+            Some(direction) => (1.8 * exit(tracer.bounds(), eyes, direction), direction),
+            None => widest,
+        };
         let eye = eyes + reach * direction;
         let ahead = self.floor + up * (0.42 * self.height()) - 0.5 * reach * direction;
         (eye, ahead)
     }
+}
+
+/// Share of the directions near one, within 30 degrees to either side and 15 up and down, in which nothing is seen.
+fn openness(tracer: &Tracer, place: DVec3, direction: DVec3, up: DVec3) -> f64 {
+    let beside = direction.cross(up);
+    let ways = (-3..=3).flat_map(|i| (-1..=1).map(move |j| (f64::from(i), f64::from(j))));
+    let missed = ways.filter(|(i, j)| {
+        let way = direction + i / 3.0 * 30_f64.to_radians().tan() * beside;
+        let way = way + j * 15_f64.to_radians().tan() * up;
+        tracer.hit(&Ray::new(place, way.normalize())).is_none()
+    });
+    missed.count() as f64 / 21.0
 }
 
 /// Places that may lie in the air of a room, from the middle of the model outward.
@@ -349,6 +370,53 @@ mod tests {
             "{eye}"
         );
         assert!((target - eye).length() > 0.5);
+    }
+
+    /// The room without a wall is seen head on through it; one with a window from within.
+    #[test]
+    fn open_sides_are_looked_through_and_windows_are_not() {
+        let walls = cube_room();
+        let mesh = walls.objects[0].shape.mesh().unwrap();
+        let without = |face: usize| {
+            let mut open = azulejo_scene::Mesh {
+                positions: mesh.positions.clone(),
+                ..azulejo_scene::Mesh::default()
+            };
+            for k in (0..mesh.faces.len()).filter(|&k| k != face) {
+                open.push_face(mesh.faces.get(k), 0);
+            }
+            open
+        };
+        let view = |mesh: azulejo_scene::Mesh| {
+            let mut scene = cube_room();
+            scene.objects[0].shape = Shape::Mesh(mesh);
+            let room = find(&scene).unwrap();
+            room.view(&Tracer::new(&scene), scene.units).0
+        };
+        // The walls at x = 0 and x = 1, and those at z.
+        for (face, axis, is_high) in [(0, 0, false), (1, 0, true), (4, 2, false), (5, 2, true)] {
+            let eye = view(without(face));
+            let beyond = if is_high { eye[axis] - 1.0 } else { -eye[axis] };
+            assert!(beyond > 0.2, "{face}: {eye}");
+            assert!((eye[2 - axis] - 0.5).abs() < 1e-6, "{face}: {eye}");
+        }
+        // The wall at x = 1 with a hole of a third of its width and height.
+        let mut window = without(1);
+        let ring = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            if (i, j) != (1, 1) {
+                let first = window.positions.len() as u32;
+                for (y, z) in [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)] {
+                    window.positions.push(DVec3::new(1.0, ring[y], ring[z]));
+                }
+                window.push_face(&[first, first + 1, first + 2, first + 3], 0);
+            }
+        }
+        let eye = view(window);
+        assert!(
+            eye.cmpgt(DVec3::ZERO).all() && eye.cmplt(DVec3::ONE).all(),
+            "{eye}"
+        );
     }
 
     /// A pillar in the middle does not make a solid of the room, nor does the room's direction
