@@ -14,8 +14,12 @@ use azulejo_scene::{Material, MaterialId, Prism, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
 
-/// Shapes that are compared with those before them.
+/// Shapes that are compared with those before them, and points of each.
 const MOST_COMPARED: usize = 200;
+const POINTS: usize = 64;
+
+/// Most tests of a point with a curve: a second's work.
+const MOST_TESTS: usize = 50_000_000;
 
 /// How far the backs of layers are apart, as a share of the distance of their fronts.
 const BACKS: f64 = 1e-3;
@@ -54,13 +58,18 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
 fn is_painted_over(shapes: &[Filled]) -> bool {
     let drawn = shapes.iter().take(MOST_COMPARED);
     let known: Vec<(&Filled, Rectangle)> = drawn.map(|s| (s, s.figure.bounds())).collect();
+    let mut left = MOST_TESTS;
     known.iter().enumerate().any(|(k, (shape, around))| {
         known[..k].iter().any(|(before, below)| {
             let overlap = around.min.max(below.min).cmplt(around.max.min(below.max));
-            let mut points = shape.figure.segments().map(|segment| segment.at(0.5));
-            shape.color != before.color
-                && overlap.all()
-                && points.any(|point| before.figure.contains(point))
+            if shape.color == before.color || !overlap.all() {
+                return false;
+            }
+            let each = before.figure.curve_count();
+            let points = shape.figure.segments().take(POINTS.min(left / each.max(1)));
+            let mut points = points.map(|segment| segment.at(0.5));
+            left = left.saturating_sub(POINTS * each);
+            points.any(|point| before.figure.contains(point))
         })
     })
 }
