@@ -284,14 +284,14 @@ fn strokes_are_figures() {
         let drawing = drawing(svg);
         assert!(drawing.warnings.is_empty(), "{svg}: {:?}", drawing.warnings);
         let area = |figure: &Figure| {
-            // Where edges overlap, they count once.
-            let b = figure.bounds();
-            let (n, size) = (150, b.size());
-            let inside = (0..n * n).filter(|k| {
-                let at = DVec2::new((k % n) as f64 + 0.5, (k / n) as f64 + 0.5) / n as f64;
-                figure.contains(b.min + at * size)
+            // Where edges overlap, they count once. Points of Roberts' sequence R2 (2018).
+            let (b, count) = (figure.bounds(), 60_000);
+            let inside = (0..count).filter(|k| {
+                let share =
+                    f64::from(*k) * DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_3);
+                figure.contains(b.min + share.fract() * b.size())
             });
-            inside.count() as f64 / (n * n) as f64 * size.x * size.y
+            inside.count() as f64 / f64::from(count) * b.size().x * b.size().y
         };
         drawing.shapes.iter().map(|s| area(&s.figure)).collect()
     };
