@@ -49,7 +49,7 @@ const LAMP: f64 = 0.3;
 const DROP: f64 = 0.04;
 
 /// Share of the directions around one in which nothing may be seen of a side that is not open.
-const OPEN: f64 = 0.75;
+const OPEN: f64 = 0.6;
 
 impl Room {
     /// The room that a model is, if it is one: a place within the model from which one sees the
