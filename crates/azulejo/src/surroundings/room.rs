@@ -103,6 +103,8 @@ impl Room {
     pub fn view(&self, tracer: &Tracer, units: Units) -> (DVec3, DVec3) {
         let up = units.up.axis();
         let eyes = self.floor + up * (0.55 * self.height());
+        let middle = tracer.bounds().centre();
+        let middle = middle + up * (eyes - middle).dot(up);
         let around = Frame::from_normal(up);
         let (mut widest, mut most_open) = ((0.0, DVec3::ZERO), (OPEN, None));
         for step in 0..16 {
@@ -114,18 +116,22 @@ impl Room {
                     widest = (reach, direction);
                 }
             }
-            let share = openness(tracer, eyes, direction, up);
-            if share > most_open.0 {
-                most_open = (share, Some(direction));
+            for place in [middle, eyes] {
+                let share = openness(tracer, place, direction, up);
+                if share > most_open.0 {
+                    most_open = (share, Some((place, direction)));
+                }
             }
         }
-        let (reach, direction) = match most_open.1 {
-            Some(direction) => (1.8 * exit(tracer.bounds(), eyes, direction), direction),
-            None => widest,
+        let (place, reach, direction) = match most_open.1 {
+            Some((place, direction)) => {
+                let reach = 1.8 * exit(tracer.bounds(), place, direction);
+                (place, reach, direction)
+            }
+            None => (eyes, widest.0, widest.1),
         };
-        let eye = eyes + reach * direction;
-        let ahead = self.floor + up * (0.42 * self.height()) - 0.5 * reach * direction;
-        (eye, ahead)
+        let ahead = place - up * (0.13 * self.height()) - 0.5 * reach * direction;
+        (place + reach * direction, ahead)
     }
 }
 
