@@ -45,13 +45,11 @@ pub(super) struct OpenOutline {
 
 impl Strand {
     fn start(&self) -> DVec2 {
-        self.segments.first().map_or(DVec2::ZERO, |s| points(s)[0])
+        self.segments.first().map_or(DVec2::ZERO, Segment::start)
     }
 
     fn end(&self) -> DVec2 {
-        let last = self.segments.last();
-        last.and_then(|s| points(s).last().copied())
-            .unwrap_or(DVec2::ZERO)
+        self.segments.last().map_or(DVec2::ZERO, Segment::end)
     }
 
     /// All points that define it.

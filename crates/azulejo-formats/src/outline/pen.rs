@@ -107,19 +107,10 @@ impl Pen {
 
     /// The curves of the current contour, which stays open.
     pub fn into_segments(self) -> Vec<Segment> {
-        let start = |curve: &Curve| match *curve {
-            Curve::Line { start } | Curve::Cubic { start, .. } => start,
-        };
-        let ends = self.curves.iter().skip(1).map(start).chain([self.at]);
-        let segment = |(curve, end): (&Curve, DVec2)| match *curve {
-            Curve::Line { start } => Segment::Line([start, end]),
-            Curve::Cubic {
-                start,
-                control1,
-                control2,
-            } => Segment::Cubic([start, control1, control2, end]),
-        };
-        self.curves.iter().zip(ends).map(segment).collect()
+        let ends = self.curves.iter().skip(1).map(Curve::start);
+        let ends = ends.chain([self.at]);
+        let pairs = self.curves.iter().zip(ends);
+        pairs.map(|(curve, end)| curve.to(end)).collect()
     }
 
     /// Closes the contour at its start; returns whether the current point was there already.

@@ -90,7 +90,7 @@ fn path(element: Node, figure: &Figure) -> Option<BezPath> {
                 for (k, segment) in contour.segments().enumerate() {
                     let point = |p: DVec2| Point::new(p.x, p.y);
                     if k == 0 {
-                        path.move_to(point(segment.at(0.0)));
+                        path.move_to(point(segment.start()));
                     }
                     match segment {
                         Segment::Line([_, to]) => path.line_to(point(to)),
