@@ -562,7 +562,7 @@ impl FigureReader<'_> {
             } else {
                 format!("an outline around others that is open at ({x}, {y})")
             };
-            let expected = "one whose ends meet: without it, its holes would be solid";
+            let expected = "ends that meet, or nothing there: what may be its holes would be solid";
             return Err(ReadError {
                 position: self.position(outline.strands[0].offset),
                 ..ReadError::whole(self.file, found, expected)
