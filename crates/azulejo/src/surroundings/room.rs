@@ -55,7 +55,8 @@ impl Room {
     /// The room that a model is, if it is one: a place within the model from which one sees the
     /// fronts of walls all around. A closed solid is none, as from within it only backs are seen.
     ///
-    /// None either is a shell of faces with two sides that all face inward, if the file's camera sees it from outside,
+    /// None either is what one looks through from one side to the other, nor a shell of faces with two sides that all face
+    /// inward, if the file's camera sees it from outside,
     /// or has none and the shell is empty: there the order of corners means nothing.
     ///
     /// `tracer` is that of the scene; its bounds are finite.
@@ -85,6 +86,12 @@ impl Room {
         let hit = |direction: DVec3| tracer.hit(&Ray::new(centre, direction));
         let floor = hit(-up).map(|hit| hit.position)?;
         let ceiling = hit(up).map(|hit| hit.position);
+        // What one looks through is a frame or a tunnel.
+        let is_open = |direction| openness(tracer, centre, direction, up) > OPEN;
+        let mut ways = level_directions(up).take(8);
+        if ways.any(|direction| is_open(direction) && is_open(-direction)) {
+            return None;
+        }
         Some(Room {
             centre,
             ceiling,
@@ -105,11 +112,8 @@ impl Room {
         let eyes = self.floor + up * (0.55 * self.height());
         let middle = tracer.bounds().centre();
         let middle = middle + up * (eyes - middle).dot(up);
-        let around = Frame::from_normal(up);
         let (mut widest, mut most_open) = ((0.0, DVec3::ZERO), (OPEN, None));
-        for step in 0..16 {
-            let (sin, cos) = (f64::from(step) * PI / 8.0).sin_cos();
-            let direction = cos * around.x + sin * around.y;
+        for direction in level_directions(up) {
             if let Some(hit) = tracer.hit(&Ray::new(eyes, direction)) {
                 let reach = 0.92 * (hit.position - eyes).length();
                 if reach > 1.001 * widest.0 {
@@ -125,14 +129,25 @@ impl Room {
         }
         let (place, reach, direction) = match most_open.1 {
             Some((place, direction)) => {
-                let reach = 1.8 * exit(tracer.bounds(), place, direction);
-                (place, reach, direction)
+                // A step back from where the model ends: as far as its middle, or more if it is shallow and wide.
+                let depth = exit(tracer.bounds(), place, direction);
+                let across = 0.5 * tracer.bounds().size().dot(direction.cross(up).abs());
+                (place, depth + 0.8 * depth.max(across), direction)
             }
             None => (eyes, widest.0, widest.1),
         };
         let ahead = place - up * (0.13 * self.height()) - 0.5 * reach * direction;
         (place + reach * direction, ahead)
     }
+}
+
+/// Sixteen directions along the ground; those of the second half are opposite to those of the first.
+fn level_directions(up: DVec3) -> impl Iterator<Item = DVec3> {
+    let around = Frame::from_normal(up);
+    (0..16).map(move |step| {
+        let (sin, cos) = (f64::from(step) * PI / 8.0).sin_cos();
+        cos * around.x + sin * around.y
+    })
 }
 
 /// Share of the directions near one, within 30 degrees to either side and 15 up and down, in which nothing is seen.
@@ -331,7 +346,7 @@ fn exit(bounds: Aabb, place: DVec3, direction: DVec3) -> f64 {
 mod tests {
     use super::*;
     use azulejo_scene::synthetic::cube_room;
-    use azulejo_scene::{Material, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape, Up};
+    use azulejo_scene::{Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape, Up};
     use glam::DAffine3;
 
     fn find(scene: &Scene) -> Option<Room> {
@@ -378,51 +393,78 @@ mod tests {
         assert!((target - eye).length() > 0.5);
     }
 
+    /// The room without these of its faces.
+    fn room_without(faces: &[usize]) -> Mesh {
+        let scene = cube_room();
+        let walls = scene.objects[0].shape.mesh().unwrap();
+        let mut open = Mesh {
+            positions: walls.positions.clone(),
+            ..Mesh::default()
+        };
+        for k in (0..walls.faces.len()).filter(|k| !faces.contains(k)) {
+            open.push_face(walls.faces.get(k), 0);
+        }
+        open
+    }
+
+    /// Adds a wall at this x, seen from within, with a hole from `low` to `high` of its width and height.
+    fn add_window(mesh: &mut Mesh, x: f64, [low, high]: [f64; 2]) {
+        let ring = [0.0, low, high, 1.0];
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            if (i, j) != (1, 1) {
+                let first = mesh.positions.len() as u32;
+                for (y, z) in [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)] {
+                    mesh.positions.push(DVec3::new(x, ring[y], ring[z]));
+                }
+                let mut corners = [0, 1, 2, 3].map(|k| first + k);
+                if x == 0.0 {
+                    corners.reverse();
+                }
+                mesh.push_face(&corners, 0);
+            }
+        }
+    }
+
+    fn scene_of(mesh: Mesh) -> Scene {
+        let mut scene = cube_room();
+        scene.objects[0].shape = Shape::Mesh(mesh);
+        scene
+    }
+
     /// The room without a wall is seen head on through it; one with a window from within.
     #[test]
     fn open_sides_are_looked_through_and_windows_are_not() {
-        let walls = cube_room();
-        let mesh = walls.objects[0].shape.mesh().unwrap();
-        let without = |face: usize| {
-            let mut open = azulejo_scene::Mesh {
-                positions: mesh.positions.clone(),
-                ..azulejo_scene::Mesh::default()
-            };
-            for k in (0..mesh.faces.len()).filter(|&k| k != face) {
-                open.push_face(mesh.faces.get(k), 0);
-            }
-            open
-        };
-        let view = |mesh: azulejo_scene::Mesh| {
-            let mut scene = cube_room();
-            scene.objects[0].shape = Shape::Mesh(mesh);
+        let view = |mesh: Mesh| {
+            let scene = scene_of(mesh);
             let room = find(&scene).unwrap();
             room.view(&Tracer::new(&scene), scene.units).0
         };
         // The walls at x = 0 and x = 1, and those at z.
         for (face, axis, is_high) in [(0, 0, false), (1, 0, true), (4, 2, false), (5, 2, true)] {
-            let eye = view(without(face));
+            let eye = view(room_without(&[face]));
             let beyond = if is_high { eye[axis] - 1.0 } else { -eye[axis] };
             assert!(beyond > 0.2, "{face}: {eye}");
             assert!((eye[2 - axis] - 0.5).abs() < 1e-6, "{face}: {eye}");
         }
-        // The wall at x = 1 with a hole of a third of its width and height.
-        let mut window = without(1);
-        let ring = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
-        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            if (i, j) != (1, 1) {
-                let first = window.positions.len() as u32;
-                for (y, z) in [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)] {
-                    window.positions.push(DVec3::new(1.0, ring[y], ring[z]));
-                }
-                window.push_face(&[first, first + 1, first + 2, first + 3], 0);
-            }
-        }
+        let mut window = room_without(&[1]);
+        add_window(&mut window, 1.0, [1.0 / 3.0, 2.0 / 3.0]);
         let eye = view(window);
         assert!(
             eye.cmpgt(DVec3::ZERO).all() && eye.cmplt(DVec3::ONE).all(),
             "{eye}"
         );
+    }
+
+    #[test]
+    fn what_one_looks_through_is_no_room() {
+        let mut one = room_without(&[1]);
+        add_window(&mut one, 1.0, [0.15, 0.85]);
+        assert!(find(&scene_of(one)).is_some());
+        let mut both = room_without(&[0, 1]);
+        for x in [0.0, 1.0] {
+            add_window(&mut both, x, [0.15, 0.85]);
+        }
+        assert_eq!(find(&scene_of(both)), None);
     }
 
     /// A pillar in the middle does not make a solid of the room, nor does the room's direction
