@@ -32,5 +32,5 @@ pub use extracted_sun::{ExtractedSun, extract_sun};
 pub use ground::modelled_ground;
 pub use picture::{PictureFailure, SurroundingPicture};
 pub use room::Room;
-pub use studio::{STUDIO_FLOOR, is_studio_part, studio};
+pub use studio::{STUDIO_FLOOR, is_studio_part, limit_paint, studio};
 pub use weather::{WeatherError, WeatherFile, WeatherRecord};

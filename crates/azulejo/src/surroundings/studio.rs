@@ -1,11 +1,14 @@
-//! A studio for a model in which nothing shines: a floor and three lamps around it, or a lamp under
-//! the ceiling of a room.
+//! A studio for a model in which nothing shines: a floor that curves up around it (a cyclorama) and three lamps, or a
+//! lamp under the ceiling of a room.
 
 use super::Room;
 use azulejo_scene::math::{Aabb, Frame};
-use azulejo_scene::{Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Units};
+use azulejo_scene::{
+    Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Sidedness, Units,
+};
 use azulejo_trace::Tracer;
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A lamp of a photographer's studio, by where it stands as seen from the middle of the model.
 struct StudioLamp {
@@ -60,23 +63,35 @@ pub fn is_studio_part(name: &str) -> bool {
 /// Distance of the lamps from the middle of the model, relative to its size.
 const DISTANCE: f64 = 2.2;
 
-/// Radiance of what is seen beyond the floor: darker than that in the light of the lamps, so that the model
-/// stands out, and not black.
+/// Radiance of what is seen above the cyclorama: that of its upper edge, about, so that the model stands out, and not
+/// black.
 const BACKDROP: Rgb = Rgb::new(0.02, 0.022, 0.026);
 
-/// Half of the edge of the floor, relative to the size of the model.
-const FLOOR: f64 = 6.0;
+/// Reflectance of floor and cyclorama: a grey that is darker than most models.
+const GREY: f64 = 0.5;
 
-/// Faces along each edge of the floor.
-const FLOOR_CELLS: u32 = 64;
+/// Profile of the cyclorama, relative to the size of the model: radius of the level floor, of the cove in which it
+/// curves up, and height of the wall above that. Lamps and the studio's camera are within.
+const FLOOR: f64 = 3.0;
+const COVE: f64 = 2.0;
+const WALL: f64 = 1.5;
+
+/// Faces of the cyclorama: around, and along each part of its profile.
+const SECTORS: u32 = 64;
+const FLOOR_RINGS: u32 = 28;
+const COVE_RINGS: u32 = 10;
+const WALL_RINGS: u32 = 3;
 
 /// How much smaller faces are in the middle of the floor than at its edges: the power to which
-/// their places are raised.
-const GRADING: f64 = 2.0;
+/// their distances are raised.
+const GRADING: f64 = 1.6;
 
 /// Gap between the model and the floor, relative to the size of the model: faces that lie on it
 /// would flicker.
 const GAP: f64 = 1e-4;
+
+/// Most that a paint reflects: fresh white.
+const PAINT: f64 = 0.9;
 
 /// Radiance of the lamp of a room: that of a panel, not quite white.
 const PANEL: Rgb = Rgb::new(21.0, 20.5, 19.5);
@@ -98,6 +113,21 @@ pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
         Some(room) => Some(in_room(&room, tracer, units)),
         None => around(tracer.bounds(), units, scene.cameras.first()),
     }
+}
+
+/// Limits the diffuse reflectances of a scene to [`PAINT`] of what its mirrors and highlights leave, and returns how
+/// many materials reflected more: models often say white for what no paint is, and light between such surfaces that
+/// touch never ends.
+pub fn limit_paint(scene: &mut Scene) -> usize {
+    let mut limited = 0;
+    for material in &mut scene.materials {
+        let specular = material.mirror + material.mean_glossy();
+        let most = specular.map(|s| PAINT * (1.0 - s).max(0.0));
+        let paint = Rgb::from([0, 1, 2].map(|k| material.diffuse[k].min(most[k])));
+        limited += usize::from(paint != material.diffuse);
+        material.diffuse = paint;
+    }
+    limited
 }
 
 /// A lamp under the ceiling, and a camera within.
@@ -127,7 +157,8 @@ fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
     scene
 }
 
-/// A floor below a model of these bounds, unless it would hide it from `viewed_by`, and three lamps around it.
+/// A floor below a model of these bounds that curves up around it, unless it would hide it from `viewed_by`, and three
+/// lamps, placed as that camera sees the model.
 fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scene> {
     let size = bounds.diagonal();
     if bounds.is_empty() || size <= 0.0 || !size.is_finite() {
@@ -140,19 +171,20 @@ fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scen
     // The view of the model alone, as that of all would show the floor for the most part.
     let mut view = Camera::framing(bounds, 1.0, up);
     view.name = "studio".into();
-    let viewer = (view.eye - view.target).normalize_or(DVec3::X);
+    let front = level_front(viewed_by.unwrap_or(&view), up);
+    let right = up.cross(front);
     let mut scene = Scene {
         units,
         cameras: vec![view],
         ..Scene::default()
     };
     scene.background = Some((BACKDROP * brightness(units)).into());
-    let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
-    let right = up.cross(front);
     if viewed_by.is_none_or(|camera| camera.eye.dot(up) > bottom) {
-        let grey = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));
-        let half = FLOOR * size;
-        let floor = graded_floor(ground, (half * front, half * up.cross(front)), grey);
+        let mut grey = Material::diffuse(STUDIO_FLOOR, Rgb::grey(GREY));
+        // Cameras outside of it look through.
+        grey.sidedness = Sidedness::One;
+        let grey = scene.add_material(grey);
+        let floor = cyclorama(ground, size, (front, right, up), grey);
         let floor = Object::new(STUDIO_FLOOR, Shape::Mesh(floor));
         scene.objects.push(floor);
     }
@@ -172,24 +204,57 @@ fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scen
     Some(scene)
 }
 
-/// A square with the half edges `x` and `y`, whose front faces x × y, of faces that are small in the
-/// middle, where the shadows fall.
-fn graded_floor(centre: DVec3, (x, y): (DVec3, DVec3), material: u32) -> Mesh {
-    let place = |k: u32| {
-        let t = 2.0 * f64::from(k) / f64::from(FLOOR_CELLS) - 1.0;
-        t.abs().powf(GRADING).copysign(t)
-    };
-    let row = FLOOR_CELLS + 1;
-    let point = |k: u32| centre + place(k % row) * x + place(k / row) * y;
-    let mut floor = Mesh {
-        positions: (0..row * row).map(point).collect(),
-        ..Mesh::default()
-    };
-    for cell in 0..FLOOR_CELLS * FLOOR_CELLS {
-        let first = cell % FLOOR_CELLS + cell / FLOOR_CELLS * row;
-        floor.push_face(&[first, first + 1, first + row + 1, first + row], material);
+/// The horizontal direction, unit length, from what a camera looks at toward the camera; where it looks straight down,
+/// toward the lower edge of its picture.
+fn level_front(camera: &Camera, up: DVec3) -> DVec3 {
+    let level = |v: DVec3| v - up * v.dot(up);
+    let backward = level((camera.eye - camera.target).normalize_or_zero());
+    if backward.length() > 0.05 {
+        return backward.normalize();
     }
+    level(-camera.up).normalize_or(Frame::from_normal(up).x)
+}
+
+/// A level floor around `centre` for a model of `size`, which curves up to a wall all around, seen from within. Faces
+/// are small in the middle, where the shadows fall.
+fn cyclorama(centre: DVec3, size: f64, (x, y, up): (DVec3, DVec3, DVec3), material: u32) -> Mesh {
+    let mut floor = Mesh::default();
+    for (radius, height) in profile() {
+        for sector in 0..SECTORS {
+            let (sin, cos) = (TAU * f64::from(sector) / f64::from(SECTORS)).sin_cos();
+            let outward = cos * x + sin * y;
+            floor
+                .positions
+                .push(centre + size * (radius * outward + height * up));
+        }
+    }
+    let rings = floor.positions.len() as u32 / SECTORS;
+    for (ring, sector) in (1..rings).flat_map(|ring| (0..SECTORS).map(move |s| (ring, s))) {
+        let (inner, outer) = ((ring - 1) * SECTORS, ring * SECTORS);
+        let next = (sector + 1) % SECTORS;
+        floor.push_face(
+            &[inner + sector, outer + sector, outer + next, inner + next],
+            material,
+        );
+    }
+    let middle: Vec<u32> = (0..SECTORS).collect();
+    floor.push_face(&middle, material);
+    // All of it is one smooth surface.
+    floor.smoothing = vec![1; floor.face_materials.len()];
+    floor.take_group_normals();
     floor
+}
+
+/// Radius and height of the rings of a [`cyclorama`], relative to the size of the model.
+fn profile() -> impl Iterator<Item = (f64, f64)> {
+    let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
+    let floor = (1..=FLOOR_RINGS).map(move |k| (FLOOR * share(k, FLOOR_RINGS).powf(GRADING), 0.0));
+    let cove = (1..=COVE_RINGS).map(move |k| {
+        let (sin, cos) = (FRAC_PI_2 * share(k, COVE_RINGS)).sin_cos();
+        (FLOOR + COVE * sin, COVE * (1.0 - cos))
+    });
+    let wall = (1..=WALL_RINGS).map(move |k| (FLOOR + COVE, COVE + WALL * share(k, WALL_RINGS)));
+    floor.chain(cove).chain(wall)
 }
 
 /// A parallelogram that faces `toward`.
