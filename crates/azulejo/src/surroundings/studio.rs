@@ -49,6 +49,12 @@ const LAMPS: [StudioLamp; 3] = [
     },
 ];
 
+/// Elevations of a lamp that are tried, each ten degrees higher, so that the camera does not see it.
+const HIGHER: u32 = 4;
+
+/// Width of a wide picture over its height.
+const WIDE: f64 = 16.0 / 9.0;
+
 /// The name of the floor of a studio.
 pub const STUDIO_FLOOR: &str = "studio floor";
 
@@ -96,9 +102,6 @@ const PAINT: f64 = 0.9;
 /// Radiance of the lamp of a room: that of a panel, not quite white.
 const PANEL: Rgb = Rgb::new(21.0, 20.5, 19.5);
 
-/// Vertical field of view in a room, degrees: wide, as one cannot step back.
-const ROOM_VIEW: f64 = 62.0;
-
 /// A room's light in lux, so that the numbers of photometric scenes are everyday ones.
 fn brightness(units: Units) -> f64 {
     if units.photometric { 100.0 } else { 1.0 }
@@ -111,7 +114,7 @@ pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
     let units = scene.units;
     match Room::find(scene, tracer) {
         Some(room) => Some(in_room(&room, tracer, units)),
-        None => around(tracer.bounds(), units, scene.cameras.first()),
+        None => around(scene.main_bounds(), units, scene.cameras.first()),
     }
 }
 
@@ -133,17 +136,13 @@ pub fn limit_paint(scene: &mut Scene) -> usize {
 /// A lamp under the ceiling, and a camera within.
 fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
     let up = units.up.axis();
-    let (eye, target) = room.view(tracer, units);
+    let camera = Camera {
+        name: "studio".into(),
+        ..room.camera(tracer, units)
+    };
     let mut scene = Scene {
         units,
-        cameras: vec![Camera {
-            name: "studio".into(),
-            eye,
-            target,
-            up,
-            vertical_fov: ROOM_VIEW.to_radians(),
-            size: None,
-        }],
+        cameras: vec![camera],
         ..Scene::default()
     };
     let material = Material::emitter(CEILING_LIGHT, PANEL * brightness(units));
@@ -188,20 +187,73 @@ fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scen
         let floor = Object::new(STUDIO_FLOOR, Shape::Mesh(floor));
         scene.objects.push(floor);
     }
+    let view = viewed_by
+        .cloned()
+        .unwrap_or_else(|| scene.cameras[0].clone());
     for lamp in &LAMPS {
-        let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
-        let (high, level) = lamp.elevation.to_radians().sin_cos();
-        let toward = level * (cos * front + sin * right) + high * up;
         let material = Material::emitter(lamp.name, lamp.radiance * brightness(units));
         let material = scene.add_material(material);
+        let at = |elevation| LampPlace::new(lamp, elevation, (centre, size), (front, right, up));
+        // Higher where the camera would see it.
+        let higher = (0..HIGHER).map(|k| at(lamp.elevation + 10.0 * f64::from(k)));
+        let hidden = higher.clone().find(|place| !place.is_in_view(&view));
+        let LampPlace {
+            corner,
+            x,
+            y,
+            toward,
+        } = hidden.unwrap_or_else(|| at(lamp.elevation));
+        scene
+            .objects
+            .push(facing_sheet(lamp.name, corner, (x, y), -toward, material));
+    }
+    Some(scene)
+}
+
+/// The square of a lamp that faces the model.
+struct LampPlace {
+    corner: DVec3,
+    x: DVec3,
+    y: DVec3,
+    /// Direction from the model.
+    toward: DVec3,
+}
+
+impl LampPlace {
+    /// At an elevation in degrees, from the middle of a model of this size, by the axes of the viewer.
+    fn new(
+        lamp: &StudioLamp,
+        elevation: f64,
+        (centre, size): (DVec3, f64),
+        (front, right, up): (DVec3, DVec3, DVec3),
+    ) -> LampPlace {
+        let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
+        let (high, level) = elevation.to_radians().sin_cos();
+        let toward = level * (cos * front + sin * right) + high * up;
         let frame = Frame::from_normal(-toward);
         let edge = lamp.size * size;
         let (x, y) = (edge * frame.x, edge * frame.y);
         let corner = centre + DISTANCE * size * toward - 0.5 * (x + y);
-        let lamp = facing_sheet(lamp.name, corner, (x, y), -toward, material);
-        scene.objects.push(lamp);
+        LampPlace {
+            corner,
+            x,
+            y,
+            toward,
+        }
     }
-    Some(scene)
+
+    /// Whether a corner is in a wide picture of the camera.
+    fn is_in_view(&self, camera: &Camera) -> bool {
+        let (right, up, forward) = camera.axes();
+        let half = (0.5 * camera.vertical_fov).tan();
+        let corners = [DVec3::ZERO, self.x, self.y, self.x + self.y];
+        corners.iter().any(|&edge| {
+            let way = self.corner + edge - camera.eye;
+            let depth = way.dot(forward);
+            let is_within = |axis: DVec3, most: f64| way.dot(axis).abs() < most * half * depth;
+            depth > 0.0 && is_within(right, WIDE) && is_within(up, 1.0)
+        })
+    }
 }
 
 /// The horizontal direction, unit length, from what a camera looks at toward the camera; where it looks straight down,
@@ -295,8 +347,18 @@ mod tests {
         let scene = studio_of(size).unwrap();
         scene.validate().unwrap();
         assert!(scene.has_light() && scene.cameras.len() == 1);
-        let floor = scene.objects[0].bounds();
-        assert!(floor.max.y < 0.0 && floor.size().x > 10.0);
+        let Shape::Mesh(floor) = &scene.objects[0].shape else {
+            panic!("a mesh")
+        };
+        // It faces inward everywhere: up in the middle, level at its end.
+        let above = 0.5 * size + DVec3::Y * size.length();
+        for face in 0..floor.faces.len() {
+            let corner = floor.positions[floor.faces.get(face)[0] as usize];
+            let inward = (above - corner).dot(floor.face_area_vector(face));
+            assert!(inward > 0.0, "face {face}");
+        }
+        let bounds = floor.bounds();
+        assert!(bounds.min.y < 0.0 && bounds.size().x > 2.0 * DISTANCE * size.length());
         for lamp in &scene.objects[1..] {
             assert!(lamp.bounds().min.y > 0.0, "{}", lamp.name);
             // Outside of the model, as far as its size.
@@ -313,7 +375,7 @@ mod tests {
     #[test]
     fn a_camera_below_the_model_sees_it_without_a_floor() {
         let mut scene = azulejo_scene::synthetic::cube_room();
-        scene.materials[0].sidedness = azulejo_scene::Sidedness::Two;
+        scene.materials[0].sidedness = Sidedness::Two;
         for (height, objects) in [(3.0, 4), (-3.0, 3)] {
             let mut camera = Camera::framing(scene.bounds(), 1.0, scene.units.up.axis());
             camera.eye += (height - camera.eye.dot(camera.up)) * camera.up;
@@ -321,6 +383,53 @@ mod tests {
             let added = studio(&scene, &Tracer::new(&scene)).unwrap();
             assert_eq!(added.objects.len(), objects, "{height}");
         }
+    }
+
+    /// Lamps stand as the file's camera sees the model, and where it does not see them.
+    #[test]
+    fn lamps_are_beside_what_the_camera_sees() {
+        for eye in [
+            DVec3::new(3.0, 0.5, 0.5),
+            DVec3::new(-9.0, 2.0, 0.5),
+            DVec3::new(0.5, 0.1, -4.0),
+        ] {
+            let mut scene = azulejo_scene::synthetic::cube_room();
+            scene.materials[0].sidedness = Sidedness::Two;
+            let mut camera = Camera::framing(scene.bounds(), 1.0, scene.units.up.axis());
+            let up = camera.up;
+            camera.target = scene.bounds().centre();
+            camera.eye = eye;
+            scene.cameras = vec![camera.clone()];
+            let added = studio(&scene, &Tracer::new(&scene)).unwrap();
+            let lamps = added.objects.iter().filter(|o| o.name != STUDIO_FLOOR);
+            let (right, upward, forward) = camera.axes();
+            for lamp in lamps {
+                let way = lamp.bounds().centre() - camera.eye;
+                let half = (0.5 * camera.vertical_fov).tan() * way.dot(forward);
+                let is_seen =
+                    half > 0.0 && way.dot(right).abs() < half && way.dot(upward).abs() < half;
+                assert!(!is_seen, "{eye}: {}", lamp.name);
+                let from_model = lamp.bounds().centre() - camera.target;
+                let is_left = from_model.dot(right) < 0.0;
+                assert_eq!(is_left, lamp.name == "key light", "{eye}: {}", lamp.name);
+                assert!(from_model.dot(up) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn no_paint_reflects_all() {
+        let mut scene = Scene::default();
+        let white = scene.add_material(Material::diffuse("white", Rgb::WHITE));
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        let mut half = Material::diffuse("half a mirror", Rgb::grey(0.5));
+        half.mirror = Rgb::grey(0.5);
+        let half = scene.add_material(half);
+        assert_eq!(limit_paint(&mut scene), 2);
+        let diffuse = |m: u32| scene.materials[m as usize].diffuse;
+        assert_eq!(diffuse(white), Rgb::grey(0.9));
+        assert_eq!(diffuse(grey), Rgb::grey(0.5));
+        assert_eq!(diffuse(half), Rgb::grey(0.45));
     }
 
     #[test]
