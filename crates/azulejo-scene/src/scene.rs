@@ -146,7 +146,7 @@ impl Object {
 }
 
 /// Size of an object that may be left out of [`Scene::main_bounds`], relative to that of the scene.
-const TINY: f64 = 0.02;
+const TINY: f64 = 0.04;
 
 /// Most size of what remains, relative to that of the scene.
 const MAIN: f64 = 0.6;
