@@ -95,7 +95,7 @@ pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use surface_maps::{
     FinishMaps, IrradiancePicture, NumberMap, NumberPicture, PictureChannel, Relief, ReliefKind,
 };
-pub use text::{Align, Encoding, Font, Glyph, Line, PlacedGlyph, TextError, TextFrame};
+pub use text::{Align, Encoding, Font, Glyph, Letter, Line, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
 pub use triangulate::MOST_FACE_CORNERS;
 pub use units::{Units, Up};

@@ -2,6 +2,7 @@
 
 use super::values::{self, Characters};
 use crate::values::{number, vector};
+use azulejo_formats::outline::typeface::{AxisValue, FontFeature};
 use azulejo_scene::{Align, Rgb};
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 /// `text`
 #[derive(Debug, Args)]
 pub struct TextArgs {
-    /// The text; \n starts a new line, `-` reads standard input
+    /// The text; \n starts a new line, {size=1.5 color=#c00|words} differ from the rest, `-` reads standard input
     #[arg(
         value_name = "TEXT",
         required_unless_present = "file",
@@ -36,24 +37,28 @@ pub struct TextArgs {
     pub surface: SurfaceArgs,
 }
 
-/// The font.
+/// The fonts.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Font")]
 pub struct TypefaceArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
-    #[arg(long, visible_alias = "ppf", value_name = "FILE", required = true,
+    /// Font files: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1, with the .afm beside it), or RTRACE's .ppf. What the first lacks is taken from the next
+    #[arg(long, visible_alias = "ppf", value_name = "FILE,...", required = true,
           value_hint = ValueHint::FilePath)]
-    pub font: PathBuf,
-    /// Encoding of a .ppf font (.ppe) [default: Adobe's glyph names]
+    pub font: Vec<PathBuf>,
+    /// Encoding of .ppf fonts (.ppe) [default: Adobe's glyph names]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub encoding: Option<PathBuf>,
-    /// Index of the face in a collection (.ttc)
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub face: u32,
+    /// Values on the axes of variable fonts, as in wght=650,wdth=80 [default: those of the font]
+    #[arg(long, value_name = "AXIS=VALUE,...", value_delimiter = ',')]
+    pub variation: Vec<AxisValue>,
+    /// OpenType features to switch, as in smcp,ss01,liga=0
+    #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
+    pub features: Vec<FontFeature>,
 }
 
 /// The layout of lines.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Debug, Args)]
 #[command(next_help_heading = "Lines")]
 pub struct LinesArgs {
     /// Additional space between letters, in ems
@@ -67,6 +72,12 @@ pub struct LinesArgs {
     /// Alignment of lines
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = AlignName::Left)]
     pub align: AlignName,
+    /// Break lines that would be longer than this, in scene units
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub width: Option<f64>,
+    /// Set the text along the first path of an SVG drawing, whose units are those of the scene
+    #[arg(long, value_name = "SVG", conflicts_with = "width", value_hint = ValueHint::FilePath)]
+    pub path: Option<PathBuf>,
 }
 
 /// Alignment of lines.
@@ -79,13 +90,15 @@ pub enum AlignName {
     Center,
     /// Lines end at it
     Right,
+    /// Lines fill the width or the path, those at the ends of paragraphs excepted
+    Justify,
 }
 
 impl AlignName {
     /// The alignment as the library takes it.
     pub fn align(self) -> Align {
         match self {
-            AlignName::Left => Align::Left,
+            AlignName::Left | AlignName::Justify => Align::Left,
             AlignName::Center => Align::Center,
             AlignName::Right => Align::Right,
         }
@@ -168,7 +181,8 @@ pub enum FontCommand {
 /// `font convert`
 #[derive(Debug, Args)]
 pub struct FontConvertArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
     /// Output file for the outlines (.ppf); `-` is standard output
@@ -184,7 +198,8 @@ pub struct FontConvertArgs {
 /// `font sheet`
 #[derive(Debug, Args)]
 pub struct FontSheetArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
     /// Output image (.png); `-` is standard output
@@ -206,9 +221,6 @@ pub struct FontPart {
     /// which is always used completely
     #[arg(long, value_name = "RANGES", default_value = "latin1", value_parser = values::characters)]
     pub characters: Characters,
-    /// Index of the face in a collection (.ttc)
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub face: u32,
 }
 
 /// `extrude`
@@ -242,7 +254,11 @@ pub const TEXT_EXAMPLES: &str = "\
 Examples:
   azulejo text \"Iluminación global\" --font Serif.ttf -o title.grf
   azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --depth 0.1 --color '#2a5caa' -o a.glb
-  fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf";
+  fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf
+  azulejo text \"שלום 123 abc\" --font Latin.ttf,Hebrew.ttf --features smcp -o mixed.glb
+  azulejo text --file poem.txt --font Serif.woff2 --width 12 --align justify -o poem.grf
+  azulejo text \"Sale {size=2 color=#c00|50%}\" --font Sans.ttf --variation wght=700 -o sale.glb
+  azulejo text \"around the world\" --font Sans.ttf --path circle.svg --align center -o ring.grf";
 
 pub const FONT_EXAMPLES: &str = "\
 Examples:

@@ -21,9 +21,6 @@ const POINTS: usize = 64;
 /// Most tests of a point with a curve: a second's work.
 const MOST_TESTS: usize = 50_000_000;
 
-/// How far the backs of layers are apart, as a share of the distance of their fronts.
-const BACKS: f64 = 1e-3;
-
 /// Runs `extrude`.
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check(&args.output)?;
@@ -77,15 +74,12 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
 /// A prism for each figure, and a material for each colour.
 fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>, Vec<Prism>) {
     let step = args.layers.unwrap_or(0.0);
+    let front = args.frame.frame(args.scale, args.depth);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();
     for (k, shape) in drawing.shapes.into_iter().enumerate() {
-        // Fronts rise, and backs are a little apart, as equal planes would be one face in two colours.
-        let rise = k as f64 * step;
-        let depth = args.depth + rise * (1.0 - BACKS);
-        let frame = args.frame.frame(args.scale, depth);
-        let mut world_from_figure = frame.world_from_glyph(DVec2::ZERO);
-        world_from_figure.translation -= rise / depth * world_from_figure.matrix3.z_axis;
+        let frame = front.raised(k as f64 * step / args.depth);
+        let world_from_figure = frame.world_from_glyph(DVec2::ZERO);
         let own = args.surface.color.or(shape.color);
         let color = own.unwrap_or(Rgb::grey(0.7));
         let known = colors.iter().position(|c| *c == color);

@@ -57,8 +57,16 @@ pub fn radiance(text: &str) -> Result<Rgb, String> {
     }
 }
 
-/// Six hexadecimal digits of sRGB, IEC 61966-2-1, as linear light.
+/// Six hexadecimal digits of sRGB, IEC 61966-2-1, or three that stand for two each, as linear light.
 fn screen_color(digits: &str) -> Option<Rgb> {
+    let doubled: String;
+    let digits = match digits.len() {
+        3 => {
+            doubled = digits.chars().flat_map(|d| [d, d]).collect();
+            &doubled
+        }
+        _ => digits,
+    };
     let code = u32::from_str_radix(digits, 16).ok()?;
     let linear = |shift: u32| match f64::from(code >> shift & 255) / 255.0 {
         c if c <= 0.04045 => c / 12.92,
@@ -141,6 +149,7 @@ mod tests {
         check(reflectance, "0.5", Rgb::grey(0.5));
         check(reflectance, "1,0.5,0", Rgb::new(1.0, 0.5, 0.0));
         check(reflectance, "#ff0000", Rgb::new(1.0, 0.0, 0.0));
+        check(reflectance, "#f00", Rgb::new(1.0, 0.0, 0.0));
         let grey = reflectance("#808080").unwrap();
         assert!(
             grey.is_grey() && (grey.mean() - 0.2159).abs() < 1e-4,

@@ -4,6 +4,7 @@
 //! y up, and arcs as cubic curves. Text and images are left out and counted.
 //! `docs/formats/svg.md` documents how every element is interpreted.
 
+mod first_path;
 mod path;
 mod shapes;
 mod stroke;
@@ -13,6 +14,8 @@ mod style_sheet;
 mod tests;
 mod values;
 mod walk;
+
+pub use first_path::first_path;
 
 use crate::outline::drawing::Drawing;
 use crate::reading::text::decoded_text;
@@ -26,6 +29,15 @@ use roxmltree::{Document, ParsingOptions};
 /// XML that is not well-formed or declares entities, another element than `svg`, and a drawing
 /// that expands to more than `options` allow. Anything less is left out with a warning.
 pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
+    with_document(bytes, name, |xml| walk::read(xml, name, options))
+}
+
+/// Parses a drawing, and hands it on.
+fn with_document<T>(
+    bytes: &[u8],
+    name: &str,
+    then: impl FnOnce(&Document) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
     let text = decoded_text(bytes);
     if let Some(at) = text.find("<!ENTITY") {
         // An entity may stand for a megabyte, and be referenced a million times.
@@ -53,7 +65,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, 
         );
         return Err(ReadError::whole(name, found, "the element svg"));
     }
-    walk::read(&xml, name, options)
+    then(&xml)
 }
 
 /// Whether bytes are XML with an element `svg` near the beginning.

@@ -44,7 +44,7 @@ pub(super) fn stroked(element: Node, figure: &Figure, stroke: &Stroke) -> Option
 }
 
 /// The path of a shape: what is open stays so.
-fn path(element: Node, figure: &Figure) -> Option<BezPath> {
+pub(super) fn path(element: Node, figure: &Figure) -> Option<BezPath> {
     let mut path = BezPath::new();
     match element.tag_name().name() {
         "path" => {

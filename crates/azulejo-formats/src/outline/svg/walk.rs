@@ -55,7 +55,7 @@ pub(super) fn read(
 
 /// The transform that turns y up, with the lower left corner of the view at the origin, and the
 /// length of a unit in metres, if the drawing has a physical size.
-fn viewport(root: Node) -> (DAffine2, Option<f64>) {
+pub(super) fn viewport(root: Node) -> (DAffine2, Option<f64>) {
     const METRES: f64 = 0.0254 / 96.0;
     let side = |name: &str| root.attribute(name).and_then(length);
     let (view, _) = numbers(root.attribute("viewBox").unwrap_or_default());
