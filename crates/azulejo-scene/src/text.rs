@@ -123,6 +123,7 @@ impl TextFrame {
             figure: Arc::clone(&g.figure),
             world_from_figure: self.world_from_glyph(g.pen),
             material,
+            bevel: None,
         };
         inked.map(prism).collect()
     }

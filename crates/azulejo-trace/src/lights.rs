@@ -5,6 +5,7 @@
 //! by their densities (multiple importance sampling, Veach and Guibas, SIGGRAPH 1995) they count
 //! it once.
 
+mod bevel_surface;
 mod delta;
 mod direction_table;
 mod emitters;
@@ -217,6 +218,7 @@ impl<'a> Lights<'a> {
         let place = PrismPlace {
             part: at.triangle,
             u: at.u,
+            position: at.position,
         };
         let light = &self.prisms[index];
         Some((light.emission.share, light.area_at(place)))
@@ -383,6 +385,7 @@ mod tests {
             figure: Arc::new(figure),
             world_from_figure: DAffine3::from_mat3_translation(axes, DVec3::new(0.5, -4.0, 0.8)),
             material,
+            bevel: None,
         })])
     }
 

@@ -48,7 +48,7 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
         .clone()
         .unwrap_or_else(|| stem.into_owned());
     let metres = drawing.metres_per_unit;
-    let (materials, prisms) = extruded(drawing, args, &name);
+    let (materials, prisms) = extruded(drawing, args, &name)?;
     let mut scene = solid::scene(&name, materials, prisms)?;
     scene.units.metres_per_unit = metres.map(|m| m / args.scale).filter(|m| m.is_normal());
     solid::write(&scene, &output, &args.output, session)
@@ -75,7 +75,11 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
 }
 
 /// A prism for each figure, and a material for each colour.
-fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>, Vec<Prism>) {
+fn extruded(
+    drawing: Drawing,
+    args: &ExtrudeArgs,
+    name: &str,
+) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
     let step = args.layers.unwrap_or(0.0);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();
@@ -97,6 +101,7 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
             figure: Arc::new(shape.figure),
             world_from_figure,
             material: material as MaterialId,
+            bevel: args.edge.bevel(args.scale, depth)?,
         });
     }
     let material = |(i, color): (usize, &Rgb)| match i {
@@ -104,5 +109,5 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
         _ => args.surface.material(&format!("{name} {}", i + 1), *color),
     };
     let materials = colors.iter().enumerate().map(material).collect();
-    (materials, prisms)
+    Ok((materials, prisms))
 }

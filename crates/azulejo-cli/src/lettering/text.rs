@@ -20,10 +20,14 @@ pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
     let text = text(args)?;
     let glyphs = typeface::set(&text, &args.typeface, &args.lines, session)?;
     let (size, depth) = (args.solid.size, args.solid.depth);
-    let frame = args.frame.frame(size, depth.unwrap_or(0.25 * size));
+    let depth = depth.unwrap_or(0.25 * size);
+    let frame = args.frame.frame(size, depth);
+    let bevel = args.edge.bevel(size, depth)?;
     let name = args.surface.name.clone().unwrap_or_else(|| title(&text));
     let material = args.surface.material(&name, Rgb::grey(0.7));
-    let scene = solid::scene(&name, vec![material], frame.prisms(&glyphs, 0))?;
+    let mut prisms = frame.prisms(&glyphs, 0);
+    prisms.iter_mut().for_each(|p| p.bevel.clone_from(&bevel));
+    let scene = solid::scene(&name, vec![material], prisms)?;
     solid::write(&scene, &output, &args.output, session)
 }
 

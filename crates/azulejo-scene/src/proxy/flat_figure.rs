@@ -1,6 +1,6 @@
 //! Plane figures as polygons.
 
-use crate::figure::Segment;
+use crate::figure::{Rectangle, Segment};
 use crate::{Figure, FillRule};
 use glam::DVec2;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
@@ -55,14 +55,51 @@ impl FlatFigure {
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
         let mut outline = FlattenedContours::new(figure, tolerance, round);
         outline.simplify(tolerance / size);
-        let mesh = outline.triangulated();
-        let inside = outline.inside(&mesh, figure.rule);
-        let mut flat = FlatFigure::default();
-        flat.collect(&mesh, &inside, &outline);
-        for p in &mut flat.points {
-            *p = origin + size * *p;
+        outline.filled(figure.rule, &[], (origin, size))
+    }
+
+    /// The same figure with more points, so that these lines inside are edges too.
+    pub fn divided(&self, lines: &[[DVec2; 2]]) -> FlatFigure {
+        let bounds = Rectangle::around(self.points.iter().copied());
+        let (origin, size) = (bounds.min, bounds.size().max_element());
+        if !(size > 0.0 && size.is_finite()) {
+            return FlatFigure::default();
         }
-        flat
+        let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
+        let points: Vec<DVec2> = self.points.iter().map(|&p| round(p)).collect();
+        let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(round)).collect();
+        let loops = self.loops().into_iter();
+        let contours = loops.map(|ring| ring.into_iter().map(|k| points[k as usize]).collect());
+        let outline = FlattenedContours {
+            contours: contours.collect(),
+            smooth: points
+                .iter()
+                .map(|p| key(*p))
+                .zip(self.is_smooth.iter().copied())
+                .collect(),
+        };
+        outline.filled(FillRule::NonZero, &lines, (origin, size))
+    }
+
+    /// The border as closed chains of points.
+    fn loops(&self) -> Vec<Vec<u32>> {
+        let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+        for &[a, b] in &self.border {
+            next.entry(a).or_default().push(b);
+        }
+        let mut loops = Vec::new();
+        for &[start, _] in &self.border {
+            let mut ring = Vec::new();
+            let mut at = start;
+            while let Some(on) = next.get_mut(&at).and_then(Vec::pop) {
+                ring.push(at);
+                at = on;
+            }
+            if !ring.is_empty() {
+                loops.push(ring);
+            }
+        }
+        loops
     }
 
     fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
@@ -145,6 +182,18 @@ impl FlattenedContours {
         }
     }
 
+    /// The inside, divided along further lines; `place` is the origin and the size of the figure.
+    fn filled(&self, rule: FillRule, lines: &[[DVec2; 2]], place: (DVec2, f64)) -> FlatFigure {
+        let mesh = self.triangulated(lines);
+        let inside = self.inside(&mesh, rule);
+        let mut flat = FlatFigure::default();
+        flat.collect(&mesh, &inside, self);
+        for p in &mut flat.points {
+            *p = place.0 + place.1 * *p;
+        }
+        flat
+    }
+
     /// Points that are not on the curves come from crossings.
     fn is_smooth(&self, p: DVec2) -> bool {
         self.smooth.get(&key(p)) == Some(&true)
@@ -159,17 +208,17 @@ impl FlattenedContours {
         self.contours.iter().flat_map(around)
     }
 
-    /// The Delaunay triangulation of all corners that has all contours as edges, split where
-    /// they cross.
-    fn triangulated(&self) -> Delaunay {
-        let mut mesh = self.delaunay();
+    /// The Delaunay triangulation of all corners that has all contours and `lines` as edges, split
+    /// where they cross.
+    fn triangulated(&self, lines: &[[DVec2; 2]]) -> Delaunay {
+        let mut mesh = self.delaunay(lines);
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
             .map(|v| (key(point(v.position())), v.fix()))
             .collect();
         let most = 2 * mesh.num_vertices() + MOST_CROSSINGS;
+        let corner = |p: &DVec2| corners.get(&key(*p)).copied();
         for contour in &self.contours {
-            let corner = |p: &DVec2| corners.get(&key(*p)).copied();
             let contour: Vec<FixedVertexHandle> = contour.iter().filter_map(corner).collect();
             for (k, &a) in contour.iter().enumerate() {
                 let b = contour[(k + 1) % contour.len()];
@@ -178,12 +227,20 @@ impl FlattenedContours {
                 }
             }
         }
+        for [a, b] in lines {
+            let (Some(a), Some(b)) = (corner(a), corner(b)) else {
+                continue;
+            };
+            if a != b && mesh.num_vertices() < most {
+                mesh.add_constraint_and_split(a, b, |p| p);
+            }
+        }
         mesh
     }
 
     /// The Delaunay triangulation of all corners.
-    fn delaunay(&self) -> Delaunay {
-        let points = self.contours.iter().flatten();
+    fn delaunay(&self, lines: &[[DVec2; 2]]) -> Delaunay {
+        let points = self.contours.iter().flatten().chain(lines.as_flattened());
         let corners: Vec<_> = points.map(|p| Point2::new(p.x, p.y)).collect();
         if corners.len() > MANY_CORNERS {
             // Inserting many corners in their order along a contour is the slowest order.
@@ -350,7 +407,7 @@ impl Strips {
 /// Merges triangles into simple polygons, which have each corner once.
 ///
 /// A large polygon can be divided into better patches than thin triangles.
-fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
+pub(super) fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
     let mut across = HashMap::new();
     for (t, corners) in triangles.iter().enumerate() {
         for k in 0..3 {

@@ -4,6 +4,7 @@
 //! lies in −1..=1; [`resolve`](PlacedExact::resolve) repeats it along the ray before rounding to
 //! `f32`.
 
+mod bevel;
 mod csg;
 mod leaf;
 mod line;
@@ -23,7 +24,9 @@ use crate::hit::ResolvedPoint;
 use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
-use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
+use azulejo_scene::rim::Rim;
+use azulejo_scene::{Bevel, BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
+use bevel::ExactBevel;
 use csg::{CsgNode, CsgNodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
 use leaf::{Boundary, ExactLeaf, LeafHit, Span};
@@ -142,14 +145,33 @@ impl ExactSolid {
     }
 }
 
-/// Figures prepared for rays, each once, shared by its prisms.
+/// Figures and bevels prepared for rays, each once, shared by their prisms.
 #[derive(Default)]
-pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
+pub(crate) struct Outlines {
+    outlines: HashMap<*const Figure, Arc<Outline>>,
+    rims: HashMap<*const Figure, Arc<Rim>>,
+    bevels: HashMap<(*const Figure, *const Bevel), Arc<ExactBevel>>,
+}
 
 impl Outlines {
     fn of(&mut self, figure: &Arc<Figure>) -> &Arc<Outline> {
         let prepare = || Arc::new(Outline::new(figure));
-        self.0.entry(Arc::as_ptr(figure)).or_insert_with(prepare)
+        self.outlines
+            .entry(Arc::as_ptr(figure))
+            .or_insert_with(prepare)
+    }
+
+    fn bevel_of(&mut self, figure: &Arc<Figure>, bevel: &Arc<Bevel>) -> Arc<ExactBevel> {
+        let (figure_key, bevel_key) = (Arc::as_ptr(figure), Arc::as_ptr(bevel));
+        let prepared = self
+            .bevels
+            .entry((figure_key, bevel_key))
+            .or_insert_with(|| {
+                let rim = self.rims.entry(figure_key);
+                let rim = rim.or_insert_with(|| Arc::new(Rim::new(figure)));
+                Arc::new(ExactBevel::new(Arc::clone(rim), **bevel))
+            });
+        Arc::clone(prepared)
     }
 
     /// The rectangle around a figure.
@@ -235,7 +257,9 @@ impl Preparation<'_> {
     fn prism(&mut self, prism: &Prism) -> ExactLeaf {
         let outline = Arc::clone(self.outlines.of(&prism.figure));
         let local_from_figure = self.frame.local_from_world() * prism.world_from_figure;
-        prism::ExactPrism::new(outline, local_from_figure)
+        let bevel = prism.bevel.as_ref();
+        let bevel = bevel.map(|bevel| self.outlines.bevel_of(&prism.figure, bevel));
+        prism::ExactPrism::new(outline, bevel, local_from_figure)
             .map_or(ExactLeaf::Nothing, ExactLeaf::Prism)
     }
 

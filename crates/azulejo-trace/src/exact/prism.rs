@@ -5,6 +5,7 @@
 //! lies between the two planes for one interval, over which its projection onto the figure's plane
 //! crosses the contours.
 
+use super::bevel::ExactBevel;
 use super::leaf::{Boundary, LeafHit, LeafPoint, Span, outward};
 use super::line::Line3;
 use super::outline::{Crossing, Line2, Outline};
@@ -18,12 +19,17 @@ pub(crate) struct ExactPrism {
     outline: Arc<Outline>,
     figure_from_local: DAffine3,
     local_from_figure: DAffine3,
+    bevel: Option<Arc<ExactBevel>>,
 }
 
 /// Part numbers: the figure's plane, the parallel one, then the curves.
 const FRONT: u32 = 0;
 const BACK: u32 = 1;
-const CURVES: u32 = 2;
+pub(super) const CURVES: u32 = 2;
+
+/// How far a hit moves at most when it is computed again, in the tracer's coordinates: many roundings of
+/// rays to `f32`.
+const REACH: f64 = 1e-5;
 
 /// A line in figure space.
 struct Passage {
@@ -115,30 +121,49 @@ fn at_plane(t: f64, part: u32, enters: bool) -> LeafHit {
 
 impl ExactPrism {
     /// `None` for a map that cannot be inverted in double precision.
-    pub(crate) fn new(outline: Arc<Outline>, local_from_figure: DAffine3) -> Option<ExactPrism> {
+    pub(crate) fn new(
+        outline: Arc<Outline>,
+        bevel: Option<Arc<ExactBevel>>,
+        local_from_figure: DAffine3,
+    ) -> Option<ExactPrism> {
         let figure_from_local = local_from_figure.inverse();
         let usable = local_from_figure.is_finite() && figure_from_local.is_finite();
         usable.then_some(ExactPrism {
             outline,
             figure_from_local,
             local_from_figure,
+            bevel,
         })
     }
 
     /// The first hit within `span`.
     pub(crate) fn first(&self, line: &Line3, span: Span) -> Option<LeafHit> {
-        let passage = Passage::new(&line.mapped(&self.figure_from_local))?;
+        let own = line.mapped(&self.figure_from_local);
+        let passage = Passage::new(&own)?;
         let within = passage.between.and(span)?;
         let nearest = self.nearest(&passage, within);
         let starts_inside = self.outline.rule.is_inside(nearest.winding);
-        if starts_inside && span.first <= passage.between.first {
+        let comes_in = starts_inside && span.first <= passage.between.first;
+        if let Some(bevel) = &self.bevel {
+            let entry = match &nearest.crossing {
+                _ if comes_in => Some(within.first),
+                Some(crossing) if !starts_inside => Some(passage.t(crossing, within)),
+                // Nothing of the prism without its bevel.
+                None if !starts_inside => return None,
+                _ => None,
+            };
+            if !entry.is_some_and(|t| bevel.keeps(own.at(t))) {
+                return self.first_of_all(&own, &passage, within, span);
+            }
+        }
+        if comes_in {
             return Some(at_plane(within.first, passage.planes[0], true));
         }
         if let Some(crossing) = &nearest.crossing {
             let is_inside = |winding| self.outline.rule.is_inside(winding);
             let is_boundary = is_inside(nearest.winding - crossing.sense) != starts_inside;
             if !is_boundary || nearest.second - crossing.s <= self.outline.sliver {
-                return self.first_of_all(&passage, within, span);
+                return self.first_of_all(&own, &passage, within, span);
             }
             let t = passage.t(crossing, within);
             return Some(at_curve(t, crossing, !starts_inside));
@@ -173,11 +198,17 @@ impl ExactPrism {
     }
 
     /// [`first`](ExactPrism::first) where not every crossing is a boundary because contours overlap
-    /// or coincide.
+    /// or coincide, or because of the bevel.
     #[cold]
-    fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<LeafHit> {
+    fn first_of_all(
+        &self,
+        own: &Line3,
+        passage: &Passage,
+        within: Span,
+        span: Span,
+    ) -> Option<LeafHit> {
         let mut first = None;
-        self.boundaries(passage, within, |hit| {
+        self.boundaries(own, passage, within, |hit| {
             // The ends of the range are hits only if they are on the planes.
             let is_plane = hit.part < CURVES;
             let comes_in = is_plane && hit.enters && span.first <= passage.between.first;
@@ -191,15 +222,35 @@ impl ExactPrism {
 
     /// All boundaries on the line, in order; an even number.
     pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
-        if let Some(passage) = Passage::new(&line.mapped(&self.figure_from_local)) {
-            self.boundaries(&passage, passage.between, |hit| {
+        let own = line.mapped(&self.figure_from_local);
+        if let Some(passage) = Passage::new(&own) {
+            self.boundaries(&own, &passage, passage.between, |hit| {
                 out.push(Boundary { hit, leaf });
             });
         }
     }
 
     /// The boundaries on the line within `within`, whose ends are boundaries if they are inside.
-    fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
+    fn boundaries(
+        &self,
+        own: &Line3,
+        passage: &Passage,
+        within: Span,
+        mut visit: impl FnMut(LeafHit),
+    ) {
+        let Some(bevel) = &self.bevel else {
+            return self.unbevelled(passage, within, visit);
+        };
+        let (mut entry, mut carved) = (None, Vec::new());
+        self.unbevelled(passage, within, |hit| match entry.take() {
+            None => entry = Some(hit),
+            Some(enter) => bevel.carve(own, [enter, hit], &mut carved),
+        });
+        carved.into_iter().for_each(&mut visit);
+    }
+
+    /// [`boundaries`](ExactPrism::boundaries) of the prism without its bevel.
+    fn unbevelled(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
         let range = passage.shadow_span(within);
         let mut crossings = Vec::new();
         let winding = self.outline.cross(&passage.shadow, range, |crossing| {
@@ -256,12 +307,19 @@ impl ExactPrism {
             let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
             return self.resolved(t, p.with_z(z), normal, [p.x, p.y]);
         }
+        if let Some(bevel) = &self.bevel {
+            let reach = REACH / line.direction.length();
+            if let Some(at) = bevel.resolve(&own, hit, reach) {
+                let p = own.at(at.t);
+                return self.resolved(at.t, p, at.normal, [at.parameter, p.z]);
+            }
+        }
         let points = *self.outline.curve(hit.part - CURVES);
         let across = d.truncate();
         let (t, parameter) = nearest_crossing(points, &own, hit);
         let curve = Segment::Cubic(points);
         let z = (o.z + t * d.z).clamp(0.0, 1.0);
-        let tangent = tangent(&curve, parameter);
+        let tangent = curve.tangent(parameter);
         let normal = DVec2::new(tangent.y, -tangent.x);
         let outward = if (normal.dot(across) < 0.0) == hit.enters {
             normal
@@ -307,14 +365,4 @@ fn nearest_crossing(points: [DVec2; 4], line: &Line3, hit: &LeafHit) -> (f64, f6
     let p = Segment::Cubic(points).at(t) - origin;
     let along = p.dot(across) / across.length_squared();
     (if along.is_finite() { along } else { hit.t }, t)
-}
-
-/// Direction of a curve, also where two control points coincide.
-fn tangent(curve: &Segment, t: f64) -> DVec2 {
-    let tangent = curve.derivative(t);
-    let size = (curve.end() - curve.start()).length();
-    if tangent.length() > 1e-12 * size {
-        return tangent;
-    }
-    curve.at((t + 1e-3).min(1.0)) - curve.at((t - 1e-3).max(0.0))
 }

@@ -21,6 +21,7 @@ fn letter(figure: &Arc<Figure>) -> Exact {
         figure: Arc::clone(figure),
         world_from_figure: DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.3)),
         material: 0,
+        bevel: None,
     })])
 }
 

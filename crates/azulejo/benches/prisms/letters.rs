@@ -148,6 +148,7 @@ impl Page {
                 world_from_figure: DAffine3::from_translation(pen.extend(0.0))
                     * DAffine3::from_scale(scale),
                 material: 0,
+                bevel: None,
             })
         };
         let exact = Exact::new(self.placed.iter().map(prism).collect());

@@ -98,6 +98,7 @@ fn prism(figures: Figures, materials: u32) -> impl Strategy<Value = Solid> {
                 figure: Arc::clone(figure.get(&figures)),
                 world_from_figure,
                 material,
+                bevel: None,
             })
         },
     )
@@ -113,6 +114,7 @@ fn text(figures: Figures, materials: u32) -> impl Strategy<Value = Vec<Solid>> {
                 figure: Arc::clone(figure.get(&figures)),
                 world_from_figure: frame.world_from_glyph(pen),
                 material,
+                bevel: None,
             })
         };
         glyphs.into_iter().map(prism).collect()
