@@ -15,6 +15,10 @@ use std::collections::HashMap;
 const MOST_STEPS: f64 = 64.0;
 /// Most times that a stretch of the medial axis is halved.
 const DEEPEST: u32 = 6;
+/// How near to the ends of sides the medial axis is looked for, as a share of their length.
+const NEAR_END: f64 = 0.02;
+/// Cosine of the turn below which a convex joint is a corner, to which the medial axis leads.
+const CORNER: f64 = 0.9;
 /// Lengths below this share of the inset are none.
 const SAME: f64 = 1e-9;
 
@@ -175,20 +179,38 @@ impl<'a> Terraces<'a> {
     /// Adds chords of the medial axis where it is nearer to the border than the bevel reaches.
     fn add_ridges(&self, lines: &mut Vec<[DVec2; 2]>) {
         for k in 0..self.sides.len() {
-            let ball = |t: f64| self.ball(k, t);
+            let [a, b] = self.sides[k];
+            let ball = |t: f64| self.ball(a + t * (b - a), self.inward(k));
             // Not at the ends themselves: where sides join smoothly, the balls there are those of the joint.
-            let [first, last] = [0.02, 0.98].map(ball);
-            self.add_ridge([first, last], [0.02, 0.98], &ball, DEEPEST, lines);
+            let [first, last] = [NEAR_END, 1.0 - NEAR_END].map(ball);
+            self.add_ridge(
+                [first, last],
+                [NEAR_END, 1.0 - NEAR_END],
+                &ball,
+                DEEPEST,
+                lines,
+            );
             if let Some(next) = self.next[k] {
-                let start = self.ball(next, 0.02);
-                let is_corner = self.inward(k).dot(self.inward(next)) < 0.9;
-                let corner = is_corner.then_some((self.sides[k][1], 0.0));
-                let way = [Some(last), corner, Some(start)];
-                let way: Vec<(DVec2, f64)> = way.into_iter().flatten().collect();
+                let way = self.ridge_about(k, next, last);
                 way.windows(2)
                     .for_each(|pair| self.join([pair[0], pair[1]], lines));
             }
         }
+    }
+
+    /// The balls from the last one of a side to the first one of the next: to a convex corner and back, or all about a
+    /// reflex one.
+    fn ridge_about(&self, side: usize, next: usize, last: (DVec2, f64)) -> Vec<(DVec2, f64)> {
+        let [corner, end] = self.sides[next];
+        let start = self.ball(corner + NEAR_END * (end - corner), self.inward(next));
+        let (from, to) = (self.inward(side), self.inward(next));
+        let between = if from.perp_dot(to) > 0.0 && from.dot(to) < CORNER {
+            vec![(corner, 0.0)]
+        } else {
+            let turns = self.fan(side, next, self.bevel.inset).into_iter();
+            turns.map(|inward| self.ball(corner, inward)).collect()
+        };
+        [vec![last], between, vec![start]].concat()
     }
 
     /// Adds a stretch of the medial axis between two balls of a side, divided until it hardly bends.
@@ -223,15 +245,13 @@ impl<'a> Terraces<'a> {
         }
     }
 
-    /// The largest disc inside that touches a side at a share of its length, no larger than the bevel reaches: centre and radius.
-    fn ball(&self, side: usize, share: f64) -> (DVec2, f64) {
-        let ([a, b], inward) = (self.sides[side], self.inward(side));
-        let touch = a + share * (b - a);
+    /// The largest disc inside that touches the border at a point, no larger than the bevel reaches: centre and
+    /// radius.
+    fn ball(&self, touch: DVec2, inward: DVec2) -> (DVec2, f64) {
         let mut radius = self.bevel.inset;
         for _ in 0..32 {
             let centre = touch + radius * inward;
-            let nearest = self.rim.nearest(centre, radius * (1.0 - SAME));
-            let Some(at) = nearest.filter(|at| at.piece as usize != side) else {
+            let Some(at) = self.rim.nearest(centre, radius * (1.0 - SAME)) else {
                 break;
             };
             let way = centre - at.distance * at.inward - touch;

@@ -1,5 +1,6 @@
 //! Plane figures as polygons.
 
+use super::builder::Weld;
 use crate::figure::{Rectangle, Segment};
 use crate::{Figure, FillRule};
 use glam::DVec2;
@@ -9,6 +10,8 @@ use std::collections::HashMap;
 
 /// Corners are rounded to this fraction of the figure's size, so that equal ones coincide.
 const GRID: f64 = 1.0 / (1u64 << 32) as f64;
+/// Ends of lines nearer than this fraction of the figure's size are one.
+const SAME: f64 = 1e-8;
 /// Curves join smoothly if the direction turns by less than 30° between them.
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Most crossings of contours, beside one per corner; further ones are not resolved.
@@ -67,7 +70,16 @@ impl FlatFigure {
         }
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
         let points: Vec<DVec2> = self.points.iter().map(|&p| round(p)).collect();
-        let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(round)).collect();
+        // Lines that end in one place would cross if rounding separated their ends.
+        let mut weld = Weld::new(SAME);
+        for p in &points {
+            weld.number(p.extend(0.0));
+        }
+        let mut welded = |p: DVec2| {
+            let number = weld.number(round(p).extend(0.0));
+            weld.positions[number as usize].truncate()
+        };
+        let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(&mut welded)).collect();
         let loops = self.loops().into_iter();
         let contours = loops.map(|ring| ring.into_iter().map(|k| points[k as usize]).collect());
         let outline = FlattenedContours {
@@ -208,8 +220,8 @@ impl FlattenedContours {
         self.contours.iter().flat_map(around)
     }
 
-    /// The Delaunay triangulation of all corners that has all contours and `lines` as edges, split
-    /// where they cross.
+    /// The Delaunay triangulation of all corners and of the ends of `lines`. It has all contours as edges, split where
+    /// they cross, and those lines that cross no others.
     fn triangulated(&self, lines: &[[DVec2; 2]]) -> Delaunay {
         let mut mesh = self.delaunay(lines);
         let corners: HashMap<_, FixedVertexHandle> = mesh
@@ -231,8 +243,9 @@ impl FlattenedContours {
             let (Some(a), Some(b)) = (corner(a), corner(b)) else {
                 continue;
             };
-            if a != b && mesh.num_vertices() < most {
-                mesh.add_constraint_and_split(a, b, |p| p);
+            // Two that cross come from rounding: their ends are points of the mesh in any case.
+            if a != b && mesh.can_add_constraint(a, b) {
+                mesh.add_constraint(a, b);
             }
         }
         mesh
