@@ -13,8 +13,9 @@ use std::collections::HashMap;
 
 /// Most steps of a profile.
 const MOST_STEPS: f64 = 64.0;
-/// Most times that a stretch of the medial axis is halved.
+/// Most times that a stretch of the medial axis is halved, but for figures of very many sides.
 const DEEPEST: u32 = 6;
+const MANY_SIDES: usize = 1 << 14;
 /// How near to the ends of sides the medial axis is looked for, as a share of their length.
 const NEAR_END: f64 = 0.02;
 /// Cosine of the turn below which a convex joint is a corner, to which the medial axis leads.
@@ -178,6 +179,11 @@ impl<'a> Terraces<'a> {
 
     /// Adds chords of the medial axis where it is nearer to the border than the bevel reaches.
     fn add_ridges(&self, lines: &mut Vec<[DVec2; 2]>) {
+        let depth = if self.sides.len() > MANY_SIDES {
+            1
+        } else {
+            DEEPEST
+        };
         for k in 0..self.sides.len() {
             let [a, b] = self.sides[k];
             let ball = |t: f64| self.ball(a + t * (b - a), self.inward(k));
@@ -187,7 +193,7 @@ impl<'a> Terraces<'a> {
                 [first, last],
                 [NEAR_END, 1.0 - NEAR_END],
                 &ball,
-                DEEPEST,
+                depth,
                 lines,
             );
             if let Some(next) = self.next[k] {

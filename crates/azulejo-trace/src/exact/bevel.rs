@@ -16,7 +16,6 @@ use super::prism::CURVES;
 use azulejo_scene::rim::{Rim, RimPiece, RimPoint};
 use azulejo_scene::{Bevel, BevelClimb};
 use glam::{DVec2, DVec3};
-use std::sync::Arc;
 
 /// Most evaluations of the distance on one stretch of a line: more than any but lines that lie in the surface need.
 const MOST_SAMPLES: u32 = 256;
@@ -30,7 +29,7 @@ const LAST_STEP: f64 = 1e-8;
 /// A bevel about a figure, prepared for rays.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactBevel {
-    rim: Arc<Rim>,
+    rim: Rim,
     bevel: Bevel,
 }
 
@@ -61,7 +60,7 @@ pub(super) struct BevelPoint {
 }
 
 impl ExactBevel {
-    pub fn new(rim: Arc<Rim>, bevel: Bevel) -> ExactBevel {
+    pub fn new(rim: Rim, bevel: Bevel) -> ExactBevel {
         ExactBevel { rim, bevel }
     }
 

@@ -24,13 +24,11 @@ use crate::hit::ResolvedPoint;
 use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
-use azulejo_scene::rim::Rim;
 use azulejo_scene::{Bevel, BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
-use bevel::ExactBevel;
 use csg::{CsgNode, CsgNodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
 use leaf::{Boundary, ExactLeaf, LeafHit, Span};
-use outline::Outline;
+use prism::PrismSection;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -145,38 +143,28 @@ impl ExactSolid {
     }
 }
 
-/// Figures and bevels prepared for rays, each once, shared by their prisms.
+/// Figures prepared for rays, each once with each of its bevels, shared by its prisms.
 #[derive(Default)]
 pub(crate) struct Outlines {
-    outlines: HashMap<*const Figure, Arc<Outline>>,
-    rims: HashMap<*const Figure, Arc<Rim>>,
-    bevels: HashMap<(*const Figure, *const Bevel), Arc<ExactBevel>>,
+    bounds: HashMap<*const Figure, Rectangle>,
+    sections: HashMap<SectionKey, Arc<PrismSection>>,
 }
 
-impl Outlines {
-    fn of(&mut self, figure: &Arc<Figure>) -> &Arc<Outline> {
-        let prepare = || Arc::new(Outline::new(figure));
-        self.outlines
-            .entry(Arc::as_ptr(figure))
-            .or_insert_with(prepare)
-    }
+/// A figure, and the bevel of a prism over it.
+type SectionKey = (*const Figure, Option<*const Bevel>);
 
-    fn bevel_of(&mut self, figure: &Arc<Figure>, bevel: &Arc<Bevel>) -> Arc<ExactBevel> {
-        let (figure_key, bevel_key) = (Arc::as_ptr(figure), Arc::as_ptr(bevel));
-        let prepared = self
-            .bevels
-            .entry((figure_key, bevel_key))
-            .or_insert_with(|| {
-                let rim = self.rims.entry(figure_key);
-                let rim = rim.or_insert_with(|| Arc::new(Rim::new(figure)));
-                Arc::new(ExactBevel::new(Arc::clone(rim), **bevel))
-            });
-        Arc::clone(prepared)
+impl Outlines {
+    fn of(&mut self, prism: &Prism) -> Arc<PrismSection> {
+        let bevel = prism.bevel.as_ref();
+        let key = (Arc::as_ptr(&prism.figure), bevel.map(Arc::as_ptr));
+        let prepare = || Arc::new(PrismSection::new(prism));
+        Arc::clone(self.sections.entry(key).or_insert_with(prepare))
     }
 
     /// The rectangle around a figure.
     pub(crate) fn bounds(&mut self, figure: &Arc<Figure>) -> Rectangle {
-        self.of(figure).bounds
+        let known = self.bounds.entry(Arc::as_ptr(figure));
+        *known.or_insert_with(|| figure.bounds())
     }
 }
 
@@ -255,11 +243,9 @@ impl Preparation<'_> {
     }
 
     fn prism(&mut self, prism: &Prism) -> ExactLeaf {
-        let outline = Arc::clone(self.outlines.of(&prism.figure));
+        let section = self.outlines.of(prism);
         let local_from_figure = self.frame.local_from_world() * prism.world_from_figure;
-        let bevel = prism.bevel.as_ref();
-        let bevel = bevel.map(|bevel| self.outlines.bevel_of(&prism.figure, bevel));
-        prism::ExactPrism::new(outline, bevel, local_from_figure)
+        prism::ExactPrism::new(section, local_from_figure)
             .map_or(ExactLeaf::Nothing, ExactLeaf::Prism)
     }
 

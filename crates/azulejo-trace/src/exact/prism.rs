@@ -9,17 +9,35 @@ use super::bevel::ExactBevel;
 use super::leaf::{Boundary, LeafHit, LeafPoint, Span, outward};
 use super::line::Line3;
 use super::outline::{Crossing, Line2, Outline};
+use azulejo_scene::Prism;
 use azulejo_scene::figure::{Segment, bernstein, bernstein_slope};
+use azulejo_scene::rim::Rim;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// A prism prepared for rays.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactPrism {
-    outline: Arc<Outline>,
+    section: Arc<PrismSection>,
     figure_from_local: DAffine3,
     local_from_figure: DAffine3,
-    bevel: Option<Arc<ExactBevel>>,
+}
+
+/// What prisms of one figure and one bevel share.
+#[derive(Debug)]
+pub(crate) struct PrismSection {
+    outline: Outline,
+    bevel: Option<ExactBevel>,
+}
+
+impl PrismSection {
+    pub(crate) fn new(prism: &Prism) -> PrismSection {
+        let bevel = prism.bevel.as_deref();
+        PrismSection {
+            outline: Outline::new(&prism.figure),
+            bevel: bevel.map(|b| ExactBevel::new(Rim::new(&prism.figure), *b)),
+        }
+    }
 }
 
 /// Part numbers: the figure's plane, the parallel one, then the curves.
@@ -122,17 +140,15 @@ fn at_plane(t: f64, part: u32, enters: bool) -> LeafHit {
 impl ExactPrism {
     /// `None` for a map that cannot be inverted in double precision.
     pub(crate) fn new(
-        outline: Arc<Outline>,
-        bevel: Option<Arc<ExactBevel>>,
+        section: Arc<PrismSection>,
         local_from_figure: DAffine3,
     ) -> Option<ExactPrism> {
         let figure_from_local = local_from_figure.inverse();
         let usable = local_from_figure.is_finite() && figure_from_local.is_finite();
         usable.then_some(ExactPrism {
-            outline,
+            section,
             figure_from_local,
             local_from_figure,
-            bevel,
         })
     }
 
@@ -142,9 +158,9 @@ impl ExactPrism {
         let passage = Passage::new(&own)?;
         let within = passage.between.and(span)?;
         let nearest = self.nearest(&passage, within);
-        let starts_inside = self.outline.rule.is_inside(nearest.winding);
+        let starts_inside = self.section.outline.rule.is_inside(nearest.winding);
         let comes_in = starts_inside && span.first <= passage.between.first;
-        if let Some(bevel) = &self.bevel {
+        if let Some(bevel) = &self.section.bevel {
             let entry = match &nearest.crossing {
                 _ if comes_in => Some(within.first),
                 Some(crossing) if !starts_inside => Some(passage.t(crossing, within)),
@@ -160,9 +176,9 @@ impl ExactPrism {
             return Some(at_plane(within.first, passage.planes[0], true));
         }
         if let Some(crossing) = &nearest.crossing {
-            let is_inside = |winding| self.outline.rule.is_inside(winding);
+            let is_inside = |winding| self.section.outline.rule.is_inside(winding);
             let is_boundary = is_inside(nearest.winding - crossing.sense) != starts_inside;
-            if !is_boundary || nearest.second - crossing.s <= self.outline.sliver {
+            if !is_boundary || nearest.second - crossing.s <= self.section.outline.sliver {
                 return self.first_of_all(&own, &passage, within, span);
             }
             let t = passage.t(crossing, within);
@@ -182,15 +198,18 @@ impl ExactPrism {
             second: f64::INFINITY,
         };
         let mut first = f64::INFINITY;
-        nearest.winding = self.outline.cross(&passage.shadow, [s0, s1], |crossing| {
-            if crossing.s < first {
-                (nearest.second, first) = (first, crossing.s);
-                nearest.crossing = Some(crossing);
-            } else {
-                nearest.second = nearest.second.min(crossing.s);
-            }
-            Some(s1.min(first + self.outline.sliver))
-        });
+        nearest.winding = self
+            .section
+            .outline
+            .cross(&passage.shadow, [s0, s1], |crossing| {
+                if crossing.s < first {
+                    (nearest.second, first) = (first, crossing.s);
+                    nearest.crossing = Some(crossing);
+                } else {
+                    nearest.second = nearest.second.min(crossing.s);
+                }
+                Some(s1.min(first + self.section.outline.sliver))
+            });
         if passage.speed == 0.0 {
             nearest.crossing = None;
         }
@@ -238,7 +257,7 @@ impl ExactPrism {
         within: Span,
         mut visit: impl FnMut(LeafHit),
     ) {
-        let Some(bevel) = &self.bevel else {
+        let Some(bevel) = &self.section.bevel else {
             return self.unbevelled(passage, within, visit);
         };
         let (mut entry, mut carved) = (None, Vec::new());
@@ -253,15 +272,18 @@ impl ExactPrism {
     fn unbevelled(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
         let range = passage.shadow_span(within);
         let mut crossings = Vec::new();
-        let winding = self.outline.cross(&passage.shadow, range, |crossing| {
-            crossings.push(crossing);
-            Some(range[1])
-        });
+        let winding = self
+            .section
+            .outline
+            .cross(&passage.shadow, range, |crossing| {
+                crossings.push(crossing);
+                Some(range[1])
+            });
         if passage.speed == 0.0 {
             crossings.clear();
         }
         crossings.sort_by(|a, b| a.s.total_cmp(&b.s));
-        let mut inside = self.outline.rule.is_inside(winding);
+        let mut inside = self.section.outline.rule.is_inside(winding);
         if inside {
             visit(at_plane(within.first, passage.planes[0], true));
         }
@@ -276,7 +298,7 @@ impl ExactPrism {
 
     /// The crossings that enter or leave, except for pairs with nothing between them.
     fn changes<'a>(&self, mut winding: i32, crossings: &'a [Crossing]) -> Vec<&'a Crossing> {
-        let rule = self.outline.rule;
+        let rule = self.section.outline.rule;
         let mut changes: Vec<&Crossing> = Vec::with_capacity(crossings.len());
         for crossing in crossings {
             let was_inside = rule.is_inside(winding);
@@ -285,7 +307,7 @@ impl ExactPrism {
                 continue;
             }
             let last = changes.last();
-            if last.is_some_and(|l| crossing.s - l.s <= self.outline.sliver) {
+            if last.is_some_and(|l| crossing.s - l.s <= self.section.outline.sliver) {
                 changes.pop();
             } else {
                 changes.push(crossing);
@@ -307,14 +329,14 @@ impl ExactPrism {
             let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
             return self.resolved(t, p.with_z(z), normal, [p.x, p.y]);
         }
-        if let Some(bevel) = &self.bevel {
+        if let Some(bevel) = &self.section.bevel {
             let reach = REACH / line.direction.length();
             if let Some(at) = bevel.resolve(&own, hit, reach) {
                 let p = own.at(at.t);
                 return self.resolved(at.t, p, at.normal, [at.parameter, p.z]);
             }
         }
-        let points = *self.outline.curve(hit.part - CURVES);
+        let points = *self.section.outline.curve(hit.part - CURVES);
         let across = d.truncate();
         let (t, parameter) = nearest_crossing(points, &own, hit);
         let curve = Segment::Cubic(points);

@@ -292,3 +292,61 @@ pub(crate) fn prism_emitters(scene: &Scene) -> Vec<PrismEmitter<'_>> {
     }
     emitters
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Bevel, BevelEnds, BevelProfile, Exact, Rgb};
+    use glam::DAffine3;
+    use std::sync::Arc;
+
+    /// The mean of one over the density is the area, that of the polygons.
+    #[test]
+    fn samples_of_bevelled_letters_count_for_their_area() {
+        let corners = [
+            (0.0, 0.0),
+            (0.7, 0.0),
+            (0.7, 0.2),
+            (0.25, 0.2),
+            (0.3, 0.8),
+            (0.1, 1.0),
+            (0.0, 1.0),
+        ];
+        let figure = Arc::new(Figure::polygon(corners.map(DVec2::from)));
+        let material = Material::emitter("lamp", Rgb::WHITE);
+        for profile in [BevelProfile::Chamfer, BevelProfile::Round] {
+            for (inset, depth, ends) in [
+                (0.05, 0.2, BevelEnds::Front),
+                (0.05, 0.5, BevelEnds::Both),
+                (0.3, 0.4, BevelEnds::Both),
+            ] {
+                let bevel = Bevel {
+                    profile,
+                    inset,
+                    depth,
+                    ends,
+                };
+                let prism = Prism {
+                    figure: Arc::clone(&figure),
+                    world_from_figure: DAffine3::from_scale(DVec3::new(2.0, 1.5, 0.3)),
+                    material: 0,
+                    bevel: Some(Arc::new(bevel)),
+                };
+                let emitter = PrismEmitter::new((0, 0), &prism, &material).unwrap();
+                let side = 500;
+                let at = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
+                let each = (0..side * side).filter_map(|k| {
+                    // Along the surface as finely as possible: all of it depends on the first number.
+                    let first = (at(k % side) + f64::from(k / side)) / f64::from(side);
+                    emitter.point((first, (f64::from(k) * 0.618_033_988_75).fract()))
+                });
+                let area = each.map(|p| p.area).sum::<f64>() / f64::from(side * side);
+                let polygons = Exact::new(vec![Solid::Prism(prism.clone())]).areas(1e-5)[&0];
+                assert!(
+                    (area / polygons - 1.0).abs() < 0.005,
+                    "{bevel:?}: {area} {polygons}"
+                );
+            }
+        }
+    }
+}

@@ -16,7 +16,6 @@ const ENDS: [(&str, BevelEnds); 2] = [("front", BevelEnds::Front), ("both", Beve
 impl<'a> GrfParser<'a, '_, '_> {
     /// `bevel = chamfer` or `round`, with `bevel_size`, its inset and its depth, and `bevel_ends`.
     pub fn take_bevel(&mut self, entries: &mut GrfEntries<'a>) -> Taken<Arc<Bevel>> {
-        let offset = entries.offset;
         let Some(profile) = self.take_choice(entries, "bevel", &PROFILES)? else {
             return Ok(None);
         };
@@ -28,19 +27,20 @@ impl<'a> GrfParser<'a, '_, '_> {
         let &[inset, depth] = &numbers[..] else {
             return Err(self.wrong(&size, "two numbers"));
         };
-        let ends = ends.unwrap_or(BevelEnds::Front);
         let bevel = Bevel {
             profile,
             inset,
             depth,
-            ends,
+            ends: ends.unwrap_or(BevelEnds::Front),
         };
         if bevel.is_valid() {
             return Ok(Some(Arc::new(bevel)));
         }
-        let found = format!("{} with a bevel of size {inset} {depth}", entries.title);
-        let expected = "an inset above 0, in units of the figure, and a depth above 0 and at most 1, or 0.5 at both ends";
-        Err(self.fail(offset, found, expected))
+        Err(self.fail(
+            size.offset,
+            format!("a bevel of size {inset} {depth}"),
+            "an inset above 0, and a depth above 0 and at most 1, or 0.5 with `bevel_ends = both`",
+        ))
     }
 }
 
