@@ -235,6 +235,7 @@ impl TextFrame {
             figure: Arc::clone(&glyph.figure),
             world_from_figure,
             material,
+            bevel: None,
         })
     }
 
