@@ -7,7 +7,7 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 5600),
+    ("azulejo", 5620),
     ("azulejo-bake", 5600),
     ("azulejo-cli", 24_700),
     ("azulejo-exchange", 8350),
