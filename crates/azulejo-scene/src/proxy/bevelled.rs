@@ -20,8 +20,8 @@ const MANY_SIDES: usize = 1 << 14;
 const NEAR_END: f64 = 0.02;
 /// Cosine of the turn below which a convex joint is a corner, to which the medial axis leads.
 const CORNER: f64 = 0.9;
-/// Lengths below this share of the inset are none.
-const SAME: f64 = 1e-9;
+/// Lengths below this share of the inset are none: more than the rounding of the flat figure.
+const SAME: f64 = 1e-6;
 
 /// The front of a bevelled prism, as a graph over its figure.
 pub(super) struct BevelledFigure {

@@ -77,6 +77,15 @@ impl RimPiece {
         first + parameter * (last - first)
     }
 
+    /// The point at a parameter on the piece; at its ends exactly those.
+    pub fn point(&self, parameter: f64) -> DVec2 {
+        match parameter {
+            0.0 => self.segment.start(),
+            1.0 => self.segment.end(),
+            _ => self.segment.at(parameter),
+        }
+    }
+
     /// The parameter on the piece at one on the whole curve, clamped to 0..=1.
     pub fn parameter(&self, on_curve: f64) -> f64 {
         let [first, last] = self.range;
@@ -96,7 +105,7 @@ impl RimPiece {
             return;
         }
         let parameter = nearest_parameter(&self.segment, point);
-        let way = point - self.segment.at(parameter);
+        let way = point - self.point(parameter);
         let distance = way.length();
         if distance > *reach {
             return;

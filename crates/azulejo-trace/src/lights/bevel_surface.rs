@@ -121,7 +121,7 @@ impl<'a> BevelSurface<'a> {
         let share = self.bevel.profile.share(climb.at(p.z).clamp(0.0, 1.0));
         let piece = &self.rim.pieces[nearest.piece as usize];
         let across = nearest.inward.dot(piece.inward(nearest.parameter));
-        let corner = piece.segment.at(nearest.parameter);
+        let corner = piece.point(nearest.parameter);
         let corner = self.corners.iter().position(|c| *c == corner);
         let (within, along) = match corner.filter(|_| across < 1.0 - SAME * SAME) {
             Some(corner) => {
