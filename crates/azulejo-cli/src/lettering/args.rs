@@ -228,6 +228,10 @@ pub struct ExtrudeArgs {
     /// Raise the front of each shape by this over that of the one painted before it, in scene units
     #[arg(long, value_name = "STEP", value_parser = values::positive, allow_hyphen_values = true)]
     pub layers: Option<f64>,
+    /// Font of all texts in the drawing: TrueType, OpenType or Type 1 [default: those that it names, of the
+    /// system's]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub font: Option<PathBuf>,
     /// Length of one unit of the drawing, in scene units
     #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
           allow_hyphen_values = true)]

@@ -20,7 +20,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("text", 18),
     ("font convert", 4),
     ("font sheet", 4),
-    ("extrude", 12),
+    ("extrude", 13),
     ("brdf list", 0),
     ("brdf eval", 2),
     ("brdf plot", 5),

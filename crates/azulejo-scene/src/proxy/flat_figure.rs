@@ -1,7 +1,7 @@
 //! Plane figures as polygons.
 
+use crate::Figure;
 use crate::figure::Segment;
-use crate::{Figure, FillRule};
 use glam::DVec2;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -16,7 +16,7 @@ const MOST_CROSSINGS: usize = 1 << 14;
 /// Contours with more corners are simplified within the tolerance.
 const MANY_CORNERS: usize = 1 << 12;
 
-type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+pub(super) type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// A figure as polygons.
 #[derive(Default)]
@@ -29,6 +29,27 @@ pub(crate) struct FlatFigure {
     pub border: Vec<[u32; 2]>,
     /// Whether the border is smooth at each point.
     pub is_smooth: Vec<bool>,
+}
+
+/// A plane figure as polygons.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tiling {
+    /// Corners, all on the border of the figure.
+    pub points: Vec<DVec2>,
+    /// Simple polygons without holes that tile the inside, counter-clockwise, as indices of `points`.
+    pub rings: Vec<Vec<u32>>,
+}
+
+impl Figure {
+    /// The inside as polygons whose edges deviate from the curves by at most `tolerance`, > 0, in the units of the
+    /// figure, or twice that where a contour has thousands of curves. Contours may cross and overlap.
+    pub fn tiling(&self, tolerance: f64) -> Tiling {
+        let flat = FlatFigure::new(self, tolerance);
+        Tiling {
+            points: flat.points,
+            rings: flat.tiles.into_iter().map(|tile| tile.ring).collect(),
+        }
+    }
 }
 
 /// A simple polygon.
@@ -56,16 +77,20 @@ impl FlatFigure {
         let mut outline = FlattenedContours::new(figure, tolerance, round);
         outline.simplify(tolerance / size);
         let mesh = outline.triangulated();
-        let inside = outline.inside(&mesh, figure.rule);
+        let strips = Strips::new(outline.edges().collect());
+        let inside = outline.inside(&mesh, |p| figure.rule.is_inside(strips.winding(p)));
         let mut flat = FlatFigure::default();
-        flat.collect(&mesh, &inside, &outline);
+        let triangles = flat.collect(&mesh, &inside);
+        flat.is_smooth = flat.points.iter().map(|p| outline.is_smooth(*p)).collect();
+        flat.tiles = tiles(&triangles);
         for p in &mut flat.points {
             *p = origin + size * *p;
         }
         flat
     }
 
-    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
+    /// Adds the border of the faces that are inside, and their corners. Returns them as triangles.
+    pub(super) fn collect(&mut self, mesh: &Delaunay, inside: &[bool]) -> Vec<[u32; 3]> {
         let mut number = HashMap::new();
         let mut triangles = Vec::new();
         for face in mesh.inner_faces().filter(|f| inside[f.fix().index()]) {
@@ -83,8 +108,7 @@ impl FlatFigure {
                 }
             }
         }
-        self.is_smooth = self.points.iter().map(|p| outline.is_smooth(*p)).collect();
-        self.tiles = tiles(&triangles);
+        triangles
     }
 }
 
@@ -95,14 +119,15 @@ fn extent(figure: &Figure) -> (DVec2, f64) {
 }
 
 /// Flattened contours, rounded, in units of the figure's size.
-struct FlattenedContours {
-    contours: Vec<Vec<DVec2>>,
+#[derive(Default)]
+pub(super) struct FlattenedContours {
+    pub contours: Vec<Vec<DVec2>>,
     /// Whether the curves are smooth at a corner.
     smooth: HashMap<[u64; 2], bool>,
 }
 
 /// Positions as keys.
-fn key(p: DVec2) -> [u64; 2] {
+pub(super) fn key(p: DVec2) -> [u64; 2] {
     // Adding zero turns −0 into 0.
     [p.x + 0.0, p.y + 0.0].map(f64::to_bits)
 }
@@ -161,7 +186,7 @@ impl FlattenedContours {
 
     /// The Delaunay triangulation of all corners that has all contours as edges, split where
     /// they cross.
-    fn triangulated(&self) -> Delaunay {
+    pub fn triangulated(&self) -> Delaunay {
         let mut mesh = self.delaunay();
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
@@ -197,10 +222,9 @@ impl FlattenedContours {
         mesh
     }
 
-    /// Whether each face of the triangulation is inside. Connected faces that no contour separates
-    /// are tested once.
-    fn inside(&self, mesh: &Delaunay, rule: FillRule) -> Vec<bool> {
-        let strips = Strips::new(self.edges().collect());
+    /// Whether each face of the triangulation is inside, as `is_inside` says of a point in it. Connected faces that
+    /// no contour separates are tested once.
+    pub fn inside(&self, mesh: &Delaunay, is_inside: impl Fn(DVec2) -> bool) -> Vec<bool> {
         // Faces number from 0, the outer one included.
         let mut inside = vec![false; mesh.num_all_faces()];
         let mut seen = inside.clone();
@@ -229,7 +253,7 @@ impl FlattenedContours {
                     }
                 }
             }
-            let is_inside = rule.is_inside(strips.winding(point(widest.1)));
+            let is_inside = is_inside(point(widest.1));
             part.iter().for_each(|f| inside[f.index()] = is_inside);
         }
         inside
@@ -285,7 +309,7 @@ fn is_smooth(before: &Segment, after: &Segment) -> bool {
 }
 
 /// Edges sorted into horizontal strips, for winding numbers.
-struct Strips {
+pub(super) struct Strips {
     edges: Vec<[DVec2; 2]>,
     low: f64,
     height: f64,
@@ -293,7 +317,7 @@ struct Strips {
 }
 
 impl Strips {
-    fn new(edges: Vec<[DVec2; 2]>) -> Strips {
+    pub fn new(edges: Vec<[DVec2; 2]>) -> Strips {
         let heights = || edges.iter().map(|e| e[0].y);
         let low = heights().fold(f64::INFINITY, f64::min);
         let high = heights().fold(f64::NEG_INFINITY, f64::max);
@@ -334,9 +358,14 @@ impl Strips {
         self.edges.iter().map(reach).sum()
     }
 
+    /// The edges near a height, by their numbers.
+    pub fn at(&self, y: f64) -> &[u32] {
+        &self.lists[self.strip(y, self.lists.len())]
+    }
+
     /// The winding number of the edges about a point.
-    fn winding(&self, p: DVec2) -> i32 {
-        let list = &self.lists[self.strip(p.y, self.lists.len())];
+    pub fn winding(&self, p: DVec2) -> i32 {
+        let list = self.at(p.y);
         let turn = |&k: &u32| {
             let [a, b] = self.edges[k as usize];
             let up = i32::from(b.y > p.y) - i32::from(a.y > p.y);

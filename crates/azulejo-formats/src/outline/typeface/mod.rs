@@ -7,6 +7,7 @@
 
 mod convert;
 mod face;
+mod metrics;
 mod names;
 mod overlap;
 mod set;
