@@ -214,7 +214,7 @@ pub struct FontPart {
 /// `extrude`
 #[derive(Debug, Args)]
 pub struct ExtrudeArgs {
-    /// Filled and stroked shapes of an SVG, or outlines of a DXF drawing
+    /// Filled and stroked shapes and texts of an SVG, or outlines and texts of a DXF drawing
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply

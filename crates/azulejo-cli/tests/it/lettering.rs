@@ -259,11 +259,7 @@ fn texts_of_drawings_become_solid() {
          0\nTEXT\n8\nwords\n1\nA\n40\n7\n0\nENDSEC\n0\nEOF\n",
     );
     let flat = folder.ok("extrude plate.dxf --depth 2 --font tiny.ttf -o plate.glb");
-    assert!(
-        flat.err.contains("--layers STEP raises"),
-        "{}",
-        flat.err
-    );
+    assert!(flat.err.contains("--layers STEP raises"), "{}", flat.err);
     let line = "extrude plate.dxf --depth 2 --font tiny.ttf --layers 1 -o plate.glb";
     check(
         bounds(&folder.json(line)),

@@ -37,14 +37,14 @@ pub(super) struct TextFonts {
 
 /// Contours to the right of a point on their baseline.
 #[derive(Clone, Default)]
-struct Block {
+struct LetterBlock {
     contours: Vec<Contour>,
     width: f64,
 }
 
-impl Block {
+impl LetterBlock {
     /// Adds another at a place.
-    fn add(&mut self, other: Block, at: DVec2) {
+    fn add(&mut self, other: LetterBlock, at: DVec2) {
         let mut figure = Figure {
             contours: other.contours,
             ..Figure::default()
@@ -78,18 +78,23 @@ fn unicode(value: Value<'_>) -> Cow<'_, str> {
     }
 }
 
-/// A font for a family or a file: those of strokes (.shx) and unknown ones are replaced by one without serifs.
+/// A font for a family or a file. Fonts of strokes (.shx) and unknown ones are replaced by one with serifs, with letters
+/// of one width, or neither, by how AutoCAD and Windows name theirs.
 fn request(family: &str, [is_bold, is_italic]: [bool; 2]) -> FontRequest {
-    let name = family.rsplit_once('.').map_or(family, |(stem, _)| stem);
-    let families = [family, name].map(str::to_owned).into_iter();
+    let stem = family.rsplit_once('.').map_or(family, |(stem, _)| stem);
+    let name = stem.to_lowercase();
+    let generic = match &*name {
+        name if name.starts_with("times") || name.starts_with("roman") => "serif",
+        name if name.starts_with("cour") || name.starts_with("mono") => "monospace",
+        _ => "sans-serif",
+    };
+    let families = [family, stem, generic]
+        .into_iter()
+        .filter(|f| !f.is_empty());
     FontRequest {
         weight: if is_bold { 700 } else { 400 },
         is_italic,
-        ..FontRequest::regular(
-            families
-                .filter(|f| !f.is_empty())
-                .chain(["sans-serif".to_owned()]),
-        )
+        ..FontRequest::regular(families)
     }
 }
 
@@ -135,10 +140,10 @@ impl FigureReader<'_> {
             ..LetterStyle::default()
         };
         let said = decoded_codes(&record.find(1).map_or(Cow::default(), unicode));
-        let Some(mut block) = self.letters(&said, &style, &font, record.offset)? else {
+        let Some(block) = self.letters(&said, &style, &font, record.offset)? else {
             return Ok(());
         };
-        let placed = TextPlace::of(record, &mut block, &style);
+        let placed = text_map(record, &block, &style);
         let plane = DMat2::from_cols(plane.x_axis.truncate(), plane.y_axis.truncate());
         self.place(record, block, DAffine2::from_mat2(plane) * placed)
     }
@@ -178,12 +183,12 @@ impl FigureReader<'_> {
         record: &Record,
         tokens: Vec<Token>,
         font: &TextFont,
-    ) -> Result<Vec<(f64, Block)>, ReadError> {
+    ) -> Result<Vec<(f64, LetterBlock)>, ReadError> {
         let limit = record.real(41, 0.0);
-        let (mut lines, mut line) = (Vec::new(), Block::default());
+        let (mut lines, mut line) = (Vec::new(), LetterBlock::default());
         let (mut height, mut pen) = (0.0_f64, 0.0);
         // Letters since the last blank, and the blank before them.
-        let (mut word, mut blank) = (Block::default(), 0.0);
+        let (mut word, mut blank) = (LetterBlock::default(), 0.0);
         let mut tokens = tokens.into_iter().chain([Token::Break]).peekable();
         while let Some(token) = tokens.next() {
             let is_last = matches!(tokens.peek(), None | Some(Token::Blank(_) | Token::Break));
@@ -197,7 +202,7 @@ impl FigureReader<'_> {
                         continue;
                     }
                     if limit > 0.0 && pen > 0.0 && pen + blank + word.width > limit * (1.0 + 1e-9) {
-                        lines.push((text.style.height, std::mem::take(&mut line)));
+                        lines.push((height, std::mem::take(&mut line)));
                         (pen, blank) = (0.0, 0.0);
                     }
                     let word = std::mem::take(&mut word);
@@ -225,7 +230,7 @@ impl FigureReader<'_> {
         text: &StyledText,
         font: &TextFont,
         offset: usize,
-    ) -> Result<Block, ReadError> {
+    ) -> Result<LetterBlock, ReadError> {
         let [above, below] = match &text.texts[..] {
             [above, below] => [above, below],
             texts => {
@@ -237,7 +242,7 @@ impl FigureReader<'_> {
             height: STACKED * text.style.height,
             ..text.style.clone()
         };
-        let mut stack = Block::default();
+        let mut stack = LetterBlock::default();
         for (said, rise) in [(above, 0.6), (below, -0.4)] {
             let letters = self.letters(said, &style, font, offset)?;
             let at = DVec2::new(0.0, rise * text.style.height);
@@ -253,7 +258,7 @@ impl FigureReader<'_> {
         style: &LetterStyle,
         font: &TextFont,
         offset: usize,
-    ) -> Result<Option<Block>, ReadError> {
+    ) -> Result<Option<LetterBlock>, ReadError> {
         let request = match &style.font {
             Some((family, looks)) => request(family, *looks),
             None => request(&font.file, [false; 2]),
@@ -273,7 +278,7 @@ impl FigureReader<'_> {
         let across = DVec2::new(em * style.width, 0.0);
         let lean = style.oblique.clamp(-STEEPEST, STEEPEST).to_radians().tan();
         let map = DMat2::from_cols(across, DVec2::new(em * lean, em));
-        let mut block = Block::default();
+        let mut block = LetterBlock::default();
         for glyph in &set.line.glyphs {
             self.spend(glyph.figure.curve_count())?;
             let outline = self.fonts.outline(&glyph.figure);
@@ -286,7 +291,7 @@ impl FigureReader<'_> {
         Ok(Some(block))
     }
 
-    fn place(&mut self, record: &Record, block: Block, map: DAffine2) -> ReadResult {
+    fn place(&mut self, record: &Record, block: LetterBlock, map: DAffine2) -> ReadResult {
         let mut figure = Figure {
             contours: block.contours,
             ..Figure::default()
@@ -323,53 +328,48 @@ impl TextFonts {
     }
 }
 
-/// How a line of TEXT is put into its plane.
-struct TextPlace;
-
-impl TextPlace {
-    /// From its own coordinates. Text that is fitted between two points is stretched.
-    fn of(record: &Record, block: &mut Block, style: &LetterStyle) -> DAffine2 {
-        const ALIGNED: i64 = 3;
-        const MIDDLE: i64 = 4;
-        const FIT: i64 = 5;
-        const BACKWARD: i64 = 2;
-        const UPSIDE_DOWN: i64 = 4;
-        let [first, second] = [10, 11].map(|code| record.point(code).truncate());
-        let vertical = if record.kind == b"TEXT" { 73 } else { 74 };
-        let (across, up) = (record.integer(72, 0), record.integer(vertical, 0));
-        let mut angle = record.real(50, 0.0).to_radians();
-        let flags = record.integer(71, 0);
-        let mut scale = DVec2::new(
-            if flags & BACKWARD != 0 { -1.0 } else { 1.0 },
-            if flags & UPSIDE_DOWN != 0 { -1.0 } else { 1.0 },
-        );
-        let is_fitted = matches!(across, ALIGNED | FIT);
-        let along = second - first;
-        if is_fitted && along != DVec2::ZERO && block.width > 0.0 {
-            angle = along.to_angle();
-            let stretch = along.length() / block.width;
-            scale *= DVec2::new(stretch, if across == ALIGNED { stretch } else { 1.0 });
-        }
-        let x = match across {
-            1 | MIDDLE => 0.5 * block.width,
-            2 => block.width,
-            _ => 0.0,
-        };
-        let y = match up {
-            2 => 0.5 * style.height,
-            3 => style.height,
-            _ if across == MIDDLE => 0.5 * style.height,
-            _ => 0.0,
-        };
-        let is_second = !is_fitted && (across, up) != (0, 0);
-        let at = if is_second { second } else { first };
-        DAffine2::from_scale_angle_translation(scale, angle, at)
-            * DAffine2::from_translation(DVec2::new(-x, -y))
+/// The plane of a line of TEXT from its letters, which begin at 0. Text that is fitted between two points is stretched.
+fn text_map(record: &Record, block: &LetterBlock, style: &LetterStyle) -> DAffine2 {
+    const ALIGNED: i64 = 3;
+    const MIDDLE: i64 = 4;
+    const FIT: i64 = 5;
+    const BACKWARD: i64 = 2;
+    const UPSIDE_DOWN: i64 = 4;
+    let [first, second] = [10, 11].map(|code| record.point(code).truncate());
+    let vertical = if record.kind == b"TEXT" { 73 } else { 74 };
+    let (across, up) = (record.integer(72, 0), record.integer(vertical, 0));
+    let mut angle = record.real(50, 0.0).to_radians();
+    let flags = record.integer(71, 0);
+    let mut scale = DVec2::new(
+        if flags & BACKWARD != 0 { -1.0 } else { 1.0 },
+        if flags & UPSIDE_DOWN != 0 { -1.0 } else { 1.0 },
+    );
+    let is_fitted = matches!(across, ALIGNED | FIT);
+    let along = second - first;
+    if is_fitted && along != DVec2::ZERO && block.width > 0.0 {
+        angle = along.to_angle();
+        let stretch = along.length() / block.width;
+        scale *= DVec2::new(stretch, if across == ALIGNED { stretch } else { 1.0 });
     }
+    let x = match across {
+        1 | MIDDLE => 0.5 * block.width,
+        2 => block.width,
+        _ => 0.0,
+    };
+    let y = match up {
+        2 => 0.5 * style.height,
+        3 => style.height,
+        _ if across == MIDDLE => 0.5 * style.height,
+        _ => 0.0,
+    };
+    let is_second = !is_fitted && (across, up) != (0, 0);
+    let at = if is_second { second } else { first };
+    DAffine2::from_scale_angle_translation(scale, angle, at)
+        * DAffine2::from_translation(DVec2::new(-x, -y))
 }
 
 /// Lines below each other around their point of attachment.
-fn stacked(lines: Vec<(f64, Block)>, record: &Record, height: f64) -> Block {
+fn stacked(lines: Vec<(f64, LetterBlock)>, record: &Record, height: f64) -> LetterBlock {
     let attachment = record.integer(71, 1).clamp(1, 9) - 1;
     let (column, row) = (attachment % 3, attachment / 3);
     let spacing = record.real(44, 1.0) * LINE_SPACING;
@@ -383,7 +383,7 @@ fn stacked(lines: Vec<(f64, Block)>, record: &Record, height: f64) -> Block {
     }
     let bottom = baselines.last().copied().unwrap_or(0.0);
     let rise = [0.0, -0.5 * bottom, -bottom][row as usize];
-    let mut all = Block::default();
+    let mut all = LetterBlock::default();
     for ((_, line), baseline) in lines.into_iter().zip(baselines) {
         let shift = -0.5 * column as f64 * line.width;
         all.add(line, DVec2::new(shift, baseline + rise));

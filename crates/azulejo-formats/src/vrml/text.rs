@@ -119,7 +119,7 @@ pub(super) struct FlatText {
 }
 
 /// One string in ems: along +x from 0, or along ±y from 0.
-struct Strip {
+struct TextStrip {
     glyphs: Vec<PlacedGlyph>,
     /// Its extent along itself.
     length: f64,
@@ -173,7 +173,7 @@ impl VrmlSceneBuilder<'_> {
             let strip = strip(&mut self.letters, string, style);
             let (strip, message) = match strip {
                 Ok((strip, remark)) => (strip, Some(remark)),
-                Err(message) => (Strip::blank(), Some(message)),
+                Err(message) => (TextStrip::blank(), Some(message)),
             };
             strips.push(strip);
             if let Some(message) = message.filter(|_| !string.is_empty()) {
@@ -209,7 +209,7 @@ fn strip(
     letters: &mut Letters,
     string: &str,
     style: &TextStyle,
-) -> Result<(Strip, String), String> {
+) -> Result<(TextStrip, String), String> {
     if style.is_horizontal {
         let backwards: String;
         let text = if style.left_to_right {
@@ -220,9 +220,9 @@ fn strip(
         };
         let set = letters.set(text, &style.request, 0.0)?;
         let remark = set.remark(&style.request);
-        return Ok((Strip::line(set), remark));
+        return Ok((TextStrip::line(set), remark));
     }
-    let mut column = Strip::blank();
+    let mut column = TextStrip::blank();
     let mut remark = String::new();
     for letter in string.chars() {
         let set = letters.set(letter.encode_utf8(&mut [0; 4]), &style.request, 0.0)?;
@@ -232,17 +232,17 @@ fn strip(
     Ok((column, remark))
 }
 
-impl Strip {
-    fn blank() -> Strip {
-        Strip {
+impl TextStrip {
+    fn blank() -> TextStrip {
+        TextStrip {
             glyphs: Vec::new(),
             length: 0.0,
             reach: [0.0; 2],
         }
     }
 
-    fn line(set: TextLine) -> Strip {
-        Strip {
+    fn line(set: TextLine) -> TextStrip {
+        TextStrip {
             length: set.line.advance,
             reach: [set.face.descent, set.face.ascent],
             glyphs: set.line.glyphs,
@@ -292,7 +292,7 @@ fn scaled(figure: &Figure, scale: DVec2) -> Figure {
 }
 
 /// Where the strings go, in ems.
-fn shifts(strips: &[Strip], style: &TextStyle) -> Vec<DVec2> {
+fn shifts(strips: &[TextStrip], style: &TextStyle) -> Vec<DVec2> {
     // Lines follow each other downwards or upwards, columns to the left or to the right.
     let descends = if style.is_horizontal {
         style.top_to_bottom
@@ -314,7 +314,7 @@ fn shifts(strips: &[Strip], style: &TextStyle) -> Vec<DVec2> {
     let first = if style.is_horizontal { 0.0 } else { begin };
     let [major, minor] = style.justify;
     let minor = minor.shift(begin, end, first);
-    let along = |strip: &Strip| {
+    let along = |strip: &TextStrip| {
         // Lines are set from 0 to the right, whichever way they run; columns run away from 0.
         let (begin, end) = match style.is_horizontal {
             true if style.left_to_right => (0.0, strip.length),
@@ -324,7 +324,7 @@ fn shifts(strips: &[Strip], style: &TextStyle) -> Vec<DVec2> {
         };
         major.shift(begin, end, begin)
     };
-    let place = |(k, strip): (usize, &Strip)| {
+    let place = |(k, strip): (usize, &TextStrip)| {
         let (major, minor) = (along(strip), across(k) + minor);
         if style.is_horizontal {
             DVec2::new(major, minor)

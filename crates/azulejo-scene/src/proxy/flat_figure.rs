@@ -119,9 +119,8 @@ fn extent(figure: &Figure) -> (DVec2, f64) {
 }
 
 /// Flattened contours, rounded, in units of the figure's size.
-#[derive(Default)]
-pub(super) struct FlattenedContours {
-    pub contours: Vec<Vec<DVec2>>,
+struct FlattenedContours {
+    contours: Vec<Vec<DVec2>>,
     /// Whether the curves are smooth at a corner.
     smooth: HashMap<[u64; 2], bool>,
 }
@@ -132,7 +131,7 @@ pub(super) fn key(p: DVec2) -> [u64; 2] {
     [p.x + 0.0, p.y + 0.0].map(f64::to_bits)
 }
 
-fn point(p: Point2<f64>) -> DVec2 {
+pub(super) fn point(p: Point2<f64>) -> DVec2 {
     DVec2::new(p.x, p.y)
 }
 
@@ -186,7 +185,7 @@ impl FlattenedContours {
 
     /// The Delaunay triangulation of all corners that has all contours as edges, split where
     /// they cross.
-    pub fn triangulated(&self) -> Delaunay {
+    fn triangulated(&self) -> Delaunay {
         let mut mesh = self.delaunay();
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
@@ -224,7 +223,7 @@ impl FlattenedContours {
 
     /// Whether each face of the triangulation is inside, as `is_inside` says of a point in it. Connected faces that
     /// no contour separates are tested once.
-    pub fn inside(&self, mesh: &Delaunay, is_inside: impl Fn(DVec2) -> bool) -> Vec<bool> {
+    fn inside(&self, mesh: &Delaunay, is_inside: impl Fn(DVec2) -> bool) -> Vec<bool> {
         // Faces number from 0, the outer one included.
         let mut inside = vec![false; mesh.num_all_faces()];
         let mut seen = inside.clone();
@@ -356,6 +355,11 @@ impl Strips {
             a.abs_diff(b) + 1
         };
         self.edges.iter().map(reach).sum()
+    }
+
+    /// Numbers of edges that are at similar heights.
+    pub fn lists(&self) -> &[Vec<u32>] {
+        &self.lists
     }
 
     /// The edges near a height, by their numbers.

@@ -8,6 +8,7 @@
 //! | `facet` | the faces of prisms, primitives, patches and meshes |
 //! | `cut` | set operations on faces |
 //! | `triangle_pair` | intersection of two triangles |
+//! | `uncrossed` | edges divided where they cross |
 //! | `builder` | the mesh under construction |
 
 mod areas;
@@ -19,6 +20,7 @@ mod flat_figure;
 #[cfg(test)]
 mod tests;
 mod triangle_pair;
+mod uncrossed;
 
 pub(crate) use flat_figure::FlatFigure;
 pub use flat_figure::Tiling;

@@ -3,7 +3,7 @@
 //! Offsets of curves by kurbo (Levien, *Cleaner parallel curves with Euler spirals*, 2021).
 
 use super::style::StrokeStyle;
-use super::values::{LARGEST, Units, numbers};
+use super::values::{LARGEST, LengthUnits, numbers};
 use crate::outline::pen::Pen;
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Figure, FillRule};
@@ -44,7 +44,7 @@ pub(super) fn stroked(
     figure: &Figure,
     style: &StrokeStyle,
     pen: &Stroke,
-    units: &Units,
+    units: &LengthUnits,
 ) -> Result<Figure, StrokeProblem> {
     let path = path(element, figure, units).ok_or(StrokeProblem::NoCurve)?;
     let bounds = path.bounding_box();
@@ -94,7 +94,7 @@ fn dashed(path: BezPath, style: &StrokeStyle, accuracy: f64) -> Result<BezPath, 
 }
 
 /// The path of a shape: what is open stays so.
-fn path(element: Node, figure: &Figure, units: &Units) -> Option<BezPath> {
+fn path(element: Node, figure: &Figure, units: &LengthUnits) -> Option<BezPath> {
     let mut path = BezPath::new();
     match element.tag_name().name() {
         "path" => {

@@ -1,7 +1,7 @@
 //! The properties by which an element is painted, and their inheritance.
 
 use super::style_sheet::StyleSheet;
-use super::values::{Units, color};
+use super::values::{LengthUnits, color};
 use crate::FontRequest;
 use azulejo_scene::{FillRule, Rgb};
 use glam::DVec2;
@@ -22,7 +22,7 @@ pub(super) struct Style {
     /// How its outline is painted.
     pub stroke: StrokeStyle,
     /// Its letters.
-    pub letters: LetterStyle,
+    pub letters: FontProperties,
     /// Whether it is visible.
     pub is_visible: bool,
     /// The value of `currentColor`.
@@ -31,7 +31,7 @@ pub(super) struct Style {
 
 /// How letters look, and where lines of them are.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct LetterStyle {
+pub(super) struct FontProperties {
     /// Length of an em, user units.
     pub size: f64,
     /// Which part of a line is at its place: 0 its start, 1 its end.
@@ -43,7 +43,7 @@ pub(super) struct LetterStyle {
     is_italic: bool,
 }
 
-impl LetterStyle {
+impl FontProperties {
     /// The font.
     pub fn request(&self) -> FontRequest {
         FontRequest {
@@ -53,7 +53,7 @@ impl LetterStyle {
         }
     }
 
-    fn set(&mut self, name: &str, value: &str, units: &Units) {
+    fn set(&mut self, name: &str, value: &str, units: &LengthUnits) {
         match (name, value) {
             ("font", value) => {
                 let Ok(font) = FontShorthand::from_str(value) else {
@@ -147,7 +147,7 @@ impl StrokeStyle {
         (self.paint != Paint::None && self.width > 0.0).then_some(stroke)
     }
 
-    fn set(&mut self, name: &str, value: &str, units: &Units, current: Paint) {
+    fn set(&mut self, name: &str, value: &str, units: &LengthUnits, current: Paint) {
         match (name, value) {
             ("stroke", value) => self.paint = paint(value, current),
             ("stroke-width", value) => {
@@ -175,7 +175,7 @@ impl StrokeStyle {
 }
 
 /// The lengths of a list, twice if they are odd; none if one is negative, malformed, or all are 0.
-fn dashes(value: &str, units: &Units) -> Rc<[f64]> {
+fn dashes(value: &str, units: &LengthUnits) -> Rc<[f64]> {
     let parts = value
         .split([',', ' ', '\t', '\n'])
         .filter(|part| !part.is_empty());
@@ -213,7 +213,15 @@ pub(super) struct OwnStyle {
 
 impl OwnStyle {
     fn set(&mut self, name: &str, value: &str) {
-        const IGNORED: [&str; 3] = ["mask", "filter", "vector-effect"];
+        const IGNORED: [&str; 7] = [
+            "mask",
+            "filter",
+            "vector-effect",
+            "marker",
+            "marker-start",
+            "marker-mid",
+            "marker-end",
+        ];
         match (name, value) {
             ("clip-path", "none") => self.clip = None,
             ("clip-path", value) => self.clip = Some(value.to_owned()),
@@ -241,7 +249,7 @@ impl Default for Style {
                 cap: Cap::Butt,
                 miter_limit: 4.0,
             },
-            letters: LetterStyle {
+            letters: FontProperties {
                 size: 16.0,
                 anchor: 0.0,
                 spacing: 0.0,
@@ -257,8 +265,8 @@ impl Default for Style {
 
 impl Style {
     /// What relative lengths refer to, in a viewport of this size.
-    pub fn units(&self, view: DVec2) -> Units {
-        Units {
+    pub fn units(&self, view: DVec2) -> LengthUnits {
+        LengthUnits {
             view,
             em: self.letters.size,
         }
@@ -304,7 +312,7 @@ impl Style {
         is_displayed.then_some((self, own))
     }
 
-    fn set(&mut self, name: &str, value: &str, units: &Units) {
+    fn set(&mut self, name: &str, value: &str, units: &LengthUnits) {
         match (name, value) {
             ("color", value) => self.current = paint(value, self.current),
             ("fill", value) => self.fill = paint(value, self.current),

@@ -89,7 +89,10 @@ fn matters(name: &str) -> bool {
         "text-anchor",
     ];
     let is_of_group = |group: &str| name.starts_with(group);
-    NAMES.contains(&name) || is_of_group("stroke") || is_of_group("font-")
+    NAMES.contains(&name)
+        || ["stroke", "font-", "marker", "vector-effect"]
+            .into_iter()
+            .any(is_of_group)
 }
 
 /// Whether a selector is a single name.

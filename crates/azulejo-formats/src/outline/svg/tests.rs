@@ -225,6 +225,7 @@ fn left_out_elements_are_reported() {
         "style='clip-path:circle(3px)'",
         "clip-path that names no element: not applied",
     );
+    check_clip("style='marker-end:url(#m)'", "marker-end: not applied");
     check_clip("mask='url(#m)'", "mask: not applied");
     check_clip("style='filter:url(#m)'", "filter: not applied");
     check_clip(

@@ -32,7 +32,7 @@ struct Letter {
 
 /// The lists of an element, of which each letter takes one value.
 #[derive(Default)]
-struct Lists {
+struct LetterLists {
     x: VecDeque<f64>,
     y: VecDeque<f64>,
     dx: VecDeque<f64>,
@@ -58,7 +58,7 @@ struct LetterReader {
 }
 
 /// Letters in a row that are set together, from where the row before ended.
-struct Row {
+struct LetterRow {
     set: TextLine,
     first: usize,
     /// Length in user units, with the space after its last letter.
@@ -105,7 +105,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         style: Style,
         site: &PendingElement<'a, 'i>,
         reader: &mut LetterReader,
-        lists: &mut Vec<Lists>,
+        lists: &mut Vec<LetterLists>,
         path: Option<usize>,
     ) -> Result<(), ReadError> {
         const XML: &str = "http://www.w3.org/XML/1998/namespace";
@@ -137,7 +137,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             parts.map_while(|part| units.length(name, part)).collect()
         };
         let turns = NumberListParser::from(element.attribute("rotate").unwrap_or(""));
-        lists.push(Lists {
+        lists.push(LetterLists {
             x: lengths("x"),
             y: lengths("y"),
             dx: lengths("dx"),
@@ -282,7 +282,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         reader: &LetterReader,
         letters: std::ops::Range<usize>,
         site: &PendingElement<'a, 'i>,
-    ) -> Option<Vec<Row>> {
+    ) -> Option<Vec<LetterRow>> {
         let mut rows = Vec::new();
         let mut start = letters.start;
         while start < letters.end {
@@ -312,7 +312,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             if !text.trim().is_empty() {
                 self.warn(set.remark(&request), site.element);
             }
-            rows.push(Row {
+            rows.push(LetterRow {
                 advance: style.size * set.line.advance + style.spacing,
                 set,
                 first: start,
@@ -344,7 +344,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
 
 impl LetterReader {
     /// Adds the characters of a text. Blanks are as in CSS: several are one, unless the document keeps them.
-    fn add(&mut self, text: &str, style: usize, lists: &mut [Lists], path: Option<usize>) {
+    fn add(&mut self, text: &str, style: usize, lists: &mut [LetterLists], path: Option<usize>) {
         for character in text.chars() {
             let character = if matches!(character, '\n' | '\t' | '\r') {
                 ' '
@@ -356,7 +356,7 @@ impl LetterReader {
                 continue;
             }
             // The innermost element with a value for a letter decides, but each of them counts the letter.
-            let mut take = |list: fn(&mut Lists) -> &mut VecDeque<f64>| {
+            let mut take = |list: fn(&mut LetterLists) -> &mut VecDeque<f64>| {
                 let values = lists.iter_mut().map(|l| list(l).pop_front());
                 values.fold(None, |outer, own: Option<f64>| own.or(outer))
             };
@@ -387,7 +387,7 @@ impl LetterReader {
     }
 }
 
-impl Row {
+impl LetterRow {
     /// The letters as one figure in the coordinates of their text, y down: from a pen, or along a path, on which the
     /// pen's x is how far it is from the start.
     fn figure(&self, size: f64, turn: f64, pen: DVec2, path: Option<&TextPath>) -> Figure {

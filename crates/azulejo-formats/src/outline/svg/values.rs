@@ -42,14 +42,14 @@ pub(super) fn length(text: &str) -> Option<(f64, bool)> {
 
 /// What relative lengths refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Units {
+pub(super) struct LengthUnits {
     /// The size of the nearest viewport, user units.
     pub view: DVec2,
     /// The size of the font, user units.
     pub em: f64,
 }
 
-impl Units {
+impl LengthUnits {
     /// The value of an attribute or property, whose name says which side of the viewport per cents are of.
     pub fn length(&self, name: &str, text: &str) -> Option<f64> {
         if let Some((value, _)) = length(text) {
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn relative_lengths_are_of_the_viewport_or_the_font() {
-        let units = Units {
+        let units = LengthUnits {
             view: DVec2::new(300.0, 400.0),
             em: 20.0,
         };

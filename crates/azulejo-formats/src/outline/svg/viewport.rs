@@ -1,6 +1,6 @@
 //! Viewports: the element `svg` at the root and inside, and `symbol`.
 
-use super::values::{Units, length, numbers};
+use super::values::{LengthUnits, length, numbers};
 use glam::{DAffine2, DVec2};
 use roxmltree::Node;
 use svgtypes::{Align, AspectRatio};
@@ -116,7 +116,11 @@ pub(super) struct InnerView {
 
 /// The view of an inner element, at its x and y. `size` is what a `use` says of its width and height. `None` if it shows
 /// nothing: SVG 2, 8.2.
-pub(super) fn inner(element: Node, size: [Option<&str>; 2], units: &Units) -> Option<InnerView> {
+pub(super) fn inner(
+    element: Node,
+    size: [Option<&str>; 2],
+    units: &LengthUnits,
+) -> Option<InnerView> {
     let side = |name: &str, own: Option<&str>, whole: f64| {
         let text = own.or(element.attribute(name));
         text.map_or(Some(whole), |text| match text.trim() {

@@ -6,7 +6,7 @@ use super::shapes;
 use super::stroke::{self, StrokeProblem};
 use super::style::{OwnStyle, Paint, Style};
 use super::style_sheet::StyleSheet;
-use super::values::{Units, transform};
+use super::values::{LengthUnits, transform};
 use super::viewport;
 use crate::outline::drawing::{Drawing, Filled};
 #[cfg(feature = "fonts")]
@@ -109,7 +109,7 @@ pub(super) struct PendingElement<'a, 'i> {
 
 impl PendingElement<'_, '_> {
     /// What its relative lengths refer to.
-    pub fn units(&self) -> Units {
+    pub fn units(&self) -> LengthUnits {
         self.style.units(self.view)
     }
 }
@@ -178,7 +178,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
     }
 
     /// The element's own transform, and its x and y if it is a `use`.
-    fn own_transform(&mut self, element: Node, units: &Units) -> DAffine2 {
+    fn own_transform(&mut self, element: Node, units: &LengthUnits) -> DAffine2 {
         let map = match element.attribute("transform").map(transform) {
             None => DAffine2::IDENTITY,
             Some(Some(map)) => map,
