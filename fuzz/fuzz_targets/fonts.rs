@@ -1,8 +1,8 @@
-//! Any bytes as a typeface, and text set in it: what is converted must be written and read.
+//! Any bytes as a typeface, packed or not, and text set in it: what is converted must be written and read.
 #![no_main]
 
 use azulejo_formats::outline::ppf;
-use azulejo_formats::outline::typeface::Typeface;
+use azulejo_formats::outline::typeface::{FontFace, Layout, Setting, StyledText, Typeface, vary};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -19,4 +19,13 @@ fuzz_target!(|bytes: &[u8]| {
         let (read, _) = ppf::read(&font, "again.ppf").expect("what is written is read");
         assert_eq!(read, converted.font);
     }
+    let (_, _) = (typeface.features(), typeface.instance());
+    let mut fonts = [FontFace::Typeface(typeface)];
+    let _ = vary(&mut fonts, &["wght=500".parse().expect("an axis and its value")]);
+    let layout = Layout {
+        spacing: 0.0,
+        width: Some(2.0),
+    };
+    let text = StyledText::plain("AVo 😀 ab");
+    let _ = Setting::new(&fonts, &[]).paragraph(text, &layout);
 });

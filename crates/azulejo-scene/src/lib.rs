@@ -22,6 +22,7 @@
 //! ```
 
 mod backplate;
+mod bevel;
 pub mod brdf;
 mod camera;
 mod containment;
@@ -51,6 +52,7 @@ mod proxy;
 pub mod quadrature;
 pub mod random;
 mod rgb;
+pub mod rim;
 mod rounding;
 pub mod rtrace;
 mod scene;
@@ -70,6 +72,7 @@ mod units;
 mod validate;
 
 pub use backplate::{Backplate, BackplateFit};
+pub use bevel::{Bevel, BevelClimb, BevelEnds, BevelProfile};
 pub use brdf::Brdf;
 pub use camera::Camera;
 pub use coordinates::{CoordinateDigits, CoordinateRounding, PositionHistory};
@@ -96,7 +99,7 @@ pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use surface_maps::{
     FinishMaps, IrradiancePicture, NumberMap, NumberPicture, PictureChannel, Relief, ReliefKind,
 };
-pub use text::{Align, Encoding, Font, Glyph, Line, PlacedGlyph, TextError, TextFrame};
+pub use text::{Align, Encoding, Font, Glyph, Letter, Line, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
 pub use triangulate::MOST_FACE_CORNERS;
 pub use units::{Units, Up};

@@ -1,7 +1,8 @@
 //! Arguments of `text`, `font` and `extrude`.
 
-use super::values::{self, Characters};
+use super::values::{self, Characters, Edge};
 use crate::values::{number, vector};
+use azulejo_formats::outline::typeface::{AxisValue, FontFeature};
 use azulejo_scene::{Align, Rgb};
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
@@ -10,7 +11,7 @@ use std::path::PathBuf;
 /// `text`
 #[derive(Debug, Args)]
 pub struct TextArgs {
-    /// The text; \n starts a new line, `-` reads standard input
+    /// The text; \n starts a new line, {size=1.5 color=#c00|words} differ from the rest, `-` reads standard input
     #[arg(
         value_name = "TEXT",
         required_unless_present = "file",
@@ -31,29 +32,35 @@ pub struct TextArgs {
     #[command(flatten)]
     pub solid: SolidArgs,
     #[command(flatten)]
+    pub edge: EdgeArgs,
+    #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
     pub surface: SurfaceArgs,
 }
 
-/// The font.
+/// The fonts.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Font")]
 pub struct TypefaceArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
-    #[arg(long, visible_alias = "ppf", value_name = "FILE", required = true,
+    /// Font files: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1, with the .afm beside it), or RTRACE's .ppf. What the first lacks is taken from the next
+    #[arg(long, visible_alias = "ppf", value_name = "FILE,...", required = true,
           value_hint = ValueHint::FilePath)]
-    pub font: PathBuf,
-    /// Encoding of a .ppf font (.ppe) [default: Adobe's glyph names]
+    pub font: Vec<PathBuf>,
+    /// Encoding of .ppf fonts (.ppe) [default: Adobe's glyph names]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub encoding: Option<PathBuf>,
-    /// Index of the face in a collection (.ttc)
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub face: u32,
+    /// Values on the axes of variable fonts, as in wght=650,wdth=80 [default: those of the font]
+    #[arg(long, value_name = "AXIS=VALUE,...", value_delimiter = ',')]
+    pub variation: Vec<AxisValue>,
+    /// OpenType features to switch, as in smcp,ss01,liga=0
+    #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
+    pub features: Vec<FontFeature>,
 }
 
 /// The layout of lines.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Debug, Args)]
 #[command(next_help_heading = "Lines")]
 pub struct LinesArgs {
     /// Additional space between letters, in ems
@@ -67,6 +74,12 @@ pub struct LinesArgs {
     /// Alignment of lines
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = AlignName::Left)]
     pub align: AlignName,
+    /// Break lines that would be longer than this, in scene units
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub width: Option<f64>,
+    /// Set the text along the first path of an SVG drawing, whose units are those of the scene
+    #[arg(long, value_name = "SVG", conflicts_with = "width", value_hint = ValueHint::FilePath)]
+    pub path: Option<PathBuf>,
 }
 
 /// Alignment of lines.
@@ -79,13 +92,15 @@ pub enum AlignName {
     Center,
     /// Lines end at it
     Right,
+    /// Lines fill the width or the path, those at the ends of paragraphs excepted
+    Justify,
 }
 
 impl AlignName {
     /// The alignment as the library takes it.
     pub fn align(self) -> Align {
         match self {
-            AlignName::Left => Align::Left,
+            AlignName::Left | AlignName::Justify => Align::Left,
             AlignName::Center => Align::Center,
             AlignName::Right => Align::Right,
         }
@@ -104,6 +119,16 @@ pub struct SolidArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: Option<f64>,
+}
+
+/// The edges of solids.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Size")]
+pub struct EdgeArgs {
+    /// Round the edges about the front, or cut them off: `0.02` or `round:0.02`, `chamfer:0.02`, with `:both` also
+    /// those about the back
+    #[arg(long, value_name = "[PROFILE:]RADIUS[:both]", value_parser = values::edge)]
+    pub bevel: Option<Edge>,
 }
 
 /// The position of the front plane, and the direction of extrusion.
@@ -168,7 +193,8 @@ pub enum FontCommand {
 /// `font convert`
 #[derive(Debug, Args)]
 pub struct FontConvertArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
     /// Output file for the outlines (.ppf); `-` is standard output
@@ -184,7 +210,8 @@ pub struct FontConvertArgs {
 /// `font sheet`
 #[derive(Debug, Args)]
 pub struct FontSheetArgs {
-    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    /// Font file: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
+    /// .t1), or RTRACE's .ppf
     #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
     pub font: PathBuf,
     /// Output image (.png); `-` is standard output
@@ -206,9 +233,6 @@ pub struct FontPart {
     /// which is always used completely
     #[arg(long, value_name = "RANGES", default_value = "latin1", value_parser = values::characters)]
     pub characters: Characters,
-    /// Index of the face in a collection (.ttc)
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub face: u32,
 }
 
 /// `extrude`
@@ -237,6 +261,8 @@ pub struct ExtrudeArgs {
           allow_hyphen_values = true)]
     pub scale: f64,
     #[command(flatten)]
+    pub edge: EdgeArgs,
+    #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
     pub surface: SurfaceArgs,
@@ -246,7 +272,12 @@ pub const TEXT_EXAMPLES: &str = "\
 Examples:
   azulejo text \"Iluminación global\" --font Serif.ttf -o title.grf
   azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --depth 0.1 --color '#2a5caa' -o a.glb
-  fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf";
+  azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --bevel 0.02 -o soft.grf
+  fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf
+  azulejo text \"שלום 123 abc\" --font Latin.ttf,Hebrew.ttf --features smcp -o mixed.glb
+  azulejo text --file poem.txt --font Serif.woff2 --width 12 --align justify -o poem.grf
+  azulejo text \"Sale {size=2 color=#c00|50%}\" --font Sans.ttf --variation wght=700 -o sale.glb
+  azulejo text \"around the world\" --font Sans.ttf --path circle.svg --align center -o ring.grf";
 
 pub const FONT_EXAMPLES: &str = "\
 Examples:
@@ -267,4 +298,5 @@ pub const EXTRUDE_EXAMPLES: &str = "\
 Examples:
   azulejo extrude logo.svg --depth 2 -o logo.grf
   azulejo extrude badge.svg --depth 2 --layers 0.3 -o badge.glb
+  azulejo extrude plate.svg --depth 5 --bevel chamfer:0.5:both -o plate.stl
   azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb";

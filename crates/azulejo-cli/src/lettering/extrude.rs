@@ -23,9 +23,6 @@ const POINTS: usize = 64;
 /// Most tests of a point with a curve: a second's work.
 const MOST_TESTS: usize = 50_000_000;
 
-/// How far the backs of layers are apart, as a share of the distance of their fronts.
-const BACKS: f64 = 1e-3;
-
 /// Runs `extrude`.
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check(&args.output)?;
@@ -52,7 +49,7 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
         .clone()
         .unwrap_or_else(|| stem.into_owned());
     let metres = drawing.metres_per_unit;
-    let (materials, prisms) = extruded(drawing, args, &name);
+    let (materials, prisms) = extruded(drawing, args, &name)?;
     let mut scene = solid::scene(&name, materials, prisms)?;
     scene.units.metres_per_unit = metres.map(|m| m / args.scale).filter(|m| m.is_normal());
     solid::write(&scene, &output, &args.output, session)
@@ -94,17 +91,19 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
 }
 
 /// A prism for each figure, and a material for each colour.
-fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>, Vec<Prism>) {
+fn extruded(
+    drawing: Drawing,
+    args: &ExtrudeArgs,
+    name: &str,
+) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
     let step = args.layers.unwrap_or(0.0);
+    let front = args.frame.frame(args.scale, args.depth);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();
     for (k, shape) in drawing.shapes.into_iter().enumerate() {
-        // Fronts rise, and backs are a little apart, as equal planes would be one face in two colours.
         let rise = k as f64 * step;
-        let depth = args.depth + rise * (1.0 - BACKS);
-        let frame = args.frame.frame(args.scale, depth);
-        let mut world_from_figure = frame.world_from_glyph(DVec2::ZERO);
-        world_from_figure.translation -= rise / depth * world_from_figure.matrix3.z_axis;
+        let frame = front.raised(rise / args.depth);
+        let world_from_figure = frame.world_from_glyph(DVec2::ZERO);
         let own = args.surface.color.or(shape.color);
         let color = own.unwrap_or(Rgb::grey(0.7));
         let known = colors.iter().position(|c| *c == color);
@@ -116,6 +115,7 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
             figure: Arc::new(shape.figure),
             world_from_figure,
             material: material as MaterialId,
+            bevel: args.edge.bevel(args.scale, args.depth + rise)?,
         });
     }
     let material = |(i, color): (usize, &Rgb)| match i {
@@ -123,5 +123,5 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
         _ => args.surface.material(&format!("{name} {}", i + 1), *color),
     };
     let materials = colors.iter().enumerate().map(material).collect();
-    (materials, prisms)
+    Ok((materials, prisms))
 }

@@ -52,7 +52,7 @@ pub fn converted(
     part: &FontPart,
     session: &mut Session,
 ) -> Result<Converted, Failure> {
-    let converted = match FontFile::read(path, part.face, session)? {
+    let converted = match FontFile::read(path, session)? {
         FontFile::Ppf(font) => Converted {
             encoding: encoding_of(&font),
             font,

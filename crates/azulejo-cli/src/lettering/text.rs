@@ -1,30 +1,96 @@
 //! `text`: converts a string to solid letters.
 
 use super::args::TextArgs;
-use super::{solid, typeface};
+use super::typeface::Fonts;
+use super::{solid, typeface, values};
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
 use azulejo::models::ModelOutput;
 use azulejo::models::read_bytes;
-use azulejo_scene::Rgb;
+use azulejo_formats::outline::typeface::StyledText;
+use azulejo_scene::{Material, MaterialId, PlacedGlyph, Prism, Rgb, TextFrame};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// Largest length of a text; letters share their outlines, but each has its own prism.
 const LONGEST: usize = 1 << 20;
 
+/// By how much the front of each layer of a letter lies before that below it, as a share of the depth, and how far all of
+/// them may reach.
+const STEP: f64 = 0.05;
+const HIGHEST: f64 = 0.5;
+
 /// Runs `text`.
 pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
-    let text = text(args)?;
-    let glyphs = typeface::set(&text, &args.typeface, &args.lines, session)?;
-    let (size, depth) = (args.solid.size, args.solid.depth);
-    let frame = args.frame.frame(size, depth.unwrap_or(0.25 * size));
-    let name = args.surface.name.clone().unwrap_or_else(|| title(&text));
-    let material = args.surface.material(&name, Rgb::grey(0.7));
-    let scene = solid::scene(&name, vec![material], frame.prisms(&glyphs, 0))?;
-    solid::write(&scene, &output, &args.output, session)
+    let text = StyledText::parse(&text(args)?, values::reflectance).map_err(Failure::failed)?;
+    let fonts = Fonts::read(&args.typeface, session)?;
+    let glyphs = typeface::set(&text, &fonts, args, session)?;
+    let depth = args.solid.depth.unwrap_or(0.25 * args.solid.size);
+    let frame = args.frame.frame(args.solid.size, depth);
+    let name = args
+        .surface
+        .name
+        .clone()
+        .unwrap_or_else(|| title(&text.text));
+    let (materials, prisms) = extruded(&glyphs, &frame, depth, args, &name)?;
+    let scene = solid::scene(&name, materials, prisms)?;
+    let mut report = solid::write(&scene, &output, &args.output, session)?;
+    report.value("fonts", fonts.instances.clone());
+    for instance in fonts.instances {
+        report.line("variable font", instance);
+    }
+    Ok(report)
+}
+
+/// A prism of this depth for each glyph, and a material for each colour.
+fn extruded(
+    glyphs: &[PlacedGlyph],
+    frame: &TextFrame,
+    depth: f64,
+    args: &TextArgs,
+    name: &str,
+) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
+    let top = glyphs.iter().map(|g| g.layer).max().unwrap_or(0);
+    let step = STEP.min(HIGHEST / f64::from(top.max(1)));
+    let mut colors: Vec<Option<Rgb>> = Vec::new();
+    let mut known = HashMap::new();
+    let mut bevels = HashMap::new();
+    let mut prisms = Vec::new();
+    for glyph in glyphs.iter().filter(|g| !g.figure.contours.is_empty()) {
+        let bits = glyph.color.map(|c| [c.r, c.g, c.b].map(f64::to_bits));
+        let material = *known.entry(bits).or_insert(colors.len());
+        if material == colors.len() {
+            colors.push(glyph.color);
+        }
+        let rise = f64::from(glyph.layer) * step;
+        // Glyphs of one size and layer share a bevel.
+        let unit = args.solid.size * glyph.axis.length();
+        let bevel = match bevels.entry((unit.to_bits(), glyph.layer)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(args.edge.bevel(unit, depth * (1.0 + rise))?),
+        };
+        let prism = frame.raised(rise).prism(glyph, material as MaterialId);
+        prisms.extend(prism.map(|prism| Prism {
+            bevel: bevel.clone(),
+            ..prism
+        }));
+    }
+    let material = |(k, color): (usize, &Option<Rgb>)| {
+        let name = match k {
+            0 => name.to_owned(),
+            _ => format!("{name} {}", k + 1),
+        };
+        let plain = args.surface.material(&name, Rgb::grey(0.7));
+        Material {
+            diffuse: color.unwrap_or(plain.diffuse),
+            ..plain
+        }
+    };
+    Ok((colors.iter().enumerate().map(material).collect(), prisms))
 }
 
 /// The text to write.

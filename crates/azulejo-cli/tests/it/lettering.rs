@@ -128,6 +128,8 @@ fn lettering_that_has_no_meaning_is_refused() {
     let folder = folder();
     folder.write("a.ppf", "/A 1 2 l 0 0\n");
     folder.write("a.svg", "<svg><text/></svg>");
+    folder.write("line.svg", "<svg><path d='M0 0h2'/></svg>");
+    folder.write("wide.ttf", tiny_font::variable());
     for (line, code, expected) in [
         ("text A -o a.grf", 2, "--font"),
         (
@@ -136,6 +138,16 @@ fn lettering_that_has_no_meaning_is_refused() {
             "expected more than 0",
         ),
         ("text A --font tiny.ttf -o a.grf --depth -1", 2, "depth"),
+        (
+            "text A --font tiny.ttf -o a.grf --depth 0.1 --bevel 0.06:both",
+            2,
+            "expected at most 0.05, half the depth",
+        ),
+        (
+            "text A --font tiny.ttf -o a.grf --bevel flat:0.06",
+            2,
+            "expected round or chamfer",
+        ),
         (
             "text A --font tiny.ttf -o a.grf --orientation 1,0,0,0,1,0,0,0",
             2,
@@ -165,7 +177,7 @@ fn lettering_that_has_no_meaning_is_refused() {
         (
             "text AżA --font tiny.ttf -o a.grf",
             1,
-            "no glyph for `ż` (U+017C)",
+            "no glyph of Latin for `ż` (U+017C)",
         ),
         (
             "text A\\n--ж --font serif.ppf -o a.grf",
@@ -182,7 +194,57 @@ fn lettering_that_has_no_meaning_is_refused() {
             1,
             "no font that can be read",
         ),
-        ("text A --font tiny.ttf --face 3 -o a.grf", 1, "tiny.ttf"),
+        ("text A --font tiny.ttf#3 -o a.grf", 1, "no face 3"),
+        (
+            "text Aक --font tiny.ttf,serif.ppf -o a.grf",
+            1,
+            "no glyph of Devanagari for `क` (U+0915)",
+        ),
+        (
+            "text A --font tiny.ttf --variation wght=500 -o a.grf",
+            2,
+            "no font has an axis wght: none is variable",
+        ),
+        (
+            "text A --font wide.ttf --variation wght=1000 -o a.grf",
+            2,
+            "wght=1000: expected wght from 100 to 900",
+        ),
+        (
+            "text A --font tiny.ttf --features small -o a.grf",
+            2,
+            "expected a feature of four letters",
+        ),
+        (
+            "text A --font tiny.ttf --align justify -o a.grf",
+            2,
+            "--align justify needs a --width or a --path",
+        ),
+        (
+            "text A --font tiny.ttf --width 2 --path a.svg -o a.grf",
+            2,
+            "cannot be used with",
+        ),
+        (
+            "text A --font tiny.ttf --path a.svg -o a.grf",
+            1,
+            "a drawing without paths",
+        ),
+        (
+            "text AAAA --font tiny.ttf --path line.svg -o a.grf",
+            1,
+            "the path is 2.0000 ems long, and a line of the text 2.4000",
+        ),
+        (
+            "text A\\n{size=2|A --font tiny.ttf -o a.grf",
+            1,
+            "line 2 of the text: `{size=2|A` is not closed",
+        ),
+        (
+            "text {color=red|A} --font tiny.ttf -o a.grf",
+            1,
+            "`color=red`",
+        ),
         ("text A --font no.ttf -o a.grf", 1, "no.ttf"),
         (
             "extrude a.svg --depth 0 -o a.grf",
@@ -212,11 +274,154 @@ fn lettering_that_has_no_meaning_is_refused() {
 fn typefaces_are_converted() {
     let folder = folder();
     let report = folder.json("font convert tiny.ttf -o a.ppf --encoding a.ppe --characters ascii");
-    assert_eq!(report["glyphs"], json!(3));
+    assert_eq!(report["glyphs"], json!(4));
     let codes = String::from_utf8(folder.read("a.ppe")).unwrap();
-    assert_eq!(codes, "65/A\n88/X\n111/o\n");
+    assert_eq!(codes, "32/space\n65/A\n88/X\n111/o\n");
     let from_ppf = folder.json("text AA --ppf a.ppf --encoding a.ppe -o a.grf");
     check(bounds(&from_ppf), [0.0, 0.0, -0.25, 1.2, 0.7, 0.0]);
+    folder.write("spaced.txt", "A A");
+    let blank = folder.json("text --file spaced.txt --font a.ppf -o a.grf");
+    check(bounds(&blank), [0.0, 0.0, -0.25, 1.45, 0.7, 0.0]);
+}
+
+#[test]
+fn fonts_come_in_lists_collections_and_packed() {
+    let folder = folder();
+    folder.write(
+        "more.ttf",
+        tiny_font::with_characters([' ', 'Ж', 'b', 'ב', 'c']),
+    );
+    folder.write("both.ttc", tiny_font::collection());
+    folder.write("web.woff2", tiny_font::woff2());
+    folder.write("web.woff", tiny_font::woff(<[u8]>::to_vec));
+    let report = folder.json("text AЖ --font tiny.ttf,more.ttf -o a.grf");
+    assert_eq!(report["solids"], json!(2));
+    let again = folder.json("text AЖ --font tiny.ttf --font more.ttf -o a.grf");
+    assert_eq!(again["bounds"], report["bounds"]);
+    // A name that exists is one file, whatever letters it has.
+    folder.write("a,b#1.ttf", tiny_font::bytes());
+    for font in [
+        "both.ttc",
+        "both.ttc#0",
+        "web.woff",
+        "web.woff2",
+        "a,b#1.ttf",
+    ] {
+        assert_eq!(
+            folder.json(&format!("text A --font {font} -o a.grf"))["solids"],
+            json!(1)
+        );
+    }
+    folder.ok("text B --font both.ttc#1 -o a.grf");
+    folder.fails("text A --font both.ttc#1 -o b.grf", 1, "no glyph of Latin");
+    folder.ok("font convert both.ttc#1 -o b.ppf --characters 42");
+    folder.ok("text B --font tiny.ttf,b.ppf,more.ttf -o a.grf");
+}
+
+/// What `text` reads beside a font, it takes by the ending of the font's name.
+#[test]
+fn metrics_beside_a_font_kern_it() {
+    let folder = folder();
+    folder.write("named.t1", tiny_font::named());
+    let width = || bounds(&folder.json("text AX --font named.t1 -o a.grf"))[3];
+    let plain = width();
+    folder.write("named.afm", "StartFontMetrics 4.1\nKPX A X -80\n");
+    assert!((plain - width() - 0.08).abs() < 1e-6);
+    folder.write("named.afm", "nothing");
+    let said = "named.afm: found another file, expected Adobe Font Metrics";
+    folder.fails("text AX --font named.t1 -o b.grf", 1, said);
+}
+
+#[test]
+fn variable_fonts_say_where_they_are() {
+    let folder = folder();
+    folder.write("wide.ttf", tiny_font::variable());
+    let plain = folder.json("text A --font wide.ttf -o a.grf");
+    check(bounds(&plain), [0.0, 0.0, -0.25, 0.6, 0.7, 0.0]);
+    let expected =
+        "wide.ttf: an instance without a name; axes wght 100 to 900 (the lightest is its default)";
+    assert_eq!(plain["fonts"], json!([expected]));
+    let bold = folder.json("text A --font wide.ttf --variation wght=900 -o a.grf");
+    check(bounds(&bold), [0.0, 0.0, -0.25, 1.2, 0.7, 0.0]);
+    assert_eq!(
+        folder.json("text A --font tiny.ttf -o a.grf")["fonts"],
+        json!([])
+    );
+}
+
+#[test]
+fn features_change_letters_or_are_named() {
+    let folder = folder();
+    let unkerned = folder.json("text Ao --font tiny.ttf --features kern=0,ss01 -o a.grf");
+    let kerned = folder.json("text Ao --font tiny.ttf -o a.grf");
+    assert!((bounds(&unkerned)[3] - bounds(&kerned)[3] - 0.1).abs() < 1e-6);
+    let said = unkerned["warnings"].to_string();
+    assert!(
+        said.contains("no font has the feature ss01; there are: kern"),
+        "{said}"
+    );
+}
+
+#[test]
+fn text_fills_a_width() {
+    let folder = folder();
+    folder.write("words.txt", "AA AA A");
+    let text = "text --file words.txt --font tiny.ttf -o a.grf --depth 1 --size 2 --width";
+    let ragged = folder.json(&format!("{text} 6"));
+    check(bounds(&ragged), [0.0, -2.4, -1.0, 5.3, 1.4, 0.0]);
+    let full = folder.json(&format!("{text} 6 --align justify"));
+    check(bounds(&full), [0.0, -2.4, -1.0, 6.0, 1.4, 0.0]);
+    let right = folder.json(&format!("{text} 6 --align right"));
+    check(bounds(&right), [-5.3, -2.4, -1.0, 0.0, 1.4, 0.0]);
+    let narrow = folder.json(&format!("{text} 2"));
+    let said = narrow["warnings"].to_string();
+    assert!(
+        said.contains("2 lines cannot be broken and are longer"),
+        "{said}"
+    );
+}
+
+#[test]
+fn text_follows_a_path() {
+    let folder = folder();
+    // Upwards along a line at x = 3 whose length is 4, y up from the lower edge.
+    folder.write(
+        "up.svg",
+        "<svg viewBox='0 0 10 10'><g transform='translate(1 0)'><defs>\
+         <path d='M2 8v-4'/></defs></g><rect width='5' height='5'/></svg>",
+    );
+    let text = "text AA --font tiny.ttf -o a.grf --depth 1 --path up.svg";
+    check(bounds(&folder.json(text)), [2.3, 2.0, -1.0, 3.0, 3.2, 0.0]);
+    let end = folder.json(&format!("{text} --align right"));
+    check(bounds(&end), [2.3, 4.8, -1.0, 3.0, 6.0, 0.0]);
+    let moved = folder.json(&format!("{text} --at 1,1,1 --size 2"));
+    check(bounds(&moved), [2.6, 3.0, 0.0, 4.0, 5.4, 1.0]);
+}
+
+#[test]
+fn parts_of_a_text_have_colors_and_sizes() {
+    let folder = folder();
+    let text = "text A{color=#c00|A{size=2|A}}A --font tiny.ttf -o a.glb --depth 1 --color 0.5";
+    let report = folder.json(text);
+    check(bounds(&report), [0.0, 0.0, -1.0, 3.0, 1.4, 0.0]);
+    assert_eq!(folder.json("info a.glb")["materials"], json!(2));
+    let name = folder.json("info a.glb")["object_list"][0]["name"].clone();
+    assert_eq!(name, json!("AAAA"));
+}
+
+#[test]
+fn letters_of_colors_have_layers() {
+    let folder = folder();
+    folder.write("color.ttf", tiny_font::colored());
+    folder.write("paint.ttf", tiny_font::painted());
+    let report = folder.json("text A --font color.ttf -o a.grf --depth 1");
+    check(bounds(&report), [0.0, 0.0, -1.0, 0.6, 0.7, 0.05]);
+    assert_eq!(report["solids"], json!(2));
+    assert_eq!(folder.json("info a.grf")["materials"], json!(2));
+    let said = folder.json("text Xo --font paint.ttf -o a.grf")["warnings"].to_string();
+    assert!(said.contains("gradients have their mean colour"), "{said}");
+    assert!(said.contains("transparent is opaque"), "{said}");
+    folder.fails("text A --font paint.ttf -o b.grf", 1, "colours");
 }
 
 #[test]
@@ -296,6 +501,43 @@ fn drawings_become_solid() {
     );
     let found = "open.dxf:9:1: found an outline around others that is open at (-5, -5)";
     folder.fails("extrude open.dxf --depth 1 -o open.stl", 1, found);
+}
+
+/// A plate of 4 × 4 × 2 with edges that are cut off loses known areas and volumes; all files say the same.
+#[test]
+fn edges_are_cut_off_or_rounded() {
+    let folder = Folder::new();
+    folder.write(
+        "plate.svg",
+        "<svg viewBox='0 0 4 4'><rect width='4' height='4'/></svg>",
+    );
+    let area = |file: &str| {
+        let info = folder.json(&format!("info {file}"));
+        info["object_list"][0]["area"].as_f64().unwrap()
+    };
+    let close = |found: f64, expected: f64| {
+        assert!(
+            (found - expected).abs() < 1e-3 * expected,
+            "{found} {expected}"
+        )
+    };
+    let report = folder.json("extrude plate.svg --depth 2 --bevel chamfer:0.5 -o front.grf");
+    check(bounds(&report), [0.0, 0.0, -2.0, 4.0, 4.0, 0.0]);
+    // The back, the rest of the sides, the trapezoids, and the front.
+    let trapezoids = 4.0 * 3.5 * 0.5 * 2f64.sqrt();
+    close(area("front.grf"), 16.0 + 24.0 + trapezoids + 9.0);
+    for file in ["both.grf", "both.obj", "both.glb", "both.stl", "both.ply"] {
+        folder.ok(&format!(
+            "extrude plate.svg --depth 2 --bevel chamfer:0.5:both -o {file}"
+        ));
+        close(area(file), 16.0 + 2.0 * (trapezoids + 9.0));
+    }
+    folder.ok("extrude plate.svg --depth 2 --bevel 0.5:both -o round.grf");
+    // Quarter cylinders, whose ends are mitred.
+    let round = 4.0 * (3.0 * 0.25 * std::f64::consts::PI + 2.0 * 0.25);
+    close(area("round.grf"), 16.0 + 2.0 * (round + 9.0));
+    let lost = folder.ok("convert round.grf -o round.sff").err;
+    assert!(lost.contains("1 shapes whose bevels are omitted"), "{lost}");
 }
 
 /// What is painted over other things stands out from them, and without --layers it is said that it does not.

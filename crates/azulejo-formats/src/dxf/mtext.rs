@@ -29,7 +29,7 @@ impl Default for LetterStyle {
 
 /// Letters of one style, without a place where a line may end.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct StyledText {
+pub(super) struct StyledLetters {
     /// Their style.
     pub style: LetterStyle,
     /// What they say: `[text]`, or two texts one above the other.
@@ -40,7 +40,7 @@ pub(super) struct StyledText {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
     /// Letters.
-    Text(StyledText),
+    Text(StyledLetters),
     /// A blank, where a line may end.
     Blank(LetterStyle),
     /// The end of a paragraph.
@@ -87,7 +87,8 @@ impl<'t> CodeReader<'t> {
         if !self.word.is_empty() {
             let texts = vec![std::mem::take(&mut self.word)];
             let style = self.style.clone();
-            self.tokens.push(Token::Text(StyledText { style, texts }));
+            self.tokens
+                .push(Token::Text(StyledLetters { style, texts }));
         }
     }
 
@@ -188,7 +189,8 @@ impl<'t> CodeReader<'t> {
         }
         let texts = texts.iter().map(|t| t.trim().to_owned()).collect();
         let style = self.style.clone();
-        self.tokens.push(Token::Text(StyledText { style, texts }));
+        self.tokens
+            .push(Token::Text(StyledLetters { style, texts }));
     }
 }
 
@@ -233,7 +235,7 @@ mod tests {
     /// Words with their heights, `|` at the ends of paragraphs, `_` for blanks.
     fn shown(text: &str) -> String {
         let shown = |token: &Token| match token {
-            Token::Text(StyledText { style, texts }) => {
+            Token::Text(StyledLetters { style, texts }) => {
                 format!("{}@{}", texts.join("/"), style.height)
             }
             Token::Blank(_) => "_".to_owned(),
@@ -264,7 +266,7 @@ mod tests {
             "\\fArial|b1|i0|c0|p34;\\W0.8;\\Q15;\\T2;a",
             LetterStyle::default(),
         );
-        let Token::Text(StyledText { style, .. }) = &tokens[0] else {
+        let Token::Text(StyledLetters { style, .. }) = &tokens[0] else {
             panic!("{tokens:?}");
         };
         let expected = LetterStyle {

@@ -1,7 +1,7 @@
 //! TEXT, ATTRIB, ATTDEF and MTEXT as outlines.
 
 use super::figures::{FigureEntity, FigureReader, ReadResult};
-use super::mtext::{LetterStyle, StyledText, Token, decoded_codes, tokens};
+use super::mtext::{LetterStyle, StyledLetters, Token, decoded_codes, tokens};
 use super::pairs::Value;
 use super::record::Record;
 use crate::reading::text::text;
@@ -227,7 +227,7 @@ impl FigureReader<'_> {
     /// Letters, or two texts one above the other.
     fn styled(
         &mut self,
-        text: &StyledText,
+        text: &StyledLetters,
         font: &TextFont,
         offset: usize,
     ) -> Result<LetterBlock, ReadError> {

@@ -10,7 +10,9 @@ pub(crate) mod pen;
 pub mod ppe;
 pub mod ppf;
 pub mod svg;
+mod text_path;
 #[cfg(feature = "fonts")]
 pub mod typeface;
 
 pub use drawing::{Drawing, Filled};
+pub use text_path::{PathTooShort, TextPath};

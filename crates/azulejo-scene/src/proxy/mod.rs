@@ -2,6 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `bevelled` | plane figures whose points have the heights of a bevel |
 //! | `areas` | areas without a mesh of all prisms |
 //! | `flat_figure` | plane figures as polygons, also where contours cross or overlap |
 //! | `figure_sets` | what is inside several plane figures, with their curves |
@@ -12,6 +13,7 @@
 //! | `builder` | the mesh under construction |
 
 mod areas;
+mod bevelled;
 mod builder;
 mod cut;
 mod facet;

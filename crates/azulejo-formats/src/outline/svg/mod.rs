@@ -5,6 +5,7 @@
 //! `docs/formats/svg.md` documents how every element is interpreted.
 
 mod clip;
+mod first_path;
 mod path;
 mod shapes;
 mod stroke;
@@ -17,6 +18,8 @@ mod text;
 mod values;
 mod viewport;
 mod walk;
+
+pub use first_path::first_path;
 
 use crate::outline::drawing::Drawing;
 use crate::reading::text::decoded_text;
@@ -35,6 +38,15 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Drawing, ReadError> {
+    with_document(bytes, name, |xml| walk::read(xml, name, files, options))
+}
+
+/// Parses a drawing, and hands it on.
+fn with_document<T>(
+    bytes: &[u8],
+    name: &str,
+    then: impl FnOnce(&Document) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
     let text = decoded_text(bytes);
     if let Some(at) = text.find("<!ENTITY") {
         // An entity may stand for a megabyte, and be referenced a million times.
@@ -62,7 +74,7 @@ pub fn read(
         );
         return Err(ReadError::whole(name, found, "the element svg"));
     }
-    walk::read(&xml, name, files, options)
+    then(&xml)
 }
 
 /// Whether bytes are XML with an element `svg` near the beginning.

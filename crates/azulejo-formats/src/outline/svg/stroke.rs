@@ -94,7 +94,7 @@ fn dashed(path: BezPath, style: &StrokeStyle, accuracy: f64) -> Result<BezPath, 
 }
 
 /// The path of a shape: what is open stays so.
-fn path(element: Node, figure: &Figure, units: &LengthUnits) -> Option<BezPath> {
+pub(super) fn path(element: Node, figure: &Figure, units: &LengthUnits) -> Option<BezPath> {
     let mut path = BezPath::new();
     match element.tag_name().name() {
         "path" => {

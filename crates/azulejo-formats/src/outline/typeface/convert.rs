@@ -36,7 +36,8 @@ impl Typeface {
     ///
     /// PPF has no side bearings: the advance is the largest x. Outlines are therefore shifted to
     /// the right by their right side bearing, so that text is as long as in the typeface,
-    /// except for kerning. Characters without ink are left out. Names are those of the typeface,
+    /// except for kerning. A blank is a contour without area as far to the right as the pen advances. Other characters
+    /// without ink are left out. Names are those of the typeface,
     /// else those of Adobe's list, else `uni20AC`.
     ///
     /// # Errors
@@ -72,9 +73,13 @@ impl Typeface {
         character: char,
         converted: &mut Converted,
     ) -> Result<Option<String>, SettingError> {
-        let (figure, is_whole) = self.for_ppf(glyph)?;
+        let (mut figure, is_whole) = self.for_ppf(glyph)?;
         if figure.contours.is_empty() {
-            return Ok(None);
+            let end = (1e6 * self.advance(glyph)).round() / 1e6;
+            if character != ' ' || end <= 0.0 {
+                return Ok(None);
+            }
+            figure = Figure::polygon([DVec2::new(end, 0.0)]);
         }
         let name = self.ppf_name(glyph, character, &converted.font);
         if !is_whole {
@@ -92,12 +97,16 @@ impl Typeface {
         if figure.contours.is_empty() {
             return Ok((figure, true));
         }
-        let advance = self.em() * f64::from(self.file.glyph_metrics().h_advance(glyph));
-        let bearing = DVec2::new(advance - figure.bounds().max.x, 0.0);
+        let bearing = DVec2::new(self.advance(glyph) - figure.bounds().max.x, 0.0);
         map_points(&mut figure, |p| p + bearing);
         let (mut figure, is_whole) = disentangled(figure);
         map_points(&mut figure, |p| (p * 1e6).round() / 1e6);
         Ok((figure, is_whole))
+    }
+
+    /// How far the pen advances over a glyph, ems.
+    fn advance(&self, glyph: GlyphId) -> f64 {
+        self.em() * f64::from(self.file.glyph_metrics().h_advance(glyph))
     }
 
     /// A name that PPF can represent and that no other glyph has.
@@ -137,7 +146,7 @@ fn disentangled(figure: Figure) -> (Figure, bool) {
 }
 
 /// Maps all points of a figure.
-fn map_points(figure: &mut Figure, map: impl Fn(DVec2) -> DVec2) {
+pub(super) fn map_points(figure: &mut Figure, map: impl Fn(DVec2) -> DVec2) {
     let curves = figure.contours.iter_mut().flat_map(|c| &mut c.curves);
     let map = |p: &mut DVec2| *p = map(*p);
     curves.for_each(|curve| match curve {

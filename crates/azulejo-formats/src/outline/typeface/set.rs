@@ -1,42 +1,58 @@
-//! Text set in a typeface: bidirectional, shaped, kerned.
+//! Text set in fonts: bidirectional, shaped, kerned, in lines of a width.
 
-use super::face::{SettingError, Typeface};
-use azulejo_scene::{Figure, Line, PlacedGlyph};
+use super::color::ColorLoss;
+use super::face::{FontFace, SettingError, Typeface};
+use super::features::FontFeature;
+use super::runs::BidiParagraph;
+use super::shape::{Cluster, FaceShaper, shape_in};
+use super::styled::StyledText;
+use azulejo_scene::{Letter, Line, PlacedGlyph};
 use glam::DVec2;
-use harfrust::{Buffer, Direction, Script, ShapeOptions, ShaperFont, shape, unicode};
-use read_fonts::types::GlyphId;
-use std::collections::{BTreeSet, HashMap};
+use harfrust::Feature;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
-use unicode_bidi::BidiInfo;
+use unicode_linebreak::linebreaks;
 
-/// Sets lines in one typeface; repeated glyphs share their figures.
+/// Sets lines in one or several fonts; repeated glyphs share their figures.
 pub struct Setting<'a> {
-    typeface: &'a Typeface,
-    shaper: ShaperFont<'a, 'static>,
-    figures: HashMap<GlyphId, Arc<Figure>>,
+    fonts: Vec<FaceShaper<'a>>,
+    features: Vec<Feature>,
+    blank: BTreeSet<char>,
+    losses: BTreeSet<ColorLoss>,
 }
 
-/// Text that is shaped at once: one script, one direction.
-#[derive(Clone, Debug, PartialEq)]
-struct Run {
-    bytes: Range<usize>,
-    script: Script,
-    is_rtl: bool,
+/// How the letters of paragraphs become lines, in ems.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// Additional space between letters.
+    pub spacing: f64,
+    /// The width at which lines are broken; `None` if they are not.
+    pub width: Option<f64>,
 }
 
 impl Typeface {
     /// Starts setting text.
     pub fn setting(&self) -> Setting<'_> {
-        Setting {
-            typeface: self,
-            shaper: ShaperFont::new(&self.file),
-            figures: HashMap::new(),
-        }
+        Setting::with(vec![FaceShaper::of(self)], &[])
     }
 }
 
-impl Setting<'_> {
+impl<'a> Setting<'a> {
+    /// Starts setting text in fonts: what the first lacks is taken from the next.
+    pub fn new(fonts: &'a [FontFace], features: &[FontFeature]) -> Setting<'a> {
+        Setting::with(fonts.iter().map(FaceShaper::new).collect(), features)
+    }
+
+    fn with(fonts: Vec<FaceShaper<'a>>, features: &[FontFeature]) -> Setting<'a> {
+        Setting {
+            fonts,
+            features: features.iter().map(|f| f.everywhere()).collect(),
+            blank: BTreeSet::new(),
+            losses: BTreeSet::new(),
+        }
+    }
+
     /// Sets one line with the font's kerning, ligatures and marks, with `spacing` extra ems between
     /// clusters. Right-to-left text is ordered by Unicode's bidirectional algorithm. A tab
     /// counts as a blank.
@@ -44,170 +60,195 @@ impl Setting<'_> {
     /// # Errors
     /// All characters for which there is no glyph, or an outline that cannot be read.
     pub fn line(&mut self, text: &str, spacing: f64) -> Result<Line, SettingError> {
-        let text = text.replace('\t', " ");
-        let mut line = Line::default();
-        let mut missing = BTreeSet::new();
+        let paragraph = Paragraph::new(StyledText::plain(text), spacing);
+        self.set(&paragraph, 0..text.len())
+    }
+
+    /// Sets a paragraph as [`line`](Setting::line), and breaks it where Unicode's line breaking algorithm (UAX #14)
+    /// allows. Blanks at the ends of lines are left out. What cannot be broken may be longer than the width.
+    ///
+    /// # Errors
+    /// As [`line`](Setting::line).
+    pub fn paragraph(
+        &mut self,
+        text: StyledText,
+        layout: &Layout,
+    ) -> Result<Vec<Line>, SettingError> {
+        let length = text.text.len();
+        let paragraph = Paragraph::new(text, layout.spacing);
+        match layout.width {
+            Some(width) if length > 0 => self.broken(&paragraph, width),
+            _ => Ok(vec![self.set(&paragraph, 0..length)?]),
+        }
+    }
+
+    /// Visible characters of what was set whose glyphs have no outlines: pictures are not drawn.
+    pub fn blank(&self) -> &BTreeSet<char> {
+        &self.blank
+    }
+
+    /// What was lost of the colours of glyphs that were set.
+    pub fn losses(&self) -> &BTreeSet<ColorLoss> {
+        &self.losses
+    }
+
+    /// Fills one line after the other, as long as they fit.
+    fn broken(&mut self, paragraph: &Paragraph, width: f64) -> Result<Vec<Line>, SettingError> {
+        let text = &paragraph.styled.text;
+        let pens = self.pens(paragraph)?;
+        let breaks: Vec<usize> = linebreaks(text).map(|(at, _)| at).collect();
+        // A word that is divided at a soft hyphen would need a visible one.
+        let breaks: Vec<usize> = (breaks.into_iter())
+            .filter(|&at| !text[..at].ends_with('\u{ad}'))
+            .collect();
+        let mut lines = Vec::new();
+        let (mut start, mut first) = (0, 0);
+        while first < breaks.len() {
+            let fits = |&at: &usize| {
+                let inked = start + without_blanks(&text[start..at]).len();
+                pens[inked] - pens[start] - paragraph.spacing <= width
+            };
+            let mut last = first + breaks[first..].partition_point(fits).max(1) - 1;
+            // A line may be longer than it was in its paragraph, as letters at its end have other forms.
+            let mut line = loop {
+                let end = start + without_blanks(&text[start..breaks[last]]).len();
+                let line = self.set(paragraph, start..end)?;
+                if line.advance <= width || last == first {
+                    break line;
+                }
+                last -= 1;
+            };
+            line.is_broken = last + 1 < breaks.len();
+            lines.push(line);
+            (start, first) = (breaks[last], last + 1);
+        }
+        Ok(lines)
+    }
+
+    /// The pen before each byte of a paragraph in a single line, and at its end, if all of it ran from left to right.
+    fn pens(&mut self, paragraph: &Paragraph) -> Result<Vec<f64>, SettingError> {
+        let text = &paragraph.styled.text;
+        let mut pens = vec![0.0; text.len() + 1];
+        for (cluster, size) in self.clusters(paragraph, 0..text.len())? {
+            let advance = cluster.advance + paragraph.spacing;
+            pens[cluster.bytes.end] = size * advance;
+        }
         let mut pen = 0.0;
-        for run in visual_runs(&text) {
-            let buffer = self.shape(&text, &run)?;
-            if !self.find_missing(&text, &run, &buffer, &mut missing) {
-                self.add_glyphs(&buffer, spacing, &mut pen, &mut line)?;
+        for advance in &mut pens {
+            pen += *advance;
+            *advance = pen;
+        }
+        Ok(pens)
+    }
+
+    /// Sets a part of a paragraph as a line.
+    fn set(&mut self, paragraph: &Paragraph, part: Range<usize>) -> Result<Line, SettingError> {
+        let clusters = self.clusters(paragraph, part)?;
+        let largest = clusters.iter().map(|(_, size)| *size).reduce(f64::max);
+        let mut line = Line {
+            size: largest.unwrap_or(1.0),
+            is_rtl: paragraph.bidi.is_rtl(),
+            ..Line::default()
+        };
+        let mut pen = 0.0;
+        for (cluster, size) in clusters {
+            let start = line.glyphs.len();
+            let bytes = cluster.bytes.clone();
+            let color = paragraph.styled.style_at(bytes.start).color;
+            for glyph in cluster.glyphs {
+                let at = DVec2::new(pen, 0.0) + size * glyph.pen;
+                for (layer, drawn) in (0..).zip(&*glyph.layers) {
+                    self.losses.extend(&drawn.losses);
+                    line.glyphs.push(PlacedGlyph {
+                        figure: Arc::clone(&drawn.figure),
+                        pen: at,
+                        axis: DVec2::new(size, 0.0),
+                        color: drawn.color.or(color),
+                        layer,
+                    });
+                }
+            }
+            let characters = || paragraph.styled.text[bytes.clone()].chars();
+            let is_blank = characters().all(char::is_whitespace);
+            let advance = size * cluster.advance;
+            line.letters.push(Letter {
+                glyphs: start..line.glyphs.len(),
+                start: pen,
+                advance,
+                is_blank,
+            });
+            let is_drawn = |g: &PlacedGlyph| !g.figure.contours.is_empty();
+            if !is_blank && advance != 0.0 && !line.glyphs[start..].iter().any(is_drawn) {
+                self.blank.extend(characters());
+            }
+            line.advance = pen + advance;
+            pen = line.advance + size * paragraph.spacing;
+        }
+        Ok(line)
+    }
+
+    /// The clusters of a part of a paragraph from left to right, each with the size of its letters.
+    fn clusters(
+        &mut self,
+        paragraph: &Paragraph,
+        part: Range<usize>,
+    ) -> Result<Vec<(Cluster, f64)>, SettingError> {
+        let text = &*paragraph.styled.text;
+        let mut clusters = Vec::new();
+        let mut missing = BTreeSet::new();
+        for run in paragraph.bidi.runs(text, part, &paragraph.cuts) {
+            let size = paragraph.styled.style_at(run.bytes.start).size;
+            for cluster in shape_in(&mut self.fonts, text, &run, &self.features)? {
+                if cluster.is_missing {
+                    missing.extend(self.missing(&text[cluster.bytes.clone()]));
+                }
+                clusters.push((cluster, size));
             }
         }
         if missing.is_empty() {
-            Ok(line)
+            Ok(clusters)
         } else {
             Err(SettingError::NoGlyphs(missing.into_iter().collect()))
         }
     }
 
-    fn shape(&self, text: &str, run: &Run) -> Result<Buffer, SettingError> {
-        let mut buffer = Buffer::new();
-        buffer.set_direction(if run.is_rtl {
-            Direction::RightToLeft
-        } else {
-            Direction::LeftToRight
-        });
-        buffer.set_script(Some(run.script));
-        for (at, c) in text[run.bytes.clone()].char_indices() {
-            buffer.push(u32::from(c), (run.bytes.start + at) as u32);
-        }
-        match shape(&self.shaper, &mut buffer, ShapeOptions::new()) {
-            Ok(()) => Ok(buffer),
-            Err(e) => Err(SettingError::Damaged(format!("(layout tables: {e})"))),
-        }
-    }
-
-    /// Adds the characters of clusters that were shaped to the font's missing-glyph sign.
-    fn find_missing(
-        &self,
-        text: &str,
-        run: &Run,
-        shaped: &Buffer,
-        missing: &mut BTreeSet<char>,
-    ) -> bool {
-        let infos = shaped.glyph_infos();
-        let none: Vec<usize> = (infos.iter())
-            .filter(|g| g.glyph_id == GlyphId::NOTDEF.to_u32())
-            .map(|g| g.cluster as usize)
-            .collect();
-        let mut starts: Vec<usize> = infos.iter().map(|g| g.cluster as usize).collect();
-        starts.push(run.bytes.end);
-        starts.sort_unstable();
-        for &start in &none {
-            let end = starts[starts.partition_point(|&s| s <= start)];
-            let lost = text[start..end].chars().filter(|&c| !self.typeface.has(c));
-            missing.extend(lost);
-        }
-        !none.is_empty()
-    }
-
-    fn add_glyphs(
-        &mut self,
-        shaped: &Buffer,
-        spacing: f64,
-        pen: &mut f64,
-        line: &mut Line,
-    ) -> Result<(), SettingError> {
-        let em = self.typeface.em();
-        let infos = shaped.glyph_infos();
-        for (i, (info, shift)) in infos.iter().zip(shaped.glyph_positions()).enumerate() {
-            let offset = DVec2::new(f64::from(shift.x_offset), f64::from(shift.y_offset));
-            let figure = self.figure(GlyphId::new(info.glyph_id))?;
-            line.glyphs.push(PlacedGlyph {
-                figure,
-                pen: DVec2::new(*pen, 0.0) + em * offset,
-            });
-            *pen += em * f64::from(shift.x_advance);
-            line.advance = *pen;
-            // A letter and its marks stay together.
-            if infos
-                .get(i + 1)
-                .is_none_or(|next| next.cluster != info.cluster)
-            {
-                *pen += spacing;
-            }
-        }
-        Ok(())
-    }
-
-    fn figure(&mut self, glyph: GlyphId) -> Result<Arc<Figure>, SettingError> {
-        if let Some(figure) = self.figures.get(&glyph) {
-            return Ok(Arc::clone(figure));
-        }
-        let figure = Arc::new(self.typeface.figure(glyph)?);
-        self.figures.insert(glyph, Arc::clone(&figure));
-        Ok(figure)
-    }
-}
-
-/// The runs of a line from left to right.
-fn visual_runs(text: &str) -> Vec<Run> {
-    let bidi = BidiInfo::new(text, None);
-    let mut runs = Vec::new();
-    for paragraph in &bidi.paragraphs {
-        let (levels, level_runs) = bidi.visual_runs(paragraph, paragraph.range.clone());
-        for bytes in level_runs {
-            let is_rtl = levels[bytes.start].is_rtl();
-            let mut scripts = script_runs(text, bytes, is_rtl);
-            if is_rtl {
-                scripts.reverse();
-            }
-            runs.extend(scripts);
-        }
-    }
-    runs
-}
-
-/// Splits text where the script changes. Characters without a script of their own, such as blanks and
-/// accents, belong to the preceding run, at the start to the following one.
-fn script_runs(text: &str, bytes: Range<usize>, is_rtl: bool) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
-    for (at, c) in text[bytes.clone()].char_indices() {
-        let at = bytes.start + at;
-        let script = unicode::script(u32::from(c));
-        let is_own = ![Script::COMMON, Script::INHERITED, Script::UNKNOWN].contains(&script);
-        match runs.last_mut() {
-            Some(run) if is_own && run.script == Script::COMMON => run.script = script,
-            Some(run) if !is_own || run.script == script => {}
-            _ => runs.push(Run {
-                bytes: at..at,
-                script: if is_own { script } else { Script::COMMON },
-                is_rtl,
-            }),
-        }
-        if let Some(run) = runs.last_mut() {
-            run.bytes.end = at + c.len_utf8();
-        }
-    }
-    runs
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Checks the texts of the runs, those from right to left in brackets.
-    fn check(text: &str, expected: &[&str]) {
-        let shown = |run: Run| {
-            if run.is_rtl {
-                format!("[{}]", &text[run.bytes])
-            } else {
-                text[run.bytes].to_owned()
-            }
+    /// The characters of a cluster that no font has; if each has one, but no font has all, those that are not in the
+    /// first.
+    fn missing(&self, cluster: &str) -> Vec<char> {
+        let lacked = |fonts: &[FaceShaper]| {
+            let is_lacked = |c: &char| fonts.iter().all(|font| !font.has(*c));
+            cluster.chars().filter(is_lacked).collect::<Vec<char>>()
         };
-        let runs: Vec<String> = visual_runs(text).into_iter().map(shown).collect();
-        assert_eq!(runs, expected);
+        let alternatives = [&*self.fonts, &self.fonts[..self.fonts.len().min(1)]];
+        let mut found = alternatives.map(lacked).into_iter();
+        let named = found.find(|missing| !missing.is_empty());
+        named.unwrap_or_else(|| cluster.chars().collect())
     }
+}
 
-    #[test]
-    fn runs_are_in_visual_order() {
-        check("", &[]);
-        check("Luz, 12.", &["Luz, 12."]);
-        check("Luz Φως свет", &["Luz ", "Φως ", "свет"]);
-        check("ab אבג cd", &["ab ", "[אבג]", " cd"]);
-        check("אב 12 ג", &["[ ג]", "12", "[אב ]"]);
-        check("אב عر", &["[عر]", "[אב ]"]);
-        check("e\u{301}", &["e\u{301}"]);
+/// A paragraph that is being set.
+struct Paragraph {
+    styled: StyledText,
+    bidi: BidiParagraph,
+    /// Where sizes change.
+    cuts: Vec<usize>,
+    /// Additional ems between letters.
+    spacing: f64,
+}
+
+impl Paragraph {
+    fn new(mut styled: StyledText, spacing: f64) -> Paragraph {
+        styled.text = styled.text.replace('\t', " ");
+        Paragraph {
+            bidi: BidiParagraph::new(&styled.text),
+            cuts: styled.size_changes(),
+            styled,
+            spacing,
+        }
     }
+}
+
+/// A line without the blanks at its end; blanks that do not break stay.
+fn without_blanks(line: &str) -> &str {
+    line.trim_end_matches(|c: char| c.is_whitespace() && !"\u{a0}\u{202f}\u{2007}".contains(c))
 }
