@@ -10,17 +10,21 @@ use glam::DVec2;
 const ROUNDS: u32 = 6;
 /// Most pairs of edges that are compared in a round, and most points where they cross; more are not divided.
 const MOST_PAIRS: usize = 1 << 24;
-const MOST_CUTS: usize = 1 << 17;
+const MOST_CUTS: usize = 1 << 16;
 
 /// Edges between points of a grid, divided so that they do not cross, but for those beyond the limits. `grid` is the distance
 /// of its points, at least 2⁻²⁵ for coordinates up to 1: so which side of an edge a point is on is exact.
 pub(super) fn uncrossed(mut edges: Vec<[DVec2; 2]>, grid: f64) -> Vec<[DVec2; 2]> {
     for _ in 0..ROUNDS {
         let cuts = cuts(&edges, grid);
+        let is_whole = cuts.len() < MOST_CUTS;
         if cuts.is_empty() {
             break;
         }
         edges = divided(&edges, cuts);
+        if !is_whole {
+            break;
+        }
     }
     edges
 }
