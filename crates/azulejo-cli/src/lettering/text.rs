@@ -63,8 +63,8 @@ fn extruded(
         if material == colors.len() {
             colors.push(glyph.color);
         }
-        let raised = frame.raised(f64::from(glyph.layer) * step);
-        prisms.extend(raised.prism(glyph, material as MaterialId));
+        let frame = frame.of_layer(glyph, step);
+        prisms.extend(frame.prism(glyph, material as MaterialId));
     }
     let material = |(k, color): (usize, &Option<Rgb>)| {
         let name = match k {
