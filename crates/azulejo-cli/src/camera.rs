@@ -99,7 +99,7 @@ fn aspect((width, height): (u32, u32)) -> f64 {
 
 /// A view of all of the scene.
 pub fn overview(scene: &Scene, aspect: f64) -> Camera {
-    Camera::framing(scene.bounds(), aspect, scene.units.up.axis())
+    Camera::framing(scene.main_bounds(), aspect, scene.units.up.axis())
 }
 
 /// A view of all of the scene, or from within where that shows nothing.

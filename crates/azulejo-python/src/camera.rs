@@ -70,7 +70,7 @@ impl CameraArgs {
 
     /// A view of all of the scene; where no part of it is given, from within if that shows more.
     fn whole(&self, shared: &SharedScene, aspect: f64) -> PyResult<Camera> {
-        let bounds = shared.scene.bounds();
+        let bounds = shared.scene.main_bounds();
         if bounds.is_empty() {
             return Err(refused("the scene has no surfaces to view"));
         }

@@ -71,6 +71,7 @@ mod tests {
             figure,
             world_from_figure: DAffine3::IDENTITY,
             material: 0,
+            bevel: None,
         };
         let solids = vec![
             Solid::Prism(prism),

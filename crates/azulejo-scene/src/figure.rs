@@ -205,6 +205,16 @@ impl Segment {
         }
     }
 
+    /// The second derivative at `t`, 0..=1.
+    pub fn second_derivative(&self, t: f64) -> DVec2 {
+        match *self {
+            Segment::Line(_) => DVec2::ZERO,
+            Segment::Cubic([a, b, c, d]) => {
+                6.0 * ((1.0 - t) * (a - 2.0 * b + c) + t * (b - 2.0 * c + d))
+            }
+        }
+    }
+
     /// The smallest rectangle around it.
     pub fn bounds(&self) -> Rectangle {
         let ends = Rectangle::around([self.start(), self.end()]);
@@ -313,6 +323,43 @@ impl Segment {
         .unwrap_or(DVec2::ZERO)
     }
 
+    /// The direction at `t`, any length; zero if it is a point. Also where control points coincide.
+    pub fn tangent(&self, t: f64) -> DVec2 {
+        let tangent = self.derivative(t);
+        let size = self.hull().size().max_element();
+        if tangent.length() > 1e-12 * size {
+            return tangent;
+        }
+        self.at((t + 1e-3).min(1.0)) - self.at((t - 1e-3).max(0.0))
+    }
+
+    /// The smallest rectangle around its control points.
+    pub fn hull(&self) -> Rectangle {
+        match *self {
+            Segment::Line(points) => Rectangle::around(points),
+            Segment::Cubic(points) => Rectangle::around(points),
+        }
+    }
+
+    /// The part between two parameters, 0..=1, as a curve of its own. The ends of the whole stay as they are.
+    pub fn part(&self, [first, last]: [f64; 2]) -> Segment {
+        if [first, last] == [0.0, 1.0] {
+            return *self;
+        }
+        let (start, end) = (self.at(first), self.at(last));
+        let start = if first == 0.0 { self.start() } else { start };
+        let end = if last == 1.0 { self.end() } else { end };
+        match self {
+            Segment::Line(_) => Segment::Line([start, end]),
+            Segment::Cubic(_) => {
+                let third = (last - first) / 3.0;
+                let control1 = start + third * self.derivative(first);
+                let control2 = end - third * self.derivative(last);
+                Segment::Cubic([start, control1, control2, end])
+            }
+        }
+    }
+
     /// The same curve from its end to its start.
     pub fn reversed(&self) -> Segment {
         match *self {
@@ -343,6 +390,49 @@ impl Rectangle {
             min: self.min.min(o.min),
             max: self.max.max(o.max),
         }
+    }
+
+    /// Larger by `margin` on all sides.
+    pub fn enlarged(&self, margin: f64) -> Rectangle {
+        Rectangle {
+            min: self.min - margin,
+            max: self.max + margin,
+        }
+    }
+
+    /// Whether both have a point in common.
+    pub fn overlaps(&self, o: &Rectangle) -> bool {
+        self.min.cmple(o.max).all() && o.min.cmple(self.max).all()
+    }
+
+    /// The square of the distance of a point, 0 inside.
+    #[inline]
+    pub fn distance_squared(&self, p: DVec2) -> f64 {
+        (self.min - p)
+            .max(p - self.max)
+            .max(DVec2::ZERO)
+            .length_squared()
+    }
+
+    /// Whether a straight line between two points meets the rectangle, enlarged by `margin` on all sides.
+    #[inline]
+    pub fn is_met(&self, [a, b]: [DVec2; 2], margin: f64) -> bool {
+        let Rectangle {
+            min: low,
+            max: high,
+        } = self.enlarged(margin);
+        let (mut enter, mut leave) = (0.0f64, 1.0f64);
+        for axis in 0..2 {
+            let way = b[axis] - a[axis];
+            let (p, q) = ((low[axis] - a[axis]) / way, (high[axis] - a[axis]) / way);
+            if way != 0.0 {
+                enter = enter.max(p.min(q));
+                leave = leave.min(p.max(q));
+            } else if a[axis] < low[axis] || a[axis] > high[axis] {
+                return false;
+            }
+        }
+        enter <= leave
     }
 
     /// Width and height; zero for the empty rectangle.

@@ -22,6 +22,7 @@
 //! ```
 
 mod backplate;
+mod bevel;
 pub mod brdf;
 mod camera;
 mod containment;
@@ -51,6 +52,7 @@ mod proxy;
 pub mod quadrature;
 pub mod random;
 mod rgb;
+pub mod rim;
 mod rounding;
 pub mod rtrace;
 mod scene;
@@ -70,6 +72,7 @@ mod units;
 mod validate;
 
 pub use backplate::{Backplate, BackplateFit};
+pub use bevel::{Bevel, BevelClimb, BevelEnds, BevelProfile};
 pub use brdf::Brdf;
 pub use camera::Camera;
 pub use coordinates::{CoordinateDigits, CoordinateRounding, PositionHistory};

@@ -2,7 +2,8 @@
 
 use crate::figure::Rectangle;
 use crate::math::Aabb;
-use crate::{Figure, MaterialId};
+use crate::rim::Rim;
+use crate::{Bevel, Figure, MaterialId};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -19,6 +20,8 @@ pub struct Prism {
     pub world_from_figure: DAffine3,
     /// Its one material.
     pub material: MaterialId,
+    /// How its edges are cut off or rounded, if they are; the letters of a text share it.
+    pub bevel: Option<Arc<Bevel>>,
 }
 
 impl Prism {
@@ -42,8 +45,22 @@ impl Prism {
     }
 
     /// Whether a world point is inside, or on the surface to rounding.
+    ///
+    /// With a bevel the border of the figure is prepared again for each point.
     pub fn contains(&self, point: DVec3) -> bool {
         let p = self.world_from_figure.inverse().transform_point3(point);
-        (0.0..=1.0).contains(&p.z) && self.figure.contains(p.truncate())
+        let is_over = (0.0..=1.0).contains(&p.z) && self.figure.contains(p.truncate());
+        is_over && !self.is_cut_off(p)
+    }
+
+    /// Whether the bevel removes a point of figure space that is inside the prism without it.
+    fn is_cut_off(&self, p: DVec3) -> bool {
+        let Some(bevel) = &self.bevel else {
+            return false;
+        };
+        let setback = bevel.setback(p.z);
+        let rim = (setback > 0.0).then(|| Rim::new(&self.figure));
+        let nearest = rim.and_then(|rim| rim.nearest(p.truncate(), setback));
+        nearest.is_some_and(|at| at.distance < setback)
     }
 }

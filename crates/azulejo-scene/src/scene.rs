@@ -145,6 +145,12 @@ impl Object {
     }
 }
 
+/// Size of an object that may be left out of [`Scene::main_bounds`], relative to that of the scene.
+const TINY: f64 = 0.04;
+
+/// Most size of what remains, relative to that of the scene.
+const MAIN: f64 = 0.6;
+
 impl Scene {
     /// Adds a material and returns its index.
     pub fn add_material(&mut self, material: Material) -> MaterialId {
@@ -178,6 +184,20 @@ impl Scene {
         self.objects
             .iter()
             .fold(Aabb::EMPTY, |b, o| b.union(o.bounds()))
+    }
+
+    /// The smallest box around what a picture of the whole should show: without objects that are tiny and so far away
+    /// that everything else would be small, such as parts that were forgotten beside a model.
+    pub fn main_bounds(&self) -> Aabb {
+        let all = self.bounds();
+        let boxes = self.objects.iter().map(Object::bounds);
+        let is_large = |b: &Aabb| b.diagonal() > TINY * all.diagonal();
+        let main = boxes.filter(is_large).fold(Aabb::EMPTY, Aabb::union);
+        if !main.is_empty() && main.diagonal() < MAIN * all.diagonal() {
+            main
+        } else {
+            all
+        }
     }
 
     /// All environments: those that give light, and that of the background.
@@ -377,5 +397,41 @@ fn store_vertex_light(shape: &mut Shape, light: VertexLight, turned: &[u32]) {
             instance.light = Some(Box::new(light));
         }
         Shape::Primitive(_) | Shape::Exact(_) => panic!("irradiance of another kind of shape"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Primitive, PrimitiveKind};
+    use glam::{DAffine3, DVec3};
+
+    fn boxes(boxes: &[(DVec3, f64)]) -> Scene {
+        let mut scene = Scene::default();
+        for &(place, size) in boxes {
+            let map = DAffine3::from_translation(place) * DAffine3::from_scale(DVec3::splat(size));
+            let cuboid = Primitive::new(PrimitiveKind::Cuboid, map, 0);
+            let object = Object::new("box", Shape::Primitive(cuboid));
+            scene.objects.push(object);
+        }
+        scene
+    }
+
+    #[test]
+    fn what_is_tiny_and_far_away_is_not_in_the_main_bounds() {
+        let model = (DVec3::ZERO, 1.0);
+        let stray = (DVec3::splat(20.0), 0.1);
+        let scene = boxes(&[model, stray]);
+        assert_eq!(scene.main_bounds(), boxes(&[model]).bounds());
+        // Nearby, larger, or one of many that are all small, it counts.
+        for counted in [
+            vec![model, (DVec3::splat(1.2), 0.02)],
+            vec![model, (DVec3::splat(20.0), 1.0)],
+            vec![stray, (DVec3::ZERO, 0.1), (DVec3::X, 0.1)],
+        ] {
+            let scene = boxes(&counted);
+            assert_eq!(scene.main_bounds(), scene.bounds(), "{counted:?}");
+        }
+        assert!(Scene::default().main_bounds().is_empty());
     }
 }

@@ -238,6 +238,7 @@ impl TextFrame {
             figure: Arc::clone(&glyph.figure),
             world_from_figure,
             material,
+            bevel: None,
         })
     }
 

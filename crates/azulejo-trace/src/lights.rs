@@ -5,6 +5,7 @@
 //! by their densities (multiple importance sampling, Veach and Guibas, SIGGRAPH 1995) they count
 //! it once.
 
+mod bevel_surface;
 mod delta;
 mod direction_table;
 mod emitters;
@@ -217,6 +218,7 @@ impl<'a> Lights<'a> {
         let place = PrismPlace {
             part: at.triangle,
             u: at.u,
+            position: at.position,
         };
         let light = &self.prisms[index];
         Some((light.emission.share, light.area_at(place)))
@@ -307,8 +309,8 @@ mod tests {
     use crate::{Tracer, interaction::shadow_ray};
     use azulejo_scene::math::Ray;
     use azulejo_scene::{
-        Contour, Curve, Exact, Figure, Material, Mesh, Object, Primitive, Prism, Scene, Shape,
-        Solid,
+        Bevel, BevelEnds, BevelProfile, Contour, Curve, Exact, Figure, Material, Mesh, Object,
+        Primitive, Prism, Scene, Shape, Solid,
     };
     use glam::{DAffine3, DMat3, DVec2};
     use std::sync::Arc;
@@ -345,14 +347,24 @@ mod tests {
             let shape = Shape::Primitive(primitive);
             scene.objects.push(Object::new("lamp", shape));
         }
-        scene
-            .objects
-            .push(Object::new("letter", Shape::Exact(letter(front))));
+        let bevel = Bevel {
+            profile: BevelProfile::Round,
+            inset: 0.15,
+            depth: 0.3,
+            ends: BevelEnds::Both,
+        };
+        for (at, bevel) in [
+            ([0.5, -4.0, 0.8], None),
+            ([-3.0, 3.5, 1.5], Some(Arc::new(bevel))),
+        ] {
+            let letter = Shape::Exact(letter(front, at.into(), bevel));
+            scene.objects.push(Object::new("letter", letter));
+        }
         scene
     }
 
     /// A ring of curves with a straight notch, leaning and turned away.
-    fn letter(material: u32) -> Exact {
+    fn letter(material: u32, at_origin: DVec3, bevel: Option<Arc<Bevel>>) -> Exact {
         let at = |x: f64, y: f64| DVec2::new(x, y);
         let cubic = |a: DVec2, b: DVec2, c: DVec2| Curve::Cubic {
             start: a,
@@ -381,8 +393,9 @@ mod tests {
         );
         Exact::new(vec![Solid::Prism(Prism {
             figure: Arc::new(figure),
-            world_from_figure: DAffine3::from_mat3_translation(axes, DVec3::new(0.5, -4.0, 0.8)),
+            world_from_figure: DAffine3::from_mat3_translation(axes, at_origin),
             material,
+            bevel,
         })])
     }
 
@@ -392,7 +405,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let surfaces = Surfaces::new(&scene, &tracer);
         let lights = Lights::new(&surfaces);
-        let mut counts = [0; 6];
+        let mut counts = [0; 7];
         for k in 0..4000 {
             let u = [1, 2, 3].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
             let Some(sample) = lights.sample(&surfaces, DVec3::ZERO, u) else {

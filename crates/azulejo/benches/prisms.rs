@@ -4,13 +4,13 @@
 //! all parts if none is named.
 //!
 //! - `speed`: CPU seconds of a picture of 1280×720, one ray and 17 shadow rays a pixel, of a line
-//!   of text and of a page; exact, as polygons in the same kernel, and by POV-Ray 3.7's `text`
-//!   where that program is installed.
+//!   of text and of a page; exact, as polygons in the same kernel, exact with round edges, and by POV-Ray 3.7's
+//!   `text` where that program is installed.
 //! - `memory`: what a process holds that has read the scene and built its tracer.
 //! - `curves`: how many tests of a line with a curve end before its cubic is solved, and how long
 //!   a test takes.
-//! - `chords`: rays against polygons that leave the curves by 1e-6.
-//! - `parity`: whether rays that enter leave, over all glyphs of all fonts.
+//! - `chords`: rays against polygons that leave the curves by 1e-6, or bevels by 2e-5.
+//! - `parity`: whether rays that enter leave, over all glyphs of all fonts, also with bevels.
 //!
 //! Scenes and fonts come from the folder in the environment variable `AZULEJO_DATA`; without it,
 //! letters made up here stand in for them.
@@ -60,10 +60,15 @@ fn main() {
     }
     if wants("chords") {
         let figures: Vec<_> = Page::load("s4page").outlines.into_values().collect();
-        accuracy::against_chords(&figures, quick);
+        accuracy::EDGES
+            .into_iter()
+            .for_each(|edge| accuracy::against_chords(&figures, edge, quick));
     }
     if wants("parity") {
-        accuracy::parity(&letters::fonts(), quick);
+        let fonts = letters::fonts();
+        accuracy::EDGES
+            .into_iter()
+            .for_each(|edge| accuracy::parity(&fonts, edge, quick));
     }
 }
 
@@ -89,22 +94,22 @@ fn speed(page: &Page, runs: usize) {
         page.glyphs()
     );
     let camera = page.camera();
-    let mut best = [f64::INFINITY; 2];
-    let mut builds = [0.0; 2];
-    let mut rays = [0; 2];
-    let scenes = [page.exact(), page.polygons()];
-    let tracers = [0, 1].map(|k| {
+    let mut best = [f64::INFINITY; 3];
+    let mut builds = [0.0; 3];
+    let mut rays = [0; 3];
+    let scenes = [page.exact(), page.polygons(), page.bevelled()];
+    let tracers = [0, 1, 2].map(|k| {
         let (tracer, seconds) = timed(|| azulejo_trace::Tracer::new(&scenes[k]));
         builds[k] = seconds;
         tracer
     });
     for _ in 0..runs {
-        for k in 0..2 {
+        for k in 0..3 {
             let (count, seconds) = timed(|| picture::shadows(&tracers[k], &camera, &page.lights()));
             (best[k], rays[k]) = (best[k].min(seconds), count);
         }
     }
-    for (k, name) in ["exact", "polygons"].into_iter().enumerate() {
+    for (k, name) in ["exact", "polygons", "bevelled"].into_iter().enumerate() {
         println!(
             "  {name:9} {:6.2} CPU s ({:.2} M rays, {:.0} ns each; built in {:.3} s)",
             best[k],
@@ -114,6 +119,7 @@ fn speed(page: &Page, runs: usize) {
         );
     }
     println!("  exact / polygons: {:.2}", best[0] / best[1]);
+    println!("  bevelled / exact: {:.2}", best[2] / best[0]);
     match povray::seconds(page) {
         Some(seconds) => println!("  POV-Ray   {seconds:6.2} CPU s"),
         None => println!("  POV-Ray is left out: not installed, or without its font"),

@@ -1,6 +1,6 @@
 //! Arguments of `text`, `font` and `extrude`.
 
-use super::values::{self, Characters};
+use super::values::{self, Characters, Edge};
 use crate::values::{number, vector};
 use azulejo_formats::outline::typeface::{AxisValue, FontFeature};
 use azulejo_scene::{Align, Rgb};
@@ -31,6 +31,8 @@ pub struct TextArgs {
     pub lines: LinesArgs,
     #[command(flatten)]
     pub solid: SolidArgs,
+    #[command(flatten)]
+    pub edge: EdgeArgs,
     #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
@@ -117,6 +119,16 @@ pub struct SolidArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: Option<f64>,
+}
+
+/// The edges of solids.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Size")]
+pub struct EdgeArgs {
+    /// Round the edges about the front, or cut them off: `0.02` or `round:0.02`, `chamfer:0.02`, with `:both` also
+    /// those about the back
+    #[arg(long, value_name = "[PROFILE:]RADIUS[:both]", value_parser = values::edge)]
+    pub bevel: Option<Edge>,
 }
 
 /// The position of the front plane, and the direction of extrusion.
@@ -245,6 +257,8 @@ pub struct ExtrudeArgs {
           allow_hyphen_values = true)]
     pub scale: f64,
     #[command(flatten)]
+    pub edge: EdgeArgs,
+    #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
     pub surface: SurfaceArgs,
@@ -254,6 +268,7 @@ pub const TEXT_EXAMPLES: &str = "\
 Examples:
   azulejo text \"Iluminación global\" --font Serif.ttf -o title.grf
   azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --depth 0.1 --color '#2a5caa' -o a.glb
+  azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --bevel 0.02 -o soft.grf
   fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf
   azulejo text \"שלום 123 abc\" --font Latin.ttf,Hebrew.ttf --features smcp -o mixed.glb
   azulejo text --file poem.txt --font Serif.woff2 --width 12 --align justify -o poem.grf
@@ -279,4 +294,5 @@ pub const EXTRUDE_EXAMPLES: &str = "\
 Examples:
   azulejo extrude logo.svg --depth 2 -o logo.grf
   azulejo extrude badge.svg --depth 2 --layers 0.3 -o badge.glb
+  azulejo extrude plate.svg --depth 5 --bevel chamfer:0.5:both -o plate.stl
   azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb";

@@ -45,7 +45,7 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
         .clone()
         .unwrap_or_else(|| stem.into_owned());
     let metres = drawing.metres_per_unit;
-    let (materials, prisms) = extruded(drawing, args, &name);
+    let (materials, prisms) = extruded(drawing, args, &name)?;
     let mut scene = solid::scene(&name, materials, prisms)?;
     scene.units.metres_per_unit = metres.map(|m| m / args.scale).filter(|m| m.is_normal());
     solid::write(&scene, &output, &args.output, session)
@@ -72,13 +72,18 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
 }
 
 /// A prism for each figure, and a material for each colour.
-fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>, Vec<Prism>) {
+fn extruded(
+    drawing: Drawing,
+    args: &ExtrudeArgs,
+    name: &str,
+) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
     let step = args.layers.unwrap_or(0.0);
     let front = args.frame.frame(args.scale, args.depth);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();
     for (k, shape) in drawing.shapes.into_iter().enumerate() {
-        let frame = front.raised(k as f64 * step / args.depth);
+        let rise = k as f64 * step;
+        let frame = front.raised(rise / args.depth);
         let world_from_figure = frame.world_from_glyph(DVec2::ZERO);
         let own = args.surface.color.or(shape.color);
         let color = own.unwrap_or(Rgb::grey(0.7));
@@ -91,6 +96,7 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
             figure: Arc::new(shape.figure),
             world_from_figure,
             material: material as MaterialId,
+            bevel: args.edge.bevel(args.scale, args.depth + rise)?,
         });
     }
     let material = |(i, color): (usize, &Rgb)| match i {
@@ -98,5 +104,5 @@ fn extruded(drawing: Drawing, args: &ExtrudeArgs, name: &str) -> (Vec<Material>,
         _ => args.surface.material(&format!("{name} {}", i + 1), *color),
     };
     let materials = colors.iter().enumerate().map(material).collect();
-    (materials, prisms)
+    Ok((materials, prisms))
 }

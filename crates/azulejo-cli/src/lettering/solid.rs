@@ -1,12 +1,16 @@
 //! Conversion of flat outlines to a scene with one object of prisms.
 
-use super::args::{FrameArgs, SurfaceArgs};
+use super::args::{EdgeArgs, FrameArgs, SurfaceArgs};
+use super::values::Edge;
 use crate::failure::Failure;
 use crate::report::{self, Report, count};
 use crate::session::Session;
 use azulejo::models::ModelOutput;
-use azulejo_scene::{Exact, Material, Object, Prism, Rgb, Scene, Shape, Solid, TextFrame};
+use azulejo_scene::{
+    Bevel, BevelEnds, Exact, Material, Object, Prism, Rgb, Scene, Shape, Solid, TextFrame,
+};
 use std::path::Path;
+use std::sync::Arc;
 
 impl FrameArgs {
     /// The frame of outlines whose unit is `scale` long, `depth` deep.
@@ -37,6 +41,36 @@ impl SurfaceArgs {
             emission: self.emission.unwrap_or(Rgb::BLACK),
             ..Material::default()
         }
+    }
+}
+
+impl EdgeArgs {
+    /// The bevel of prisms whose outlines have a unit of that length, and that are that deep.
+    pub fn bevel(&self, scale: f64, depth: f64) -> Result<Option<Arc<Bevel>>, Failure> {
+        let Some(edge) = self.bevel else {
+            return Ok(None);
+        };
+        let Edge {
+            profile,
+            radius,
+            ends,
+        } = edge;
+        let bevel = Bevel {
+            profile,
+            inset: radius / scale,
+            depth: radius / depth,
+            ends,
+        };
+        if bevel.is_valid() {
+            return Ok(Some(Arc::new(bevel)));
+        }
+        let (room, what) = match ends {
+            BevelEnds::Front => (depth, "the depth"),
+            BevelEnds::Both => (0.5 * depth, "half the depth, as there is one on both ends"),
+        };
+        Err(Failure::misuse(format_args!(
+            "--bevel: a radius of {radius}, expected at most {room}, {what}"
+        )))
     }
 }
 

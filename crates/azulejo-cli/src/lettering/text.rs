@@ -1,6 +1,6 @@
 //! `text`: converts a string to solid letters.
 
-use super::args::{SurfaceArgs, TextArgs};
+use super::args::TextArgs;
 use super::typeface::Fonts;
 use super::{solid, typeface, values};
 use crate::failure::Failure;
@@ -11,6 +11,7 @@ use azulejo::models::read_bytes;
 use azulejo_formats::outline::typeface::StyledText;
 use azulejo_scene::{Material, MaterialId, PlacedGlyph, Prism, Rgb, TextFrame};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// Largest length of a text; letters share their outlines, but each has its own prism.
@@ -35,7 +36,7 @@ pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
         .name
         .clone()
         .unwrap_or_else(|| title(&text.text));
-    let (materials, prisms) = extruded(&glyphs, &frame, &args.surface, &name);
+    let (materials, prisms) = extruded(&glyphs, &frame, depth, args, &name)?;
     let scene = solid::scene(&name, materials, prisms)?;
     let mut report = solid::write(&scene, &output, &args.output, session)?;
     report.value("fonts", fonts.instances.clone());
@@ -45,17 +46,19 @@ pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// A prism for each glyph, and a material for each colour.
+/// A prism of this depth for each glyph, and a material for each colour.
 fn extruded(
     glyphs: &[PlacedGlyph],
     frame: &TextFrame,
-    surface: &SurfaceArgs,
+    depth: f64,
+    args: &TextArgs,
     name: &str,
-) -> (Vec<Material>, Vec<Prism>) {
+) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
     let top = glyphs.iter().map(|g| g.layer).max().unwrap_or(0);
     let step = STEP.min(HIGHEST / f64::from(top.max(1)));
     let mut colors: Vec<Option<Rgb>> = Vec::new();
     let mut known = HashMap::new();
+    let mut bevels = HashMap::new();
     let mut prisms = Vec::new();
     for glyph in glyphs.iter().filter(|g| !g.figure.contours.is_empty()) {
         let bits = glyph.color.map(|c| [c.r, c.g, c.b].map(f64::to_bits));
@@ -63,21 +66,36 @@ fn extruded(
         if material == colors.len() {
             colors.push(glyph.color);
         }
-        let frame = frame.of_layer(glyph, step);
-        prisms.extend(frame.prism(glyph, material as MaterialId));
+        let rise = f64::from(glyph.layer) * step;
+        // Glyphs of one size and layer share a bevel.
+        let unit = args.solid.size * glyph.axis.length();
+        let bevel = match bevels.entry((unit.to_bits(), glyph.layer)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(args.edge.bevel(unit, depth * (1.0 + rise))?),
+        };
+        // What only lies on another layer would be thinner than its bevel.
+        let frame = match bevel {
+            Some(_) => frame.raised(rise),
+            None => frame.of_layer(glyph, step),
+        };
+        let prism = frame.prism(glyph, material as MaterialId);
+        prisms.extend(prism.map(|prism| Prism {
+            bevel: bevel.clone(),
+            ..prism
+        }));
     }
     let material = |(k, color): (usize, &Option<Rgb>)| {
         let name = match k {
             0 => name.to_owned(),
             _ => format!("{name} {}", k + 1),
         };
-        let plain = surface.material(&name, Rgb::grey(0.7));
+        let plain = args.surface.material(&name, Rgb::grey(0.7));
         Material {
             diffuse: color.unwrap_or(plain.diffuse),
             ..plain
         }
     };
-    (colors.iter().enumerate().map(material).collect(), prisms)
+    Ok((colors.iter().enumerate().map(material).collect(), prisms))
 }
 
 /// The text to write.

@@ -1,7 +1,7 @@
 //! Parsers of option values of lettering: directions, slopes, colours, characters.
 
 use crate::values::{not_negative, number};
-use azulejo_scene::Rgb;
+use azulejo_scene::{BevelEnds, BevelProfile, Rgb};
 use glam::DVec3;
 
 /// A number above 0.
@@ -10,6 +10,38 @@ pub fn positive(text: &str) -> Result<f64, String> {
         x if x > 0.0 => Ok(x),
         x => Err(format!("{x}, expected more than 0")),
     }
+}
+
+/// The edges of solids: their profile, their radius in scene units, and where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    pub profile: BevelProfile,
+    pub radius: f64,
+    pub ends: BevelEnds,
+}
+
+/// `0.02`, `round:0.02`, `chamfer:0.02` or `chamfer:0.02:both`.
+pub fn edge(text: &str) -> Result<Edge, String> {
+    let (rest, ends) = match text.strip_suffix(":both") {
+        Some(rest) => (rest, BevelEnds::Both),
+        None => (text, BevelEnds::Front),
+    };
+    let (profile, radius) = match rest.split_once(':') {
+        None => (BevelProfile::Round, rest),
+        Some(("round", radius)) => (BevelProfile::Round, radius),
+        Some(("chamfer", radius)) => (BevelProfile::Chamfer, radius),
+        Some((other, _)) => {
+            return Err(format!(
+                "\"{other}\", expected round or chamfer, as in chamfer:0.02"
+            ));
+        }
+    };
+    let radius = positive(radius)?;
+    Ok(Edge {
+        profile,
+        radius,
+        ends,
+    })
 }
 
 /// An angle in degrees between −90 and 90, exclusive.
@@ -160,6 +192,41 @@ mod tests {
             &["", "2", "-1", "1,2", "#12345", "#+12345", "#ggg000", "red"],
         );
         check(radiance, "40,30,20", Rgb::new(40.0, 30.0, 20.0));
+    }
+
+    #[test]
+    fn edges_have_a_profile_and_a_radius() {
+        let round = Edge {
+            profile: BevelProfile::Round,
+            radius: 0.02,
+            ends: BevelEnds::Front,
+        };
+        check(edge, "0.02", round);
+        check(edge, "round:0.02", round);
+        let both = Edge {
+            ends: BevelEnds::Both,
+            ..round
+        };
+        check(edge, "0.02:both", both);
+        let chamfer = Edge {
+            profile: BevelProfile::Chamfer,
+            ..both
+        };
+        check(edge, "chamfer:0.02:both", chamfer);
+        refuse(
+            edge,
+            &[
+                "",
+                "0",
+                "-1",
+                "both",
+                "chamfer",
+                "flat:1",
+                "round:1:front",
+                "round:round:1",
+                "1:2",
+            ],
+        );
     }
 
     #[test]

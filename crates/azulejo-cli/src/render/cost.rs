@@ -23,7 +23,7 @@ const FIRST_PASS_RAYS: f64 = 16e6;
 const ERROR: f64 = 0.03;
 
 /// Rays of the second pass for each pixel.
-const RAYS_PER_PIXEL: u64 = 48;
+const RAYS_PER_PIXEL: u64 = 96;
 
 /// Contrast up to which a pixel needs few samples: steps of less are not seen.
 const CONTRAST: f64 = 0.05;
@@ -114,7 +114,10 @@ fn describe_second_pass(whole: &SecondPass, taken: &SecondPass, report: &mut Rep
         ));
     }
     let words = limits.join(", and ") + ", because more would cost much";
-    report.line("limit", format!("{words}: --spp {all} lifts the limit"));
+    report.line(
+        "limit",
+        format!("{words}: --spp {all} lifts the limit, --denoise smooths dots"),
+    );
 }
 
 #[cfg(test)]

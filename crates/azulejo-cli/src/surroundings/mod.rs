@@ -8,7 +8,7 @@ use args::{GroundArg, Site, SkyArg, SunArg, SurroundingsArgs};
 use azulejo::models;
 use azulejo::surroundings::{
     DaylightError, DaylightUnits, GROUND_REFLECTANCE, SurroundingPicture, WeatherFile, extract_sun,
-    is_studio_part, modelled_ground, studio, sun_light,
+    is_studio_part, limit_paint, modelled_ground, studio, sun_light,
 };
 use azulejo_scene::environment::upright;
 use azulejo_scene::sky::{
@@ -152,6 +152,12 @@ fn add_studio(scene: &mut Scene, session: &mut Session) -> Result<(), Failure> {
     }
     if scene.has_light() {
         session.note("--studio: the scene has light of its own, which shines too");
+    }
+    let limited = limit_paint(scene);
+    if limited > 0 {
+        session.note(&format!(
+            "--studio: materials that reflect more light than any paint are taken to reflect 90%: {limited}"
+        ));
     }
     if let Some(mut around) = studio(scene, &Tracer::new(scene)) {
         if !scene.cameras.is_empty() {

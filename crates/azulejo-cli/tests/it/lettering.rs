@@ -139,6 +139,16 @@ fn lettering_that_has_no_meaning_is_refused() {
         ),
         ("text A --font tiny.ttf -o a.grf --depth -1", 2, "depth"),
         (
+            "text A --font tiny.ttf -o a.grf --depth 0.1 --bevel 0.06:both",
+            2,
+            "expected at most 0.05, half the depth",
+        ),
+        (
+            "text A --font tiny.ttf -o a.grf --bevel flat:0.06",
+            2,
+            "expected round or chamfer",
+        ),
+        (
             "text A --font tiny.ttf -o a.grf --orientation 1,0,0,0,1,0,0,0",
             2,
             "8 numbers",
@@ -459,6 +469,43 @@ fn drawings_become_solid() {
     );
     let found = "open.dxf:9:1: found an outline around others that is open at (-5, -5)";
     folder.fails("extrude open.dxf --depth 1 -o open.stl", 1, found);
+}
+
+/// A plate of 4 × 4 × 2 with edges that are cut off loses known areas and volumes; all files say the same.
+#[test]
+fn edges_are_cut_off_or_rounded() {
+    let folder = Folder::new();
+    folder.write(
+        "plate.svg",
+        "<svg viewBox='0 0 4 4'><rect width='4' height='4'/></svg>",
+    );
+    let area = |file: &str| {
+        let info = folder.json(&format!("info {file}"));
+        info["object_list"][0]["area"].as_f64().unwrap()
+    };
+    let close = |found: f64, expected: f64| {
+        assert!(
+            (found - expected).abs() < 1e-3 * expected,
+            "{found} {expected}"
+        )
+    };
+    let report = folder.json("extrude plate.svg --depth 2 --bevel chamfer:0.5 -o front.grf");
+    check(bounds(&report), [0.0, 0.0, -2.0, 4.0, 4.0, 0.0]);
+    // The back, the rest of the sides, the trapezoids, and the front.
+    let trapezoids = 4.0 * 3.5 * 0.5 * 2f64.sqrt();
+    close(area("front.grf"), 16.0 + 24.0 + trapezoids + 9.0);
+    for file in ["both.grf", "both.obj", "both.glb", "both.stl", "both.ply"] {
+        folder.ok(&format!(
+            "extrude plate.svg --depth 2 --bevel chamfer:0.5:both -o {file}"
+        ));
+        close(area(file), 16.0 + 2.0 * (trapezoids + 9.0));
+    }
+    folder.ok("extrude plate.svg --depth 2 --bevel 0.5:both -o round.grf");
+    // Quarter cylinders, whose ends are mitred.
+    let round = 4.0 * (3.0 * 0.25 * std::f64::consts::PI + 2.0 * 0.25);
+    close(area("round.grf"), 16.0 + 2.0 * (round + 9.0));
+    let lost = folder.ok("convert round.grf -o round.sff").err;
+    assert!(lost.contains("1 shapes whose bevels are omitted"), "{lost}");
 }
 
 /// What is painted over other things stands out from them, and without --layers it is said that it does not.

@@ -537,7 +537,7 @@ fn glossy_materials_are_kept() {
     assert!(scaled.diffuse.r < 0.75);
     assert_eq!(
         messages,
-        ["glossy material that reflects more light than it receives: scaled down"]
+        ["glossy material that reflects more light than it receives: scaled to 90%"]
     );
     check_material(
         "Kd 0.25\nKs 0.5\nillum 1",

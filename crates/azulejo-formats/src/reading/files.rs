@@ -86,7 +86,7 @@ impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FileError::Missing => f.write_str("there is no such file"),
-            FileError::Outside => f.write_str("the name leads out of the model's folder (allow the folder explicitly if you trust the model)"),
+            FileError::Outside => f.write_str("the name leads out of the model's folder (if you trust the model, allow the folder that has it, as by --allow FOLDER)"),
             FileError::TooLarge { limit } => write!(f, "the file is larger than {limit} bytes"),
             FileError::Io(e) => write!(f, "{e}"),
         }

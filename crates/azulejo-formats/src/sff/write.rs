@@ -5,7 +5,7 @@ use super::print::print;
 use crate::outline::{ppe, ppf};
 use crate::surface::model::model_of;
 use azulejo_scene::{
-    Encoding, FillRule, LightKind, Material, Mesh, Object, PrimitiveKind, Scene, Shape, Solid,
+    Encoding, FillRule, Leaf, LightKind, Material, Mesh, Object, PrimitiveKind, Prism, Scene, Shape,
 };
 use std::io::{self, BufWriter, Write};
 
@@ -65,8 +65,12 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (objects(&is_lit), "objects whose irradiance is omitted"),
         (objects(&is_square), "parallelograms that become polygons"),
         (
-            objects(&overlaps),
+            objects(&|o| has_prism(o, |p| p.figure.rule != FillRule::EvenOdd)),
             "shapes whose figures may be filled differently",
+        ),
+        (
+            objects(&|o| has_prism(o, |p| p.bevel.is_some())),
+            "shapes whose bevels are omitted",
         ),
         (
             meshes(|m| m.uvs.is_some()),
@@ -132,11 +136,11 @@ fn is_square(object: &Object) -> bool {
     matches!(&object.shape, Shape::Primitive(p) if p.kind == PrimitiveKind::Square)
 }
 
-/// Whether a figure uses a fill rule that the format does not have.
-fn overlaps(object: &Object) -> bool {
+/// Whether a shape has a prism like that.
+fn has_prism(object: &Object, like: impl Fn(&Prism) -> bool) -> bool {
     let Shape::Exact(exact) = &object.shape else {
         return false;
     };
-    let other = |s: &Solid| matches!(s, Solid::Prism(p) if p.figure.rule != FillRule::EvenOdd);
-    exact.solids.iter().any(other)
+    let is_like = |leaf: Leaf| matches!(leaf, Leaf::Prism(p) if like(p));
+    exact.leaves().into_iter().any(is_like)
 }

@@ -17,6 +17,9 @@ use azulejo_scene::{
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 
+/// How near the pivot must be to its node, relative to the size of the mesh, for the local frame to be taken as lost.
+const AT_NODE: f64 = 0.01;
+
 /// Displacements below this, relative to the magnitude of the numbers, are attributed to rounding:
 /// the stored vertices stay unchanged. Single precision has 6e-8, and a matrix sums several such
 /// errors.
@@ -305,10 +308,13 @@ impl Studio3dsBuilder<'_> {
             );
             return None;
         }
-        let mesh_from_stored = frame.flatten().map_or(DAffine3::IDENTITY, |f| f.inverse());
-        let pivot = DAffine3::from_translation(-placed.pivot);
-        let map = placed.world_from_node * pivot * mesh_from_stored;
         let bounds = Aabb::around(stored.positions.iter().copied());
+        let frame = match frame.flatten() {
+            Some(frame) if frame != DAffine3::IDENTITY => frame,
+            _ => lost_frame(bounds, placed).unwrap_or(DAffine3::IDENTITY),
+        };
+        let pivot = DAffine3::from_translation(-placed.pivot);
+        let map = placed.world_from_node * pivot * frame.inverse();
         let ends = [bounds.min, bounds.max].map(|p| map.transform_point3(p));
         if !(map.is_finite() && ends[0].is_finite() && ends[1].is_finite()) {
             self.walker.warn(
@@ -400,6 +406,15 @@ impl Studio3dsBuilder<'_> {
         }
         2.0 * ((0.5 * horizontal.to_radians()).tan() / ASPECT).atan()
     }
+}
+
+/// The local frame of a mesh whose file lost it, in which pivots count from the middle of the mesh's box, where 3D Studio
+/// begins its frames: that is so if the pivot is where the node is. Without it such models fall apart.
+fn lost_frame(bounds: Aabb, placed: &PlacedNode) -> Option<DAffine3> {
+    let pivot = bounds.centre() + placed.pivot;
+    let away = (placed.world_from_node.translation - pivot).length();
+    let is_at_node = away <= AT_NODE * bounds.diagonal();
+    is_at_node.then(|| DAffine3::from_translation(bounds.centre()))
 }
 
 /// Whether a map moves any corner of a box by more than rounding.

@@ -511,6 +511,30 @@ fn the_local_frame_is_undone() {
     assert_eq!(mesh(&moved, 0).positions[2], DVec3::new(1.0, 1.0, 1.0));
 }
 
+/// Some programs write frames that say nothing, and pivots that count from the middle of the mesh's box.
+#[test]
+fn a_lost_frame_begins_in_the_middle_of_the_mesh() {
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let pivot = chunk(0xb013, &floats(&[-0.5, 0.0, 0.0]));
+    let turned = track(0xb021, &[quarter, 0., 0., 1.]);
+    let placed = |position: [f32; 3], more: &[Vec<u8>]| {
+        let entries = [&[pivot.clone(), track(0xb020, &position)], more].concat();
+        let nodes = [node(0xb002, 0, "door", -1, &entries)];
+        let loaded = load(&file(&[square("door")], &[keyframer(&nodes)]));
+        mesh(&loaded, 0).positions.clone()
+    };
+    let stored = SQUARE.map(|p| DVec3::from(p.map(f64::from)));
+    assert_eq!(placed([0.0, 0.5, 0.0], &[]), stored);
+    // A door turns about its hinge.
+    let opened = placed([0.0, 0.5, 0.0], &[turned]);
+    assert!(
+        (opened[1] - DVec3::new(-0.5, -0.5, 0.0)).length() < 1e-6,
+        "{opened:?}"
+    );
+    // Elsewhere the frame is taken as it is.
+    assert_eq!(placed([3.0, 0.5, 0.0], &[])[0], DVec3::new(3.5, 0.5, 0.0));
+}
+
 #[test]
 fn a_mirrored_frame_keeps_fronts() {
     let frame = [-1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.];

@@ -13,8 +13,15 @@ const MOST_MODELS: usize = 1 << 12;
 /// The warning about further ones.
 const TOO_MANY: &str = "more than 4096 glossy materials: taken as diffuse";
 
-/// The warning about materials that would create energy.
-const TOO_MUCH: &str = "glossy material that reflects more light than it receives: scaled down";
+/// What materials that would create energy are scaled to: no paint reflects more, and what reflects all keeps light for
+/// ever between surfaces that touch.
+const MOST_REFLECTED: f64 = 0.9;
+
+/// The warning about them.
+const TOO_MUCH: &str = "glossy material that reflects more light than it receives: scaled to 90%";
+
+/// The least mean roughness of a material whose roughness a picture varies: the model of the mean must not be a mirror.
+pub(crate) const SMOOTHEST: f64 = 0.03;
 
 /// The reflection models of one file, each once.
 #[derive(Debug, Default)]
@@ -51,7 +58,11 @@ impl Gloss {
             return Ok(());
         }
         let sum = (material.diffuse + material.mirror + ks).max_channel();
-        let scale = if sum > 1.0 + 1e-9 { 1.0 / sum } else { 1.0 };
+        let scale = if sum > 1.0 + 1e-9 {
+            MOST_REFLECTED / sum
+        } else {
+            1.0
+        };
         let (kd, ks) = (within(material.diffuse * scale), ks * scale);
         // Rounding of a sum must not cause a model to be refused.
         let ks = Rgb::from([0, 1, 2].map(|k| ks[k].min(1.0 - kd[k])));

@@ -46,6 +46,7 @@ fn prism(figure: Figure, low: DVec3, size: DVec3, material: u32) -> Solid {
         figure: Arc::new(figure),
         world_from_figure: placed(low, size),
         material,
+        bevel: None,
     })
 }
 
@@ -267,6 +268,7 @@ fn a_line_of_text_stays_in_proportion() {
             figure: Arc::clone(&figure),
             world_from_figure: placed(low, dvec3(0.04, 0.04, 0.02)),
             material: grey,
+            bevel: None,
         })
     };
     let line = add_exact(&mut scene, (0..18).map(letter).collect());
@@ -314,6 +316,7 @@ fn letters_leave_patches_for_the_floor() {
             figure: Arc::clone(&figure),
             world_from_figure: placed(low, dvec3(0.2, 0.2, 0.1)),
             material: grey,
+            bevel: None,
         })
     };
     add_exact(&mut scene, (0..100).map(letter).collect());

@@ -39,6 +39,7 @@ fn prism(figure: Figure, map: DAffine3) -> Solid {
         figure: Arc::new(figure),
         world_from_figure: map,
         material: 0,
+        bevel: None,
     })
 }
 

@@ -4,11 +4,11 @@ use super::{ContentBytes, ContentSink};
 use crate::content_bytes::{content_of_fields, content_of_variants};
 use crate::sky::{CieSky, PerezSky, Sky, SkyDistribution};
 use crate::{
-    Attribute, BackIrradiance, Backplate, BackplateFit, BicubicPatch, Camera, Contour, Csg, Curve,
-    Environment, EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh,
-    MeshInstance, Object, Operation, PhotometricWeb, Primitive, PrimitiveKind, Prism, Projection,
-    Scene, SceneBackground, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
-    WebType,
+    Attribute, BackIrradiance, Backplate, BackplateFit, Bevel, BevelEnds, BevelProfile,
+    BicubicPatch, Camera, Contour, Csg, Curve, Environment, EnvironmentSource, Exact, Faces,
+    Figure, FillRule, Fog, Light, LightKind, Mesh, MeshInstance, Object, Operation, PhotometricWeb,
+    Primitive, PrimitiveKind, Prism, Projection, Scene, SceneBackground, Shape, Solid, SurfaceGrid,
+    SurfaceLight, Units, Up, VertexLight, WebType,
 };
 
 // Zones say which rows are written together, not what they see. RTRACE's own parameters are read by its own shading alone, which has no first pass; what a mesh was before it was
@@ -37,7 +37,8 @@ content_of_fields! {
     SurfaceGrid { nu, nv }
     Exact { solids, proxy }
     Csg { operation, left, right }
-    Prism { figure, world_from_figure, material }
+    Prism { figure, world_from_figure, material, bevel }
+    Bevel { profile, inset, depth, ends }
     BicubicPatch { points, material }
     Figure { contours, rule }
     Contour { curves }
@@ -78,6 +79,8 @@ content_of_variants! {
     }
     Operation { 0 = Union, 1 = Difference, 2 = Intersection }
     FillRule { 0 = EvenOdd, 1 = NonZero }
+    BevelProfile { 0 = Chamfer, 1 = Round }
+    BevelEnds { 0 = Front, 1 = Both }
     Curve { 0 = Line { start }, 1 = Cubic { start, control1, control2 } }
 }
 

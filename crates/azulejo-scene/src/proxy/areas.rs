@@ -3,7 +3,7 @@
 use super::facet::{FlatFigureCache, facets};
 use super::mesh_of;
 use crate::math::area_vector;
-use crate::{Exact, Figure, Leaf, MaterialId, Prism, Solid};
+use crate::{Bevel, Exact, Figure, Leaf, MaterialId, Prism, Solid};
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -36,8 +36,8 @@ impl Exact {
     }
 }
 
-/// A prism without its position: the figure, and the bits of the map's axes.
-type PrismKey = (*const Figure, [u64; 9]);
+/// A prism without its position: the figure, the bevel, and the bits of the map's axes.
+type PrismKey = (*const Figure, Option<*const Bevel>, [u64; 9]);
 
 /// The areas found so far.
 struct AreaTally<'a> {
@@ -65,7 +65,8 @@ impl<'a> AreaTally<'a> {
 
     fn prism(&mut self, prism: &Prism) -> f64 {
         let axes = prism.world_from_figure.matrix3.to_cols_array();
-        let key = (Arc::as_ptr(&prism.figure), axes.map(f64::to_bits));
+        let bevel = prism.bevel.as_ref().map(Arc::as_ptr);
+        let key = (Arc::as_ptr(&prism.figure), bevel, axes.map(f64::to_bits));
         let (error, flats) = (self.chord_error, &mut self.flats);
         *self.prisms.entry(key).or_insert_with(|| {
             // At the origin, so that the area does not depend on which prism came first.

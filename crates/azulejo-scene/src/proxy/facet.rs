@@ -1,10 +1,11 @@
 //! Tessellation of solids that are not compounds.
 
+use super::bevelled::{BevelledFigure, steps};
 use super::builder::corners;
-use super::flat_figure::FlatFigure;
+use super::flat_figure::{FlatFigure, Tile, tiles};
 use crate::math::{area_vector, normal_matrix};
-use crate::{BicubicPatch, Figure, Leaf, MaterialId, Mesh, Primitive, Prism};
-use glam::{DVec2, DVec3};
+use crate::{Bevel, BevelEnds, BicubicPatch, Figure, Leaf, MaterialId, Mesh, Primitive, Prism};
+use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -38,22 +39,47 @@ impl FlatPrism {
     fn new(figure: &Figure, tolerance: f64) -> FlatPrism {
         let flat = FlatFigure::new(figure, tolerance);
         FlatPrism {
-            caps: caps(&flat),
+            caps: caps(&flat.points, &flat.tiles),
             normals: side_normals(&flat),
             flat,
         }
     }
 }
 
-/// Flattened figures, each once per tolerance.
+/// A figure as polygons for a bevel with that many steps.
+type BevelKey = (FigureKey, *const Bevel, u32);
+
+/// A figure and a tolerance.
+type FigureKey = (*const Figure, u64);
+
+/// Flattened figures, each once per tolerance, also with each of their bevels.
 #[derive(Default)]
-pub(super) struct FlatFigureCache(HashMap<(*const Figure, u64), Rc<FlatPrism>>);
+pub(super) struct FlatFigureCache {
+    flat: HashMap<FigureKey, Rc<FlatPrism>>,
+    bevelled: HashMap<BevelKey, Rc<BevelledFigure>>,
+}
 
 impl FlatFigureCache {
     fn get(&mut self, figure: &Arc<Figure>, tolerance: f64) -> Rc<FlatPrism> {
         let key = (Arc::as_ptr(figure), tolerance.to_bits());
-        let flat = self.0.entry(key);
+        let flat = self.flat.entry(key);
         Rc::clone(flat.or_insert_with(|| Rc::new(FlatPrism::new(figure, tolerance))))
+    }
+
+    fn bevelled(
+        &mut self,
+        figure: &Arc<Figure>,
+        tolerance: f64,
+        bevel: &Arc<Bevel>,
+        steps: u32,
+    ) -> Rc<BevelledFigure> {
+        let prism = self.get(figure, tolerance);
+        let key = (Arc::as_ptr(figure), tolerance.to_bits());
+        let bevelled = self.bevelled.entry((key, Arc::as_ptr(bevel), steps));
+        Rc::clone(bevelled.or_insert_with(|| {
+            let FlatPrism { flat, normals, .. } = &*prism;
+            Rc::new(BevelledFigure::new(flat, normals, bevel, steps, tolerance))
+        }))
     }
 }
 
@@ -172,46 +198,121 @@ fn prism_facets(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) ->
         return Vec::new();
     }
     let prepared = flats.get(&prism.figure, tolerance);
-    let flat = &prepared.flat;
-    let cofactor = normal_matrix(m);
-    let outward = |n: DVec3| (cofactor * n).normalize_or(DVec3::Z);
-    let mirrors = m.determinant() < 0.0;
-    let mut facets = Vec::with_capacity(2 * flat.tiles.len() + flat.border.len());
-    let mut push = |mut corners: Vec<(DVec3, DVec3)>| {
-        if mirrors {
+    let mut builder = PrismFacets::new(prism);
+    match &prism.bevel {
+        None => {
+            builder.add_plane(&prepared.flat.points, &prepared.caps, 0.0);
+            builder.add_plane(&prepared.flat.points, &prepared.caps, 1.0);
+            builder.add_sides(&prepared, [0.0, 1.0]);
+        }
+        Some(bevel) => {
+            let radius = bevel.inset.max(bevel.depth * m.z_axis.length() / stretch);
+            let count = steps(bevel, radius, tolerance);
+            let bevelled = flats.bevelled(&prism.figure, tolerance, bevel, count);
+            builder.add_bevel(&bevelled, bevel, 0.0);
+            match bevel.ends {
+                BevelEnds::Front => builder.add_plane(&prepared.flat.points, &prepared.caps, 1.0),
+                BevelEnds::Both => builder.add_bevel(&bevelled, bevel, 1.0),
+            }
+            builder.add_sides(&prepared, bevel.sides());
+        }
+    }
+    builder.facets
+}
+
+/// The faces of a prism under construction.
+struct PrismFacets<'a> {
+    prism: &'a Prism,
+    cofactor: DMat3,
+    mirrors: bool,
+    facets: Vec<Facet>,
+}
+
+impl<'a> PrismFacets<'a> {
+    fn new(prism: &'a Prism) -> PrismFacets<'a> {
+        let m = prism.world_from_figure.matrix3;
+        PrismFacets {
+            prism,
+            cofactor: normal_matrix(m),
+            mirrors: m.determinant() < 0.0,
+            facets: Vec::new(),
+        }
+    }
+
+    /// Adds a polygon in figure space, counter-clockwise from outside, with outward normals of any length.
+    fn push(&mut self, corners: impl DoubleEndedIterator<Item = (DVec3, DVec3)>) {
+        let map = &self.prism.world_from_figure;
+        let placed = corners.map(|(p, n)| {
+            let normal = (self.cofactor * n).normalize_or(DVec3::Z);
+            (map.transform_point3(p), normal)
+        });
+        let mut corners: Vec<(DVec3, DVec3)> = placed.collect();
+        if self.mirrors {
             corners.reverse();
         }
-        facets.push(Facet {
+        self.facets.push(Facet {
             corners,
-            material: prism.material,
+            material: self.prism.material,
         });
-    };
-    let at = |k: u32, z: f64| map.transform_point3(flat.points[k as usize].extend(z));
-    for polygon in &prepared.caps {
-        let (front, back) = (outward(-DVec3::Z), outward(DVec3::Z));
-        let up = polygon.iter().map(|&k| (at(k, 1.0), back));
-        push(up.collect());
-        let down = polygon.iter().rev().map(|&k| (at(k, 0.0), front));
-        push(down.collect());
     }
-    for (side, normals) in flat.border.iter().zip(&prepared.normals) {
-        let ([a, b], [na, nb]) = (*side, normals.map(|n| outward(n.extend(0.0))));
-        let (low, high) = ([(a, na), (b, nb)], [(b, nb), (a, na)]);
-        let low = low.map(|(k, n)| (at(k, 0.0), n));
-        let high = high.map(|(k, n)| (at(k, 1.0), n));
-        push([low, high].concat());
+
+    /// Adds a polygon that is counter-clockwise from above, on the back as it is, on the front the other way round.
+    fn push_towards(&mut self, z: f64, corners: impl DoubleEndedIterator<Item = (DVec3, DVec3)>) {
+        if z > 0.0 {
+            self.push(corners);
+        } else {
+            self.push(corners.rev());
+        }
     }
-    facets
+
+    /// Adds the polygons of one of the planes.
+    fn add_plane(&mut self, points: &[DVec2], polygons: &[Vec<u32>], z: f64) {
+        let normal = (2.0 * z - 1.0) * DVec3::Z;
+        for polygon in polygons {
+            let corner = |&k: &u32| (points[k as usize].extend(z), normal);
+            self.push_towards(z, polygon.iter().map(corner));
+        }
+    }
+
+    /// Adds a bevel and what it leaves of the plane at z.
+    fn add_bevel(&mut self, bevelled: &BevelledFigure, bevel: &Bevel, z: f64) {
+        let points = &bevelled.flat.points;
+        self.add_plane(points, &caps(points, &tiles(&bevelled.plane)), z);
+        let Some(climb) = bevel.climb(z) else { return };
+        let up = DVec3::new(1.0, 1.0, 2.0 * z - 1.0);
+        for triangle in &bevelled.slopes {
+            let corner = |(k, normal): (u32, DVec3)| {
+                let height = climb.height(bevelled.rises[k as usize]);
+                (points[k as usize].extend(height), up * normal)
+            };
+            self.push_towards(z, triangle.map(corner).into_iter());
+        }
+    }
+
+    /// Adds the sides between two heights.
+    fn add_sides(&mut self, prepared: &FlatPrism, [low, high]: [f64; 2]) {
+        if low >= high {
+            return;
+        }
+        let FlatPrism { flat, normals, .. } = prepared;
+        for (&[a, b], [na, nb]) in flat.border.iter().zip(normals) {
+            let at = |k: u32, z: f64| flat.points[k as usize].extend(z);
+            let corners = [
+                (at(a, low), na),
+                (at(b, low), nb),
+                (at(b, high), nb),
+                (at(a, high), na),
+            ];
+            self.push(corners.into_iter().map(|(p, n)| (p, n.extend(0.0))));
+        }
+    }
 }
 
 /// The polygons of a cap; triangles where the triangulation of a polygon would overlap.
-fn caps(flat: &FlatFigure) -> Vec<Vec<u32>> {
+fn caps(points: &[DVec2], tiles: &[Tile]) -> Vec<Vec<u32>> {
     let mut whole = Vec::new();
-    for tile in &flat.tiles {
-        let points = tile
-            .ring
-            .iter()
-            .map(|&k| flat.points[k as usize].extend(0.0));
+    for tile in tiles {
+        let points = tile.ring.iter().map(|&k| points[k as usize].extend(0.0));
         let mut mesh = Mesh {
             positions: points.collect(),
             ..Mesh::default()

@@ -1,6 +1,7 @@
 //! Plane figures as polygons.
 
-use crate::figure::Segment;
+use super::builder::Weld;
+use crate::figure::{Rectangle, Segment};
 use crate::{Figure, FillRule};
 use glam::DVec2;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
@@ -9,6 +10,8 @@ use std::collections::HashMap;
 
 /// Corners are rounded to this fraction of the figure's size, so that equal ones coincide.
 const GRID: f64 = 1.0 / (1u64 << 32) as f64;
+/// Ends of lines nearer than this fraction of the figure's size are one.
+const SAME: f64 = 1e-8;
 /// Curves join smoothly if the direction turns by less than 30° between them.
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Most crossings of contours, beside one per corner; further ones are not resolved.
@@ -55,14 +58,60 @@ impl FlatFigure {
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
         let mut outline = FlattenedContours::new(figure, tolerance, round);
         outline.simplify(tolerance / size);
-        let mesh = outline.triangulated();
-        let inside = outline.inside(&mesh, figure.rule);
-        let mut flat = FlatFigure::default();
-        flat.collect(&mesh, &inside, &outline);
-        for p in &mut flat.points {
-            *p = origin + size * *p;
+        outline.filled(figure.rule, &[], (origin, size))
+    }
+
+    /// The same figure with more points, so that these lines inside are edges too.
+    pub fn divided(&self, lines: &[[DVec2; 2]]) -> FlatFigure {
+        let bounds = Rectangle::around(self.points.iter().copied());
+        let (origin, size) = (bounds.min, bounds.size().max_element());
+        if !(size > 0.0 && size.is_finite()) {
+            return FlatFigure::default();
         }
-        flat
+        let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
+        let points: Vec<DVec2> = self.points.iter().map(|&p| round(p)).collect();
+        // Lines that end in one place would cross if rounding separated their ends.
+        let mut weld = Weld::new(SAME);
+        for p in &points {
+            weld.number(p.extend(0.0));
+        }
+        let mut welded = |p: DVec2| {
+            let number = weld.number(round(p).extend(0.0));
+            weld.positions[number as usize].truncate()
+        };
+        let lines: Vec<[DVec2; 2]> = lines.iter().map(|line| line.map(&mut welded)).collect();
+        let loops = self.loops().into_iter();
+        let contours = loops.map(|ring| ring.into_iter().map(|k| points[k as usize]).collect());
+        let outline = FlattenedContours {
+            contours: contours.collect(),
+            smooth: points
+                .iter()
+                .map(|p| key(*p))
+                .zip(self.is_smooth.iter().copied())
+                .collect(),
+        };
+        outline.filled(FillRule::NonZero, &lines, (origin, size))
+    }
+
+    /// The border as closed chains of points.
+    fn loops(&self) -> Vec<Vec<u32>> {
+        let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+        for &[a, b] in &self.border {
+            next.entry(a).or_default().push(b);
+        }
+        let mut loops = Vec::new();
+        for &[start, _] in &self.border {
+            let mut ring = Vec::new();
+            let mut at = start;
+            while let Some(on) = next.get_mut(&at).and_then(Vec::pop) {
+                ring.push(at);
+                at = on;
+            }
+            if !ring.is_empty() {
+                loops.push(ring);
+            }
+        }
+        loops
     }
 
     fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
@@ -145,6 +194,18 @@ impl FlattenedContours {
         }
     }
 
+    /// The inside, divided along further lines; `place` is the origin and the size of the figure.
+    fn filled(&self, rule: FillRule, lines: &[[DVec2; 2]], place: (DVec2, f64)) -> FlatFigure {
+        let mesh = self.triangulated(lines);
+        let inside = self.inside(&mesh, rule);
+        let mut flat = FlatFigure::default();
+        flat.collect(&mesh, &inside, self);
+        for p in &mut flat.points {
+            *p = place.0 + place.1 * *p;
+        }
+        flat
+    }
+
     /// Points that are not on the curves come from crossings.
     fn is_smooth(&self, p: DVec2) -> bool {
         self.smooth.get(&key(p)) == Some(&true)
@@ -159,17 +220,17 @@ impl FlattenedContours {
         self.contours.iter().flat_map(around)
     }
 
-    /// The Delaunay triangulation of all corners that has all contours as edges, split where
-    /// they cross.
-    fn triangulated(&self) -> Delaunay {
-        let mut mesh = self.delaunay();
+    /// The Delaunay triangulation of all corners and of the ends of `lines`. It has all contours as edges, split where
+    /// they cross, and those lines that cross no others.
+    fn triangulated(&self, lines: &[[DVec2; 2]]) -> Delaunay {
+        let mut mesh = self.delaunay(lines);
         let corners: HashMap<_, FixedVertexHandle> = mesh
             .vertices()
             .map(|v| (key(point(v.position())), v.fix()))
             .collect();
         let most = 2 * mesh.num_vertices() + MOST_CROSSINGS;
+        let corner = |p: &DVec2| corners.get(&key(*p)).copied();
         for contour in &self.contours {
-            let corner = |p: &DVec2| corners.get(&key(*p)).copied();
             let contour: Vec<FixedVertexHandle> = contour.iter().filter_map(corner).collect();
             for (k, &a) in contour.iter().enumerate() {
                 let b = contour[(k + 1) % contour.len()];
@@ -178,12 +239,21 @@ impl FlattenedContours {
                 }
             }
         }
+        for [a, b] in lines {
+            let (Some(a), Some(b)) = (corner(a), corner(b)) else {
+                continue;
+            };
+            // Two that cross come from rounding: their ends are points of the mesh in any case.
+            if a != b && mesh.can_add_constraint(a, b) {
+                mesh.add_constraint(a, b);
+            }
+        }
         mesh
     }
 
     /// The Delaunay triangulation of all corners.
-    fn delaunay(&self) -> Delaunay {
-        let points = self.contours.iter().flatten();
+    fn delaunay(&self, lines: &[[DVec2; 2]]) -> Delaunay {
+        let points = self.contours.iter().flatten().chain(lines.as_flattened());
         let corners: Vec<_> = points.map(|p| Point2::new(p.x, p.y)).collect();
         if corners.len() > MANY_CORNERS {
             // Inserting many corners in their order along a contour is the slowest order.
@@ -350,7 +420,7 @@ impl Strips {
 /// Merges triangles into simple polygons, which have each corner once.
 ///
 /// A large polygon can be divided into better patches than thin triangles.
-fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
+pub(super) fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
     let mut across = HashMap::new();
     for (t, corners) in triangles.iter().enumerate() {
         for k in 0..3 {

@@ -2,6 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `bevelled` | plane figures whose points have the heights of a bevel |
 //! | `areas` | areas without a mesh of all prisms |
 //! | `flat_figure` | plane figures as polygons, also where contours cross or overlap |
 //! | `facet` | the faces of prisms, primitives, patches and meshes |
@@ -10,6 +11,7 @@
 //! | `builder` | the mesh under construction |
 
 mod areas;
+mod bevelled;
 mod builder;
 mod cut;
 mod facet;

@@ -108,6 +108,11 @@ impl Checker {
             place,
             || "its map is not invertible".into(),
         )?;
+        let is_good = prism.bevel.as_ref().is_none_or(|b| b.is_valid());
+        ensure(is_good, place, || {
+            "its bevel is not within 0 to 1 of its depth, 1/2 at both ends, or has no finite inset"
+                .into()
+        })?;
         if !self.good.insert(Arc::as_ptr(&prism.figure)) {
             return Ok(());
         }
@@ -181,6 +186,7 @@ mod tests {
             figure: Arc::new(Figure::polygon(corners)),
             world_from_figure: DAffine3::IDENTITY,
             material: 0,
+            bevel: None,
         }
     }
 

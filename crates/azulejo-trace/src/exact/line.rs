@@ -21,6 +21,12 @@ impl Line3 {
         }
     }
 
+    /// The point at `t`.
+    #[inline(always)]
+    pub(crate) fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+
     /// The line under a map; `t` is unchanged.
     #[inline(always)]
     pub(crate) fn mapped(&self, map: &DAffine3) -> Line3 {

@@ -4,6 +4,7 @@
 //! lies in −1..=1; [`resolve`](PlacedExact::resolve) repeats it along the ray before rounding to
 //! `f32`.
 
+mod bevel;
 mod csg;
 mod leaf;
 mod line;
@@ -23,11 +24,11 @@ use crate::hit::ResolvedPoint;
 use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
-use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
+use azulejo_scene::{Bevel, BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
 use csg::{CsgNode, CsgNodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
 use leaf::{Boundary, ExactLeaf, LeafHit, Span};
-use outline::Outline;
+use prism::PrismSection;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -142,19 +143,28 @@ impl ExactSolid {
     }
 }
 
-/// Figures prepared for rays, each once, shared by its prisms.
+/// Figures prepared for rays, each once with each of its bevels, shared by its prisms.
 #[derive(Default)]
-pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
+pub(crate) struct Outlines {
+    bounds: HashMap<*const Figure, Rectangle>,
+    sections: HashMap<SectionKey, Arc<PrismSection>>,
+}
+
+/// A figure, and the bevel of a prism over it.
+type SectionKey = (*const Figure, Option<*const Bevel>);
 
 impl Outlines {
-    fn of(&mut self, figure: &Arc<Figure>) -> &Arc<Outline> {
-        let prepare = || Arc::new(Outline::new(figure));
-        self.0.entry(Arc::as_ptr(figure)).or_insert_with(prepare)
+    fn of(&mut self, prism: &Prism) -> Arc<PrismSection> {
+        let bevel = prism.bevel.as_ref();
+        let key = (Arc::as_ptr(&prism.figure), bevel.map(Arc::as_ptr));
+        let prepare = || Arc::new(PrismSection::new(prism));
+        Arc::clone(self.sections.entry(key).or_insert_with(prepare))
     }
 
     /// The rectangle around a figure.
     pub(crate) fn bounds(&mut self, figure: &Arc<Figure>) -> Rectangle {
-        self.of(figure).bounds
+        let known = self.bounds.entry(Arc::as_ptr(figure));
+        *known.or_insert_with(|| figure.bounds())
     }
 }
 
@@ -233,9 +243,9 @@ impl Preparation<'_> {
     }
 
     fn prism(&mut self, prism: &Prism) -> ExactLeaf {
-        let outline = Arc::clone(self.outlines.of(&prism.figure));
+        let section = self.outlines.of(prism);
         let local_from_figure = self.frame.local_from_world() * prism.world_from_figure;
-        prism::ExactPrism::new(outline, local_from_figure)
+        prism::ExactPrism::new(section, local_from_figure)
             .map_or(ExactLeaf::Nothing, ExactLeaf::Prism)
     }
 

@@ -5,25 +5,49 @@
 //! lies between the two planes for one interval, over which its projection onto the figure's plane
 //! crosses the contours.
 
+use super::bevel::ExactBevel;
 use super::leaf::{Boundary, LeafHit, LeafPoint, Span, outward};
 use super::line::Line3;
 use super::outline::{Crossing, Line2, Outline};
+use azulejo_scene::Prism;
 use azulejo_scene::figure::{Segment, bernstein, bernstein_slope};
+use azulejo_scene::rim::Rim;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// A prism prepared for rays.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactPrism {
-    outline: Arc<Outline>,
+    section: Arc<PrismSection>,
     figure_from_local: DAffine3,
     local_from_figure: DAffine3,
+}
+
+/// What prisms of one figure and one bevel share.
+#[derive(Debug)]
+pub(crate) struct PrismSection {
+    outline: Outline,
+    bevel: Option<ExactBevel>,
+}
+
+impl PrismSection {
+    pub(crate) fn new(prism: &Prism) -> PrismSection {
+        let bevel = prism.bevel.as_deref();
+        PrismSection {
+            outline: Outline::new(&prism.figure),
+            bevel: bevel.map(|b| ExactBevel::new(Rim::new(&prism.figure), *b)),
+        }
+    }
 }
 
 /// Part numbers: the figure's plane, the parallel one, then the curves.
 const FRONT: u32 = 0;
 const BACK: u32 = 1;
-const CURVES: u32 = 2;
+pub(super) const CURVES: u32 = 2;
+
+/// How far a hit moves at most when it is computed again, in the tracer's coordinates: many roundings of
+/// rays to `f32`.
+const REACH: f64 = 1e-5;
 
 /// A line in figure space.
 struct Passage {
@@ -115,11 +139,14 @@ fn at_plane(t: f64, part: u32, enters: bool) -> LeafHit {
 
 impl ExactPrism {
     /// `None` for a map that cannot be inverted in double precision.
-    pub(crate) fn new(outline: Arc<Outline>, local_from_figure: DAffine3) -> Option<ExactPrism> {
+    pub(crate) fn new(
+        section: Arc<PrismSection>,
+        local_from_figure: DAffine3,
+    ) -> Option<ExactPrism> {
         let figure_from_local = local_from_figure.inverse();
         let usable = local_from_figure.is_finite() && figure_from_local.is_finite();
         usable.then_some(ExactPrism {
-            outline,
+            section,
             figure_from_local,
             local_from_figure,
         })
@@ -127,18 +154,32 @@ impl ExactPrism {
 
     /// The first hit within `span`.
     pub(crate) fn first(&self, line: &Line3, span: Span) -> Option<LeafHit> {
-        let passage = Passage::new(&line.mapped(&self.figure_from_local))?;
+        let own = line.mapped(&self.figure_from_local);
+        let passage = Passage::new(&own)?;
         let within = passage.between.and(span)?;
         let nearest = self.nearest(&passage, within);
-        let starts_inside = self.outline.rule.is_inside(nearest.winding);
-        if starts_inside && span.first <= passage.between.first {
+        let starts_inside = self.section.outline.rule.is_inside(nearest.winding);
+        let comes_in = starts_inside && span.first <= passage.between.first;
+        if let Some(bevel) = &self.section.bevel {
+            let entry = match &nearest.crossing {
+                _ if comes_in => Some(within.first),
+                Some(crossing) if !starts_inside => Some(passage.t(crossing, within)),
+                // Nothing of the prism without its bevel.
+                None if !starts_inside => return None,
+                _ => None,
+            };
+            if !entry.is_some_and(|t| bevel.keeps(own.at(t))) {
+                return self.first_of_all(&own, &passage, within, span);
+            }
+        }
+        if comes_in {
             return Some(at_plane(within.first, passage.planes[0], true));
         }
         if let Some(crossing) = &nearest.crossing {
-            let is_inside = |winding| self.outline.rule.is_inside(winding);
+            let is_inside = |winding| self.section.outline.rule.is_inside(winding);
             let is_boundary = is_inside(nearest.winding - crossing.sense) != starts_inside;
-            if !is_boundary || nearest.second - crossing.s <= self.outline.sliver {
-                return self.first_of_all(&passage, within, span);
+            if !is_boundary || nearest.second - crossing.s <= self.section.outline.sliver {
+                return self.first_of_all(&own, &passage, within, span);
             }
             let t = passage.t(crossing, within);
             return Some(at_curve(t, crossing, !starts_inside));
@@ -157,15 +198,18 @@ impl ExactPrism {
             second: f64::INFINITY,
         };
         let mut first = f64::INFINITY;
-        nearest.winding = self.outline.cross(&passage.shadow, [s0, s1], |crossing| {
-            if crossing.s < first {
-                (nearest.second, first) = (first, crossing.s);
-                nearest.crossing = Some(crossing);
-            } else {
-                nearest.second = nearest.second.min(crossing.s);
-            }
-            Some(s1.min(first + self.outline.sliver))
-        });
+        nearest.winding = self
+            .section
+            .outline
+            .cross(&passage.shadow, [s0, s1], |crossing| {
+                if crossing.s < first {
+                    (nearest.second, first) = (first, crossing.s);
+                    nearest.crossing = Some(crossing);
+                } else {
+                    nearest.second = nearest.second.min(crossing.s);
+                }
+                Some(s1.min(first + self.section.outline.sliver))
+            });
         if passage.speed == 0.0 {
             nearest.crossing = None;
         }
@@ -173,11 +217,17 @@ impl ExactPrism {
     }
 
     /// [`first`](ExactPrism::first) where not every crossing is a boundary because contours overlap
-    /// or coincide.
+    /// or coincide, or because of the bevel.
     #[cold]
-    fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<LeafHit> {
+    fn first_of_all(
+        &self,
+        own: &Line3,
+        passage: &Passage,
+        within: Span,
+        span: Span,
+    ) -> Option<LeafHit> {
         let mut first = None;
-        self.boundaries(passage, within, |hit| {
+        self.boundaries(own, passage, within, |hit| {
             // The ends of the range are hits only if they are on the planes.
             let is_plane = hit.part < CURVES;
             let comes_in = is_plane && hit.enters && span.first <= passage.between.first;
@@ -191,26 +241,49 @@ impl ExactPrism {
 
     /// All boundaries on the line, in order; an even number.
     pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
-        if let Some(passage) = Passage::new(&line.mapped(&self.figure_from_local)) {
-            self.boundaries(&passage, passage.between, |hit| {
+        let own = line.mapped(&self.figure_from_local);
+        if let Some(passage) = Passage::new(&own) {
+            self.boundaries(&own, &passage, passage.between, |hit| {
                 out.push(Boundary { hit, leaf });
             });
         }
     }
 
     /// The boundaries on the line within `within`, whose ends are boundaries if they are inside.
-    fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
+    fn boundaries(
+        &self,
+        own: &Line3,
+        passage: &Passage,
+        within: Span,
+        mut visit: impl FnMut(LeafHit),
+    ) {
+        let Some(bevel) = &self.section.bevel else {
+            return self.unbevelled(passage, within, visit);
+        };
+        let (mut entry, mut carved) = (None, Vec::new());
+        self.unbevelled(passage, within, |hit| match entry.take() {
+            None => entry = Some(hit),
+            Some(enter) => bevel.carve(own, [enter, hit], &mut carved),
+        });
+        carved.into_iter().for_each(&mut visit);
+    }
+
+    /// [`boundaries`](ExactPrism::boundaries) of the prism without its bevel.
+    fn unbevelled(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
         let range = passage.shadow_span(within);
         let mut crossings = Vec::new();
-        let winding = self.outline.cross(&passage.shadow, range, |crossing| {
-            crossings.push(crossing);
-            Some(range[1])
-        });
+        let winding = self
+            .section
+            .outline
+            .cross(&passage.shadow, range, |crossing| {
+                crossings.push(crossing);
+                Some(range[1])
+            });
         if passage.speed == 0.0 {
             crossings.clear();
         }
         crossings.sort_by(|a, b| a.s.total_cmp(&b.s));
-        let mut inside = self.outline.rule.is_inside(winding);
+        let mut inside = self.section.outline.rule.is_inside(winding);
         if inside {
             visit(at_plane(within.first, passage.planes[0], true));
         }
@@ -225,7 +298,7 @@ impl ExactPrism {
 
     /// The crossings that enter or leave, except for pairs with nothing between them.
     fn changes<'a>(&self, mut winding: i32, crossings: &'a [Crossing]) -> Vec<&'a Crossing> {
-        let rule = self.outline.rule;
+        let rule = self.section.outline.rule;
         let mut changes: Vec<&Crossing> = Vec::with_capacity(crossings.len());
         for crossing in crossings {
             let was_inside = rule.is_inside(winding);
@@ -234,7 +307,7 @@ impl ExactPrism {
                 continue;
             }
             let last = changes.last();
-            if last.is_some_and(|l| crossing.s - l.s <= self.outline.sliver) {
+            if last.is_some_and(|l| crossing.s - l.s <= self.section.outline.sliver) {
                 changes.pop();
             } else {
                 changes.push(crossing);
@@ -256,12 +329,19 @@ impl ExactPrism {
             let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
             return self.resolved(t, p.with_z(z), normal, [p.x, p.y]);
         }
-        let points = *self.outline.curve(hit.part - CURVES);
+        if let Some(bevel) = &self.section.bevel {
+            let reach = REACH / line.direction.length();
+            if let Some(at) = bevel.resolve(&own, hit, reach) {
+                let p = own.at(at.t);
+                return self.resolved(at.t, p, at.normal, [at.parameter, p.z]);
+            }
+        }
+        let points = *self.section.outline.curve(hit.part - CURVES);
         let across = d.truncate();
         let (t, parameter) = nearest_crossing(points, &own, hit);
         let curve = Segment::Cubic(points);
         let z = (o.z + t * d.z).clamp(0.0, 1.0);
-        let tangent = tangent(&curve, parameter);
+        let tangent = curve.tangent(parameter);
         let normal = DVec2::new(tangent.y, -tangent.x);
         let outward = if (normal.dot(across) < 0.0) == hit.enters {
             normal
@@ -307,14 +387,4 @@ fn nearest_crossing(points: [DVec2; 4], line: &Line3, hit: &LeafHit) -> (f64, f6
     let p = Segment::Cubic(points).at(t) - origin;
     let along = p.dot(across) / across.length_squared();
     (if along.is_finite() { along } else { hit.t }, t)
-}
-
-/// Direction of a curve, also where two control points coincide.
-fn tangent(curve: &Segment, t: f64) -> DVec2 {
-    let tangent = curve.derivative(t);
-    let size = (curve.end() - curve.start()).length();
-    if tangent.length() > 1e-12 * size {
-        return tangent;
-    }
-    curve.at((t + 1e-3).min(1.0)) - curve.at((t - 1e-3).max(0.0))
 }

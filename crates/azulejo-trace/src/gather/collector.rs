@@ -206,17 +206,16 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             return 1.0;
         }
         if contact.is_near {
-            return (weight / LIGHT_WEIGHT).min(1.0);
+            return (weight / LIGHT_WEIGHT).min(MOST_SURVIVAL);
         }
-        let most = if weight >= 1.0 { 1.0 } else { MOST_SURVIVAL };
         if self.is_unknown {
             let carried = (contact.weight * reflectance).max_channel();
-            return (UNKNOWN_SURVIVAL * carried).min(most);
+            return (UNKNOWN_SURVIVAL * carried).min(MOST_SURVIVAL);
         }
         let expected = self.expected[contact.id as usize / REPLICATES];
         // The light on a patch may be quite wrong, so a part does not depend on it.
         let share = (contact.read.max_channel() / expected.max(f64::MIN_POSITIVE)).min(1.0);
         let sure = UNKNOWN_SHARE * reflectance.max_channel();
-        (SURVIVAL * weight * (share + sure)).min(most)
+        (SURVIVAL * weight * (share + sure)).min(MOST_SURVIVAL)
     }
 }

@@ -5,6 +5,7 @@
 //! along pieces of the curves. Solids within set operations are left to chance: where their surface
 //! is cut away is known to rays alone.
 
+use super::bevel_surface::BevelSurface;
 use super::emitters::{Emission, EmitterPoint};
 use azulejo_scene::figure::{Rectangle, Segment};
 use azulejo_scene::math::normal_matrix;
@@ -15,7 +16,7 @@ use glam::{DVec2, DVec3};
 const CELLS: usize = 24;
 
 /// Pieces of each curve.
-const PIECES: usize = 8;
+pub(super) const PIECES: usize = 8;
 
 /// Distance from a curve at which its two sides are told apart, relative to the figure's size.
 const BESIDE: f64 = 1e-7;
@@ -27,6 +28,8 @@ pub(crate) struct PrismPlace {
     pub part: u32,
     /// Parameter of the curve.
     pub u: f64,
+    /// In the world.
+    pub position: DVec3,
 }
 
 /// A prism that emits from its outside.
@@ -40,9 +43,10 @@ pub(crate) struct PrismEmitter<'a> {
     cells: Vec<DVec2>,
     half_cell: DVec2,
     curves: Vec<Segment>,
-    /// Sum of the rough areas up to each side piece; pieces count over all curves.
+    bevel: Option<BevelSurface<'a>>,
+    /// Sum of the rough areas up to each side piece, which count over all curves, and each strip of a bevel.
     ends: Vec<f64>,
-    /// Rough area of the cells of one plane in the world, of all sides, and of all together.
+    /// Rough area of the cells of one plane in the world, and of all sides and bevels.
     plane_area: f64,
     side_area: f64,
 }
@@ -53,13 +57,19 @@ impl<'a> PrismEmitter<'a> {
         let (cells, half_cell) = cells(&prism.figure);
         let [x, y, z] = axes(prism);
         let curves: Vec<Segment> = prism.figure.segments().collect();
+        let bevel = prism.bevel.as_ref().map(|b| BevelSurface::new(prism, b));
+        let height = height(&bevel);
         let mut side_area = 0.0;
         let mut ends = Vec::with_capacity(curves.len() * PIECES);
         for k in 0..curves.len() * PIECES {
             let curve = &curves[k / PIECES];
             let start = piece_start(k);
             let chord = curve.at(start + 1.0 / PIECES as f64) - curve.at(start);
-            side_area += (chord.x * x + chord.y * y).cross(z).length();
+            side_area += height * (chord.x * x + chord.y * y).cross(z).length();
+            ends.push(side_area);
+        }
+        for area in bevel.iter().flat_map(BevelSurface::areas) {
+            side_area += area;
             ends.push(side_area);
         }
         let cell = 4.0 * half_cell.x * half_cell.y;
@@ -72,6 +82,7 @@ impl<'a> PrismEmitter<'a> {
             cells,
             half_cell,
             curves,
+            bevel,
             ends,
             plane_area,
             side_area,
@@ -102,15 +113,32 @@ impl<'a> PrismEmitter<'a> {
         let p = self.cells[cell] + (2.0 * within - 1.0) * self.half_cell;
         let z = f64::from(plane);
         let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
-        let is_inside = self.prism.figure.contains(p);
+        let is_inside = self.prism.figure.contains(p) && self.is_on_plane(p, z);
         is_inside.then(|| self.placed(p.extend(z), normal, self.area()))
     }
 
-    fn on_side(&self, chosen: f64, z: f64) -> Option<EmitterPoint> {
+    /// Whether a bevel leaves a point of a plane that is inside the figure.
+    fn is_on_plane(&self, p: DVec2, z: f64) -> bool {
+        let setback = |b: &BevelSurface| b.bevel().setback(z);
+        let bevel = self.bevel.as_ref();
+        bevel.is_none_or(|b| b.is_set_back(p, setback(b)))
+    }
+
+    fn on_side(&self, chosen: f64, share: f64) -> Option<EmitterPoint> {
         let piece = self.ends.partition_point(|&end| end <= chosen);
         let piece = piece.min(self.ends.len().checked_sub(1)?);
         let before = piece.checked_sub(1).map_or(0.0, |k| self.ends[k]);
         let within = (chosen - before) / (self.ends[piece] - before);
+        if let Some(strip) = piece.checked_sub(self.curves.len() * PIECES) {
+            let at = [within.clamp(0.0, 1.0), share];
+            let on = self.bevel.as_ref()?.point(strip, at)?;
+            let area = self.strip_density(piece, on.stretch)?.recip();
+            return Some(self.placed(on.position, on.normal, area));
+        }
+        let z = match &self.bevel {
+            Some(b) => b.bevel().sides()[0] + share * height(&self.bevel),
+            None => share,
+        };
         let t = piece_start(piece) + within.clamp(0.0, 1.0) / PIECES as f64;
         let curve = &self.curves[piece / PIECES];
         let (p, along) = (curve.at(t), curve.derivative(t));
@@ -130,10 +158,15 @@ impl<'a> PrismEmitter<'a> {
     /// Density by world area on a piece of a side, where the curve's derivative is `along`. `None`
     /// where it vanishes.
     fn side_density(&self, piece: usize, along: DVec2) -> Option<f64> {
-        let before = piece.checked_sub(1).map_or(0.0, |k| self.ends[k]);
-        let share = (self.ends[piece] - before) / self.area();
         let [x, y, z] = axes(self.prism);
         let stretch = (along.x * x + along.y * y).cross(z).length() / PIECES as f64;
+        self.strip_density(piece, stretch * height(&self.bevel))
+    }
+
+    /// Density by world area on a piece of a side or a strip of a bevel, whose parameters are stretched that much.
+    fn strip_density(&self, piece: usize, stretch: f64) -> Option<f64> {
+        let before = piece.checked_sub(1).map_or(0.0, |k| self.ends[k]);
+        let share = (self.ends[piece] - before) / self.area();
         let density = share / stretch;
         (density.is_finite() && density > 0.0).then_some(density)
     }
@@ -153,6 +186,11 @@ impl<'a> PrismEmitter<'a> {
         let Some(curve) = place.part.checked_sub(2) else {
             return self.area();
         };
+        let on_bevel = self.bevel.as_ref().and_then(|b| b.locate(place.position));
+        if let Some((strip, stretch)) = on_bevel {
+            let density = self.strip_density(self.curves.len() * PIECES + strip, stretch);
+            return density.map_or(f64::INFINITY, f64::recip);
+        }
         let Some(segment) = self.curves.get(curve as usize) else {
             return f64::INFINITY;
         };
@@ -161,6 +199,14 @@ impl<'a> PrismEmitter<'a> {
         let density = self.side_density(piece, segment.derivative(place.u));
         density.map_or(f64::INFINITY, f64::recip)
     }
+}
+
+/// The height of the sides, between bevels if there are any.
+fn height(bevel: &Option<BevelSurface>) -> f64 {
+    bevel.as_ref().map_or(1.0, |b| {
+        let [low, high] = b.bevel().sides();
+        high - low
+    })
 }
 
 /// The images of the figure's axes and of the extrusion.
@@ -245,4 +291,62 @@ pub(crate) fn prism_emitters(scene: &Scene) -> Vec<PrismEmitter<'_>> {
         }
     }
     emitters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Bevel, BevelEnds, BevelProfile, Exact, Rgb};
+    use glam::DAffine3;
+    use std::sync::Arc;
+
+    /// The mean of one over the density is the area, that of the polygons.
+    #[test]
+    fn samples_of_bevelled_letters_count_for_their_area() {
+        let corners = [
+            (0.0, 0.0),
+            (0.7, 0.0),
+            (0.7, 0.2),
+            (0.25, 0.2),
+            (0.3, 0.8),
+            (0.1, 1.0),
+            (0.0, 1.0),
+        ];
+        let figure = Arc::new(Figure::polygon(corners.map(DVec2::from)));
+        let material = Material::emitter("lamp", Rgb::WHITE);
+        for profile in [BevelProfile::Chamfer, BevelProfile::Round] {
+            for (inset, depth, ends) in [
+                (0.05, 0.2, BevelEnds::Front),
+                (0.05, 0.5, BevelEnds::Both),
+                (0.3, 0.4, BevelEnds::Both),
+            ] {
+                let bevel = Bevel {
+                    profile,
+                    inset,
+                    depth,
+                    ends,
+                };
+                let prism = Prism {
+                    figure: Arc::clone(&figure),
+                    world_from_figure: DAffine3::from_scale(DVec3::new(2.0, 1.5, 0.3)),
+                    material: 0,
+                    bevel: Some(Arc::new(bevel)),
+                };
+                let emitter = PrismEmitter::new((0, 0), &prism, &material).unwrap();
+                let side = 500;
+                let at = |k: u32| (f64::from(k) + 0.5) / f64::from(side);
+                let each = (0..side * side).filter_map(|k| {
+                    // Along the surface as finely as possible: all of it depends on the first number.
+                    let first = (at(k % side) + f64::from(k / side)) / f64::from(side);
+                    emitter.point((first, (f64::from(k) * 0.618_033_988_75).fract()))
+                });
+                let area = each.map(|p| p.area).sum::<f64>() / f64::from(side * side);
+                let polygons = Exact::new(vec![Solid::Prism(prism.clone())]).areas(1e-5)[&0];
+                assert!(
+                    (area / polygons - 1.0).abs() < 0.005,
+                    "{bevel:?}: {area} {polygons}"
+                );
+            }
+        }
+    }
 }

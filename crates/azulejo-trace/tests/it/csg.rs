@@ -12,7 +12,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-fn csg(operation: Operation, left: Vec<Solid>, right: Vec<Solid>) -> Solid {
+pub(crate) fn csg(operation: Operation, left: Vec<Solid>, right: Vec<Solid>) -> Solid {
     Solid::Csg(Box::new(Csg {
         operation,
         left,
@@ -51,7 +51,7 @@ fn mesh_of(solid: &Solid) -> Solid {
 type Distance = fn(DVec3) -> f64;
 
 /// All surfaces along a ray, each left by [`Tracer::leaving`].
-fn surfaces(tracer: &Tracer, ray: &Ray) -> Vec<Hit> {
+pub(crate) fn surfaces(tracer: &Tracer, ray: &Ray) -> Vec<Hit> {
     let mut found: Vec<Hit> = Vec::new();
     let mut from = *ray;
     while let Some(hit) = tracer.hit(&from) {
@@ -189,6 +189,7 @@ fn a_page_of_letters_cut_out_of_a_slab() {
             figure: Arc::clone(&figure),
             world_from_figure: DAffine3::from_translation(pen(k).extend(0.5)),
             material: 0,
+            bevel: None,
         })
     };
     let slab = DAffine3::from_translation(DVec3::new(-1.0, -1.0, 0.0))

@@ -1,6 +1,7 @@
 //! What the tracer promises, seen from outside.
 
 mod air_films;
+mod bevels;
 mod csg;
 mod glossy;
 mod indirect;

@@ -14,6 +14,7 @@ pub(crate) fn prism(figure: Figure, world_from_figure: DAffine3) -> Solid {
         figure: Arc::new(figure),
         world_from_figure,
         material: 0,
+        bevel: None,
     })
 }
 
@@ -27,7 +28,7 @@ pub(crate) fn tracer(solids: Vec<Solid>) -> Tracer {
     Tracer::new(&scene)
 }
 
-fn rectangle() -> Figure {
+pub(crate) fn rectangle() -> Figure {
     Figure::polygon([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from))
 }
 
@@ -57,7 +58,7 @@ pub(crate) fn letter_d() -> Figure {
 }
 
 /// A ring of smooth waves, `count` curves long: no straight piece.
-fn gear(count: usize) -> Figure {
+pub(crate) fn gear(count: usize) -> Figure {
     let at = |k: usize| {
         let angle = std::f64::consts::TAU * k as f64 / (3 * count) as f64;
         let radius = 1.0 + 0.2 * (7.0 * angle).sin();
@@ -77,7 +78,7 @@ fn gear(count: usize) -> Figure {
 }
 
 /// `figure` with its curves replaced by chords.
-fn flat(figure: &Figure, tolerance: f64) -> Figure {
+pub(crate) fn flat(figure: &Figure, tolerance: f64) -> Figure {
     let contours = figure.flatten(tolerance).into_iter();
     Figure {
         contours: contours.flat_map(|c| Figure::polygon(c).contours).collect(),
@@ -85,7 +86,7 @@ fn flat(figure: &Figure, tolerance: f64) -> Figure {
     }
 }
 
-fn maps() -> [DAffine3; 4] {
+pub(crate) fn maps() -> [DAffine3; 4] {
     let oblique = DAffine3 {
         matrix3: DMat3::from_cols(
             DVec3::new(2.0, 0.1, 0.0),
@@ -104,7 +105,7 @@ fn maps() -> [DAffine3; 4] {
 }
 
 /// Rays about the box of a tracer, many of them aimed at it, some along its axes.
-fn rays(tracer: &Tracer, count: usize) -> Vec<Ray> {
+pub(crate) fn rays(tracer: &Tracer, count: usize) -> Vec<Ray> {
     let mut random = Random(7);
     let bounds = tracer.bounds();
     let ray = |k: usize| {

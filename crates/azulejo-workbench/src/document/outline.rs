@@ -107,6 +107,7 @@ impl PrismOutline {
                 figure: Arc::clone(figure),
                 world_from_figure,
                 material,
+                bevel: None,
             })
         };
         Shape::Exact(Exact::new(self.figures.iter().map(prism).collect()))

@@ -1,26 +1,38 @@
 //! Whether exact letters are met where they are, and whether what enters leaves.
 
 use crate::curves::Random;
+use crate::letters::bevel;
 use crate::timed;
 use azulejo_scene::math::Ray;
-use azulejo_scene::{Exact, Figure, Material, Object, Prism, Rgb, Scene, Shape, Solid};
+use azulejo_scene::rim::Rim;
+use azulejo_scene::{
+    BevelProfile, Exact, Figure, Material, Object, Prism, Rgb, Scene, Shape, Solid,
+};
 use azulejo_trace::{KernelRay, Tracer};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// How far chords may leave the curves, in ems.
+/// Letters as they are, with edges cut off, and with round ones.
+pub const EDGES: [Option<BevelProfile>; 3] =
+    [None, Some(BevelProfile::Chamfer), Some(BevelProfile::Round)];
+
+/// How far chords may leave the curves, in ems, and how far polygons may leave bevels.
 const CHORD_ERROR: f64 = 1e-6;
+const BEVEL_ERROR: f64 = 2e-5;
+/// The letters are that deep, in ems.
+const DEPTH: f64 = 0.3;
 /// What the rounding of rays to `f32` may add, in ems.
 const ROUNDING: f64 = 2e-6;
 /// Rays traced together.
 const BATCH: usize = 4096;
 
-fn letter(figure: &Arc<Figure>) -> Exact {
+fn letter(figure: &Arc<Figure>, edge: Option<BevelProfile>) -> Exact {
     Exact::new(vec![Solid::Prism(Prism {
         figure: Arc::clone(figure),
-        world_from_figure: DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.3)),
+        world_from_figure: DAffine3::from_scale(DVec3::new(1.0, 1.0, DEPTH)),
         material: 0,
+        bevel: edge.map(|profile| Arc::new(bevel(profile, DEPTH))),
     })])
 }
 
@@ -53,7 +65,8 @@ struct Comparison {
 }
 
 /// Random rays against exact letters and their polygons.
-pub fn against_chords(figures: &[Arc<Figure>], quick: bool) {
+pub fn against_chords(figures: &[Arc<Figure>], edge: Option<BevelProfile>, quick: bool) {
+    let error = edge.map_or(CHORD_ERROR, |_| BEVEL_ERROR);
     let each = if quick {
         20_000
     } else {
@@ -61,7 +74,7 @@ pub fn against_chords(figures: &[Arc<Figure>], quick: bool) {
     };
     let (total, seconds) = timed(|| {
         let all = figures.par_iter().enumerate();
-        let all = all.map(|(k, figure)| compare(figure, each, k as u64));
+        let all = all.map(|(k, figure)| compare(figure, edge, each, k as u64));
         all.reduce(Comparison::default, |a, b| Comparison {
             rays: a.rays + b.rays,
             hits: a.hits + b.hits,
@@ -70,7 +83,7 @@ pub fn against_chords(figures: &[Arc<Figure>], quick: bool) {
         })
     });
     println!(
-        "chords: {} rays at {} letters beside polygons within {CHORD_ERROR:.0e} em: {} hits on \
+        "chords ({edge:?}): {} rays at {} letters beside polygons within {error:.0e} em: {} hits on \
          both, apart at most {:.1e} em; {} rays graze what only one of them has ({seconds:.0} CPU s)",
         total.rays,
         figures.len(),
@@ -80,9 +93,10 @@ pub fn against_chords(figures: &[Arc<Figure>], quick: bool) {
     );
 }
 
-fn compare(figure: &Arc<Figure>, rays: usize, seed: u64) -> Comparison {
-    let exact = letter(figure);
-    let polygons = tracer(Shape::Mesh(exact.tessellate(CHORD_ERROR)));
+fn compare(figure: &Arc<Figure>, edge: Option<BevelProfile>, rays: usize, seed: u64) -> Comparison {
+    let exact = letter(figure, edge);
+    let error = edge.map_or(CHORD_ERROR, |_| BEVEL_ERROR);
+    let polygons = tracer(Shape::Mesh(exact.tessellate(error)));
     let exact = tracer(Shape::Exact(exact));
     let mut random = Random(seed);
     let mut result = Comparison {
@@ -110,7 +124,7 @@ fn compare(figure: &Arc<Figure>, rays: usize, seed: u64) -> Comparison {
             let (a, b) = (exact.resolve(ray, a), polygons.resolve(ray, b));
             // Distance of one surface from the other: along the ray it grows where it grazes.
             let apart = (b.position - a.position).dot(a.normal).abs();
-            if a.entering == b.entering && apart <= CHORD_ERROR + ROUNDING {
+            if a.entering == b.entering && apart <= error + ROUNDING {
                 result.hits += 1;
                 result.farthest = result.farthest.max(apart);
             } else {
@@ -135,7 +149,7 @@ struct Turns {
 }
 
 /// Random rays from inside and outside of all glyphs.
-pub fn parity(fonts: &[(String, Vec<Arc<Figure>>)], quick: bool) {
+pub fn parity(fonts: &[(String, Vec<Arc<Figure>>)], edge: Option<BevelProfile>, quick: bool) {
     let glyphs: usize = fonts.iter().map(|(_, f)| f.len()).sum();
     let each = if quick {
         20_000
@@ -145,7 +159,7 @@ pub fn parity(fonts: &[(String, Vec<Arc<Figure>>)], quick: bool) {
     for (name, figures) in fonts {
         let (total, seconds) = timed(|| {
             let all = figures.par_iter().enumerate();
-            let all = all.map(|(k, figure)| follow(figure, each, k as u64));
+            let all = all.map(|(k, figure)| follow(figure, edge, each, k as u64));
             all.reduce(Turns::default, |a, b| Turns {
                 rays: a.rays + b.rays,
                 inside: a.inside + b.inside,
@@ -155,7 +169,7 @@ pub fn parity(fonts: &[(String, Vec<Arc<Figure>>)], quick: bool) {
             })
         });
         println!(
-            "parity: {name}, {} glyphs, {} rays ({} from inside): {} failures ({} from inside \
+            "parity ({edge:?}): {name}, {} glyphs, {} rays ({} from inside): {} failures ({} from inside \
              that do not leave, {} from outside that do; closest and any disagree on {}; \
              {seconds:.0} CPU s)",
             figures.len(),
@@ -169,8 +183,17 @@ pub fn parity(fonts: &[(String, Vec<Arc<Figure>>)], quick: bool) {
     }
 }
 
-fn follow(figure: &Arc<Figure>, rays: usize, seed: u64) -> Turns {
-    let tracer = tracer(Shape::Exact(letter(figure)));
+/// Whether a point is inside a letter; `rim` is its border.
+fn is_inside(figure: &Figure, rim: &Rim, edge: Option<BevelProfile>, p: DVec3) -> bool {
+    let over = p.truncate();
+    let setback = edge.map_or(0.0, |profile| bevel(profile, DEPTH).setback(p.z / DEPTH));
+    let is_kept = || setback == 0.0 || rim.nearest(over, setback).is_none();
+    (0.0..=DEPTH).contains(&p.z) && figure.contains(over) && is_kept()
+}
+
+fn follow(figure: &Arc<Figure>, edge: Option<BevelProfile>, rays: usize, seed: u64) -> Turns {
+    let tracer = tracer(Shape::Exact(letter(figure, edge)));
+    let rim = Rim::new(figure);
     let mut random = Random(!seed);
     let mut turns = Turns::default();
     let (mut hits, mut blocked) = (Vec::new(), Vec::new());
@@ -183,8 +206,7 @@ fn follow(figure: &Arc<Figure>, rays: usize, seed: u64) -> Turns {
         for ((ray, hit), blocked) in batch.iter().zip(&hits).zip(&blocked) {
             // The ray as it was traced, so that both start at one point.
             let ray = tracer.world_ray(ray);
-            let p = ray.origin;
-            let is_inside = (0.0..=0.3).contains(&p.z) && figure.contains(p.truncate());
+            let is_inside = is_inside(figure, &rim, edge, ray.origin);
             turns.disagree += usize::from(hit.is_hit() != *blocked);
             turns.inside += usize::from(is_inside);
             let enters = hit.is_hit() && tracer.resolve(&ray, hit).entering;

@@ -3,8 +3,8 @@
 use azulejo_formats::outline::ppf;
 use azulejo_formats::{Folder, obj};
 use azulejo_scene::{
-    Camera, Contour, Curve, Exact, Figure, FillRule, Material, Object, Primitive, Prism, Rgb,
-    Scene, Shape, Solid,
+    Bevel, BevelEnds, BevelProfile, Camera, Contour, Curve, Exact, Figure, FillRule, Material,
+    Object, Primitive, Prism, Rgb, Scene, Shape, Solid,
 };
 use glam::{DAffine3, DVec2, DVec3};
 use serde_json::Value;
@@ -31,6 +31,19 @@ pub struct Page {
     pub outlines: BTreeMap<String, Arc<Figure>>,
     eye: DVec3,
     target: DVec3,
+}
+
+/// How wide bevels are, in ems: a fifth of a stem.
+const BEVEL: f64 = 0.02;
+
+/// Edges of both ends of letters that are so many ems deep.
+pub fn bevel(profile: BevelProfile, depth: f64) -> Bevel {
+    Bevel {
+        profile,
+        inset: BEVEL,
+        depth: BEVEL / depth,
+        ends: BevelEnds::Both,
+    }
 }
 
 /// Where light comes from.
@@ -140,6 +153,18 @@ impl Page {
 
     /// The scene with its letters as prisms.
     pub fn exact(&self) -> Scene {
+        self.prisms(None)
+    }
+
+    /// The scene with its letters as prisms with round edges, front and back.
+    pub fn bevelled(&self) -> Scene {
+        self.prisms(Some(Arc::new(bevel(
+            BevelProfile::Round,
+            self.depth / self.size,
+        ))))
+    }
+
+    fn prisms(&self, bevel: Option<Arc<Bevel>>) -> Scene {
         let mut scene = self.surroundings();
         let prism = |(name, pen): &(String, DVec2)| {
             let scale = DVec3::new(self.size, self.size, self.depth);
@@ -148,6 +173,7 @@ impl Page {
                 world_from_figure: DAffine3::from_translation(pen.extend(0.0))
                     * DAffine3::from_scale(scale),
                 material: 0,
+                bevel: bevel.clone(),
             })
         };
         let exact = Exact::new(self.placed.iter().map(prism).collect());

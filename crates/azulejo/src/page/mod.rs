@@ -130,7 +130,7 @@ fn cameras(scene: &Scene, origin: DVec3) -> Vec<Camera> {
         return scene.cameras.iter().cloned().map(moved).collect();
     }
     let first = azulejo_render::first_view(scene, &Tracer::new(scene), ASPECT);
-    if first == Camera::framing(scene.bounds(), ASPECT, scene.units.up.axis()) {
+    if first == Camera::framing(scene.main_bounds(), ASPECT, scene.units.up.axis()) {
         return Vec::new();
     }
     vec![moved(Camera {

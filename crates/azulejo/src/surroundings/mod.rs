@@ -23,14 +23,13 @@ mod daylight;
 mod extracted_sun;
 mod ground;
 mod picture;
-mod room;
 mod studio;
 mod weather;
 
+pub use azulejo_render::Room;
 pub use daylight::{DaylightError, DaylightUnits, GROUND_REFLECTANCE, sun_light};
 pub use extracted_sun::{ExtractedSun, extract_sun};
 pub use ground::modelled_ground;
 pub use picture::{PictureFailure, SurroundingPicture};
-pub use room::Room;
-pub use studio::{STUDIO_FLOOR, is_studio_part, studio};
+pub use studio::{STUDIO_FLOOR, is_studio_part, limit_paint, studio};
 pub use weather::{WeatherError, WeatherFile, WeatherRecord};

@@ -1,11 +1,14 @@
-//! A studio for a model in which nothing shines: a floor and three lamps around it, or a lamp under
-//! the ceiling of a room.
+//! A studio for a model in which nothing shines: a floor that curves up around it (a cyclorama) and three lamps, or a
+//! lamp under the ceiling of a room.
 
 use super::Room;
 use azulejo_scene::math::{Aabb, Frame};
-use azulejo_scene::{Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Units};
+use azulejo_scene::{
+    Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Sidedness, Units,
+};
 use azulejo_trace::Tracer;
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A lamp of a photographer's studio, by where it stands as seen from the middle of the model.
 struct StudioLamp {
@@ -46,6 +49,12 @@ const LAMPS: [StudioLamp; 3] = [
     },
 ];
 
+/// Elevations of a lamp that are tried, each ten degrees higher, so that the camera does not see it.
+const HIGHER: u32 = 4;
+
+/// Width of a wide picture over its height.
+const WIDE: f64 = 16.0 / 9.0;
+
 /// The name of the floor of a studio.
 pub const STUDIO_FLOOR: &str = "studio floor";
 
@@ -60,29 +69,38 @@ pub fn is_studio_part(name: &str) -> bool {
 /// Distance of the lamps from the middle of the model, relative to its size.
 const DISTANCE: f64 = 2.2;
 
-/// Radiance of what is seen beyond the floor: darker than that in the light of the lamps, so that the model
-/// stands out, and not black.
+/// Radiance of what is seen above the cyclorama: that of its upper edge, about, so that the model stands out, and not
+/// black.
 const BACKDROP: Rgb = Rgb::new(0.02, 0.022, 0.026);
 
-/// Half of the edge of the floor, relative to the size of the model.
-const FLOOR: f64 = 6.0;
+/// Reflectance of floor and cyclorama: a grey that is darker than most models.
+const GREY: f64 = 0.5;
 
-/// Faces along each edge of the floor.
-const FLOOR_CELLS: u32 = 64;
+/// Profile of the cyclorama, relative to the size of the model: radius of the level floor, of the cove in which it
+/// curves up, and height of the wall above that. Lamps and the studio's camera are within.
+const FLOOR: f64 = 3.0;
+const COVE: f64 = 2.0;
+const WALL: f64 = 1.5;
+
+/// Faces of the cyclorama: around, and along each part of its profile.
+const SECTORS: u32 = 64;
+const FLOOR_RINGS: u32 = 28;
+const COVE_RINGS: u32 = 10;
+const WALL_RINGS: u32 = 3;
 
 /// How much smaller faces are in the middle of the floor than at its edges: the power to which
-/// their places are raised.
-const GRADING: f64 = 2.0;
+/// their distances are raised.
+const GRADING: f64 = 1.6;
 
 /// Gap between the model and the floor, relative to the size of the model: faces that lie on it
 /// would flicker.
 const GAP: f64 = 1e-4;
 
+/// Most that a paint reflects: fresh white.
+const PAINT: f64 = 0.9;
+
 /// Radiance of the lamp of a room: that of a panel, not quite white.
 const PANEL: Rgb = Rgb::new(21.0, 20.5, 19.5);
-
-/// Vertical field of view in a room, degrees: wide, as one cannot step back.
-const ROOM_VIEW: f64 = 62.0;
 
 /// A room's light in lux, so that the numbers of photometric scenes are everyday ones.
 fn brightness(units: Units) -> f64 {
@@ -96,24 +114,35 @@ pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
     let units = scene.units;
     match Room::find(scene, tracer) {
         Some(room) => Some(in_room(&room, tracer, units)),
-        None => around(tracer.bounds(), units, scene.cameras.first()),
+        None => around(scene.main_bounds(), units, scene.cameras.first()),
     }
+}
+
+/// Limits the diffuse reflectances of a scene to [`PAINT`] of what its mirrors and highlights leave, and returns how
+/// many materials reflected more: models often say white for what no paint is, and light between such surfaces that
+/// touch never ends.
+pub fn limit_paint(scene: &mut Scene) -> usize {
+    let mut limited = 0;
+    for material in &mut scene.materials {
+        let specular = material.mirror + material.mean_glossy();
+        let most = specular.map(|s| PAINT * (1.0 - s).max(0.0));
+        let paint = Rgb::from([0, 1, 2].map(|k| material.diffuse[k].min(most[k])));
+        limited += usize::from(paint != material.diffuse);
+        material.diffuse = paint;
+    }
+    limited
 }
 
 /// A lamp under the ceiling, and a camera within.
 fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
     let up = units.up.axis();
-    let (eye, target) = room.view(tracer, units);
+    let camera = Camera {
+        name: "studio".into(),
+        ..room.camera(tracer, units)
+    };
     let mut scene = Scene {
         units,
-        cameras: vec![Camera {
-            name: "studio".into(),
-            eye,
-            target,
-            up,
-            vertical_fov: ROOM_VIEW.to_radians(),
-            size: None,
-        }],
+        cameras: vec![camera],
         ..Scene::default()
     };
     let material = Material::emitter(CEILING_LIGHT, PANEL * brightness(units));
@@ -127,7 +156,8 @@ fn in_room(room: &Room, tracer: &Tracer, units: Units) -> Scene {
     scene
 }
 
-/// A floor below a model of these bounds, unless it would hide it from `viewed_by`, and three lamps around it.
+/// A floor below a model of these bounds that curves up around it, unless it would hide it from `viewed_by`, and three
+/// lamps, placed as that camera sees the model.
 fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scene> {
     let size = bounds.diagonal();
     if bounds.is_empty() || size <= 0.0 || !size.is_finite() {
@@ -140,56 +170,143 @@ fn around(bounds: Aabb, units: Units, viewed_by: Option<&Camera>) -> Option<Scen
     // The view of the model alone, as that of all would show the floor for the most part.
     let mut view = Camera::framing(bounds, 1.0, up);
     view.name = "studio".into();
-    let viewer = (view.eye - view.target).normalize_or(DVec3::X);
+    let front = level_front(viewed_by.unwrap_or(&view), up);
+    let right = up.cross(front);
     let mut scene = Scene {
         units,
         cameras: vec![view],
         ..Scene::default()
     };
     scene.background = Some((BACKDROP * brightness(units)).into());
-    let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
-    let right = up.cross(front);
     if viewed_by.is_none_or(|camera| camera.eye.dot(up) > bottom) {
-        let grey = scene.add_material(Material::diffuse(STUDIO_FLOOR, Rgb::grey(0.5)));
-        let half = FLOOR * size;
-        let floor = graded_floor(ground, (half * front, half * up.cross(front)), grey);
+        let mut grey = Material::diffuse(STUDIO_FLOOR, Rgb::grey(GREY));
+        // Cameras outside of it look through.
+        grey.sidedness = Sidedness::One;
+        let grey = scene.add_material(grey);
+        let floor = cyclorama(ground, size, (front, right, up), grey);
         let floor = Object::new(STUDIO_FLOOR, Shape::Mesh(floor));
         scene.objects.push(floor);
     }
+    let view = viewed_by
+        .cloned()
+        .unwrap_or_else(|| scene.cameras[0].clone());
     for lamp in &LAMPS {
-        let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
-        let (high, level) = lamp.elevation.to_radians().sin_cos();
-        let toward = level * (cos * front + sin * right) + high * up;
         let material = Material::emitter(lamp.name, lamp.radiance * brightness(units));
         let material = scene.add_material(material);
-        let frame = Frame::from_normal(-toward);
-        let edge = lamp.size * size;
-        let (x, y) = (edge * frame.x, edge * frame.y);
-        let corner = centre + DISTANCE * size * toward - 0.5 * (x + y);
-        let lamp = facing_sheet(lamp.name, corner, (x, y), -toward, material);
-        scene.objects.push(lamp);
+        let at = |elevation| LampPlace::new(lamp, elevation, (centre, size), (front, right, up));
+        // Higher where the camera would see it.
+        let higher = (0..HIGHER).map(|k| at(lamp.elevation + 10.0 * f64::from(k)));
+        let hidden = higher.clone().find(|place| !place.is_in_view(&view));
+        let LampPlace {
+            corner,
+            x,
+            y,
+            toward,
+        } = hidden.unwrap_or_else(|| at(lamp.elevation));
+        scene
+            .objects
+            .push(facing_sheet(lamp.name, corner, (x, y), -toward, material));
     }
     Some(scene)
 }
 
-/// A square with the half edges `x` and `y`, whose front faces x × y, of faces that are small in the
-/// middle, where the shadows fall.
-fn graded_floor(centre: DVec3, (x, y): (DVec3, DVec3), material: u32) -> Mesh {
-    let place = |k: u32| {
-        let t = 2.0 * f64::from(k) / f64::from(FLOOR_CELLS) - 1.0;
-        t.abs().powf(GRADING).copysign(t)
-    };
-    let row = FLOOR_CELLS + 1;
-    let point = |k: u32| centre + place(k % row) * x + place(k / row) * y;
-    let mut floor = Mesh {
-        positions: (0..row * row).map(point).collect(),
-        ..Mesh::default()
-    };
-    for cell in 0..FLOOR_CELLS * FLOOR_CELLS {
-        let first = cell % FLOOR_CELLS + cell / FLOOR_CELLS * row;
-        floor.push_face(&[first, first + 1, first + row + 1, first + row], material);
+/// The square of a lamp that faces the model.
+struct LampPlace {
+    corner: DVec3,
+    x: DVec3,
+    y: DVec3,
+    /// Direction from the model.
+    toward: DVec3,
+}
+
+impl LampPlace {
+    /// At an elevation in degrees, from the middle of a model of this size, by the axes of the viewer.
+    fn new(
+        lamp: &StudioLamp,
+        elevation: f64,
+        (centre, size): (DVec3, f64),
+        (front, right, up): (DVec3, DVec3, DVec3),
+    ) -> LampPlace {
+        let (sin, cos) = lamp.azimuth.to_radians().sin_cos();
+        let (high, level) = elevation.to_radians().sin_cos();
+        let toward = level * (cos * front + sin * right) + high * up;
+        let frame = Frame::from_normal(-toward);
+        let edge = lamp.size * size;
+        let (x, y) = (edge * frame.x, edge * frame.y);
+        let corner = centre + DISTANCE * size * toward - 0.5 * (x + y);
+        LampPlace {
+            corner,
+            x,
+            y,
+            toward,
+        }
     }
+
+    /// Whether a corner is in a wide picture of the camera.
+    fn is_in_view(&self, camera: &Camera) -> bool {
+        let (right, up, forward) = camera.axes();
+        let half = (0.5 * camera.vertical_fov).tan();
+        let corners = [DVec3::ZERO, self.x, self.y, self.x + self.y];
+        corners.iter().any(|&edge| {
+            let way = self.corner + edge - camera.eye;
+            let depth = way.dot(forward);
+            let is_within = |axis: DVec3, most: f64| way.dot(axis).abs() < most * half * depth;
+            depth > 0.0 && is_within(right, WIDE) && is_within(up, 1.0)
+        })
+    }
+}
+
+/// The horizontal direction, unit length, from what a camera looks at toward the camera; where it looks straight down,
+/// toward the lower edge of its picture.
+fn level_front(camera: &Camera, up: DVec3) -> DVec3 {
+    let level = |v: DVec3| v - up * v.dot(up);
+    let backward = level((camera.eye - camera.target).normalize_or_zero());
+    if backward.length() > 0.05 {
+        return backward.normalize();
+    }
+    level(-camera.up).normalize_or(Frame::from_normal(up).x)
+}
+
+/// A level floor around `centre` for a model of `size`, which curves up to a wall all around, seen from within. Faces
+/// are small in the middle, where the shadows fall.
+fn cyclorama(centre: DVec3, size: f64, (x, y, up): (DVec3, DVec3, DVec3), material: u32) -> Mesh {
+    let mut floor = Mesh::default();
+    for (radius, height) in profile() {
+        for sector in 0..SECTORS {
+            let (sin, cos) = (TAU * f64::from(sector) / f64::from(SECTORS)).sin_cos();
+            let outward = cos * x + sin * y;
+            floor
+                .positions
+                .push(centre + size * (radius * outward + height * up));
+        }
+    }
+    let rings = floor.positions.len() as u32 / SECTORS;
+    for (ring, sector) in (1..rings).flat_map(|ring| (0..SECTORS).map(move |s| (ring, s))) {
+        let (inner, outer) = ((ring - 1) * SECTORS, ring * SECTORS);
+        let next = (sector + 1) % SECTORS;
+        floor.push_face(
+            &[inner + sector, outer + sector, outer + next, inner + next],
+            material,
+        );
+    }
+    let middle: Vec<u32> = (0..SECTORS).collect();
+    floor.push_face(&middle, material);
+    // All of it is one smooth surface.
+    floor.smoothing = vec![1; floor.face_materials.len()];
+    floor.take_group_normals();
     floor
+}
+
+/// Radius and height of the rings of a [`cyclorama`], relative to the size of the model.
+fn profile() -> impl Iterator<Item = (f64, f64)> {
+    let share = |k: u32, of: u32| f64::from(k) / f64::from(of);
+    let floor = (1..=FLOOR_RINGS).map(move |k| (FLOOR * share(k, FLOOR_RINGS).powf(GRADING), 0.0));
+    let cove = (1..=COVE_RINGS).map(move |k| {
+        let (sin, cos) = (FRAC_PI_2 * share(k, COVE_RINGS)).sin_cos();
+        (FLOOR + COVE * sin, COVE * (1.0 - cos))
+    });
+    let wall = (1..=WALL_RINGS).map(move |k| (FLOOR + COVE, COVE + WALL * share(k, WALL_RINGS)));
+    floor.chain(cove).chain(wall)
 }
 
 /// A parallelogram that faces `toward`.
@@ -230,8 +347,18 @@ mod tests {
         let scene = studio_of(size).unwrap();
         scene.validate().unwrap();
         assert!(scene.has_light() && scene.cameras.len() == 1);
-        let floor = scene.objects[0].bounds();
-        assert!(floor.max.y < 0.0 && floor.size().x > 10.0);
+        let Shape::Mesh(floor) = &scene.objects[0].shape else {
+            panic!("a mesh")
+        };
+        // It faces inward everywhere: up in the middle, level at its end.
+        let above = 0.5 * size + DVec3::Y * size.length();
+        for face in 0..floor.faces.len() {
+            let corner = floor.positions[floor.faces.get(face)[0] as usize];
+            let inward = (above - corner).dot(floor.face_area_vector(face));
+            assert!(inward > 0.0, "face {face}");
+        }
+        let bounds = floor.bounds();
+        assert!(bounds.min.y < 0.0 && bounds.size().x > 2.0 * DISTANCE * size.length());
         for lamp in &scene.objects[1..] {
             assert!(lamp.bounds().min.y > 0.0, "{}", lamp.name);
             // Outside of the model, as far as its size.
@@ -248,7 +375,7 @@ mod tests {
     #[test]
     fn a_camera_below_the_model_sees_it_without_a_floor() {
         let mut scene = azulejo_scene::synthetic::cube_room();
-        scene.materials[0].sidedness = azulejo_scene::Sidedness::Two;
+        scene.materials[0].sidedness = Sidedness::Two;
         for (height, objects) in [(3.0, 4), (-3.0, 3)] {
             let mut camera = Camera::framing(scene.bounds(), 1.0, scene.units.up.axis());
             camera.eye += (height - camera.eye.dot(camera.up)) * camera.up;
@@ -256,6 +383,53 @@ mod tests {
             let added = studio(&scene, &Tracer::new(&scene)).unwrap();
             assert_eq!(added.objects.len(), objects, "{height}");
         }
+    }
+
+    /// Lamps stand as the file's camera sees the model, and where it does not see them.
+    #[test]
+    fn lamps_are_beside_what_the_camera_sees() {
+        for eye in [
+            DVec3::new(3.0, 0.5, 0.5),
+            DVec3::new(-9.0, 2.0, 0.5),
+            DVec3::new(0.5, 0.1, -4.0),
+        ] {
+            let mut scene = azulejo_scene::synthetic::cube_room();
+            scene.materials[0].sidedness = Sidedness::Two;
+            let mut camera = Camera::framing(scene.bounds(), 1.0, scene.units.up.axis());
+            let up = camera.up;
+            camera.target = scene.bounds().centre();
+            camera.eye = eye;
+            scene.cameras = vec![camera.clone()];
+            let added = studio(&scene, &Tracer::new(&scene)).unwrap();
+            let lamps = added.objects.iter().filter(|o| o.name != STUDIO_FLOOR);
+            let (right, upward, forward) = camera.axes();
+            for lamp in lamps {
+                let way = lamp.bounds().centre() - camera.eye;
+                let half = (0.5 * camera.vertical_fov).tan() * way.dot(forward);
+                let is_seen =
+                    half > 0.0 && way.dot(right).abs() < half && way.dot(upward).abs() < half;
+                assert!(!is_seen, "{eye}: {}", lamp.name);
+                let from_model = lamp.bounds().centre() - camera.target;
+                let is_left = from_model.dot(right) < 0.0;
+                assert_eq!(is_left, lamp.name == "key light", "{eye}: {}", lamp.name);
+                assert!(from_model.dot(up) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn no_paint_reflects_all() {
+        let mut scene = Scene::default();
+        let white = scene.add_material(Material::diffuse("white", Rgb::WHITE));
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        let mut half = Material::diffuse("half a mirror", Rgb::grey(0.5));
+        half.mirror = Rgb::grey(0.5);
+        let half = scene.add_material(half);
+        assert_eq!(limit_paint(&mut scene), 2);
+        let diffuse = |m: u32| scene.materials[m as usize].diffuse;
+        assert_eq!(diffuse(white), Rgb::grey(0.9));
+        assert_eq!(diffuse(grey), Rgb::grey(0.5));
+        assert_eq!(diffuse(half), Rgb::grey(0.45));
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl SolidWriter<'_> {
             Solid::Primitive(p) => SolidKind::Primitive(p.kind, Box::new(p.world_from_object)),
             Solid::Prism(p) => {
                 let name = self.figures.name(&p.figure);
-                SolidKind::Prism(name, Box::new(p.world_from_figure))
+                SolidKind::Prism(name, Box::new(p.world_from_figure), p.bevel.clone())
             }
             Solid::Patch(p) => SolidKind::Patch(p.points.clone()),
             Solid::Mesh(m) => SolidKind::Mesh(Box::new(mesh_block(m.clone()))),
@@ -141,6 +141,7 @@ impl SolidWriter<'_> {
             map: prisms()
                 .next()
                 .map_or(DAffine3::IDENTITY, |p| p.world_from_figure),
+            bevel: prisms().next().and_then(|p| p.bevel.clone()),
             glyphs: Vec::with_capacity(run.len()),
         };
         for p in prisms() {
@@ -163,7 +164,8 @@ fn are_glyphs(a: &Solid, b: &Solid) -> bool {
     let (Some(a), Some(b)) = (prism(a), prism(b)) else {
         return false;
     };
-    a.material == b.material && a.world_from_figure.matrix3 == b.world_from_figure.matrix3
+    let axes = |p: &Prism| p.world_from_figure.matrix3;
+    a.material == b.material && axes(a) == axes(b) && a.bevel == b.bevel
 }
 
 /// The glyph origin that reproduces a position exactly: two coordinates along the text if some give

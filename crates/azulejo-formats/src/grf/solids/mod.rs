@@ -1,5 +1,6 @@
 //! Exact shapes: figures, and the nested solids of extensions.
 
+mod bevel;
 mod figure;
 mod from_scene;
 mod parse;
@@ -15,7 +16,7 @@ pub(super) use skin::{skin, skin_block};
 pub(super) use write::{define, exact};
 
 use super::document::{GrfName, MeshBlock, ObjectNotes, SourcePosition};
-use azulejo_scene::{Figure, Operation, PrimitiveKind};
+use azulejo_scene::{Bevel, Figure, Operation, PrimitiveKind};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -68,7 +69,7 @@ pub(super) struct SolidBlock {
 #[derive(Clone, Debug)]
 pub(super) enum SolidKind {
     Primitive(PrimitiveKind, Box<DAffine3>),
-    Prism(GrfName, Box<DAffine3>),
+    Prism(GrfName, Box<DAffine3>, Option<Arc<Bevel>>),
     Text(Box<TextBlock>),
     /// Sixteen control points, row by row.
     Patch(Box<[[DVec3; 4]; 4]>),
@@ -94,6 +95,8 @@ pub(super) struct TextBlock {
     pub string: Option<String>,
     /// The images of the glyphs' x, y and z axes and of the first glyph origin.
     pub map: DAffine3,
+    /// That of all glyphs.
+    pub bevel: Option<Arc<Bevel>>,
     pub glyphs: Vec<GlyphBlock>,
 }
 

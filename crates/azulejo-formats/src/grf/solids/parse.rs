@@ -180,7 +180,8 @@ impl<'a> GrfParser<'a, '_, '_> {
                 let figure = self.needed_name(entries, "figure", NameKind::Figure)?;
                 let map = self.take_map(entries)?;
                 let map = self.required(entries, "map", map)?;
-                Ok(SolidKind::Prism(figure, Box::new(map)))
+                let bevel = self.take_bevel(entries)?;
+                Ok(SolidKind::Prism(figure, Box::new(map), bevel))
             }
             SolidKeyword::Patch => self.patch(entries),
             SolidKeyword::Instance => {
@@ -284,6 +285,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Ok(SolidKind::Text(Box::new(TextBlock {
             string: self.take_text(entries, "string")?,
             map,
+            bevel: self.take_bevel(entries)?,
             glyphs,
         })))
     }

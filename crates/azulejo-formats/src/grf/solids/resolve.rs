@@ -172,10 +172,11 @@ impl<'d> GrfResolver<'d> {
                 let material = self.named_material(brdf, None, place)?;
                 Solid::Primitive(Primitive::new(*kind, **map, material))
             }
-            SolidKind::Prism(figure, map) => Solid::Prism(Prism {
+            SolidKind::Prism(figure, map, bevel) => Solid::Prism(Prism {
                 figure: self.figure_named(figure, place)?,
                 world_from_figure: **map,
                 material: self.named_material(brdf, None, place)?,
+                bevel: bevel.clone(),
             }),
             SolidKind::Patch(points) => Solid::Patch(BicubicPatch {
                 points: points.clone(),
@@ -277,6 +278,7 @@ impl<'d> GrfResolver<'d> {
                 figure: self.figure_named(&glyph.figure, place)?,
                 world_from_figure: text.map_at(glyph.pen),
                 material,
+                bevel: text.bevel.clone(),
             };
             self.push(Solid::Prism(prism), made);
         }

@@ -2,6 +2,7 @@
 
 use super::super::document::GrfName;
 use super::super::write::{GrfOutput, Quoted, affine_map, object, pair, point, unit_primitive};
+use super::bevel::bevel;
 use super::skin::{polygons_without_appearance, skin};
 use super::{
     CsgBlock, ExactBlock, GlyphBlock, GlyphOrigin, SolidBlock, SolidDefinition, SolidKind,
@@ -73,9 +74,10 @@ fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -
     // Begin with the entries of this kind, then the material, which every kind may have.
     match &solid.kind {
         SolidKind::Primitive(kind, map) => unit_primitive(out, *kind, map)?,
-        SolidKind::Prism(figure, map) => {
+        SolidKind::Prism(figure, map, edge) => {
             write!(out, " figure = {figure}")?;
             affine_map(out, map)?;
+            bevel(out, edge.as_ref())?;
         }
         SolidKind::Instance(of, map) => {
             write!(out, " of = {of}")?;
@@ -138,7 +140,8 @@ fn text_keys(out: &mut GrfOutput<'_>, text: &TextBlock) -> io::Result<()> {
     if let Some(string) = &text.string {
         write!(out, " string = {}", Quoted(string))?;
     }
-    affine_map(out, &text.map)
+    affine_map(out, &text.map)?;
+    bevel(out, text.bevel.as_ref())
 }
 
 fn glyph(out: &mut GrfOutput<'_>, glyph: &GlyphBlock) -> io::Result<()> {

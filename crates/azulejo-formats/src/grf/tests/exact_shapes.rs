@@ -3,8 +3,8 @@
 use super::round_trip::{a_mesh, direction, number, primitive_kind, small_point};
 use super::*;
 use azulejo_scene::{
-    Attribute, BicubicPatch, Contour, Csg, Curve, Exact, Figure, FillRule, MaterialId, Operation,
-    Primitive, PrimitiveKind, Prism, Solid, TextFrame,
+    Attribute, Bevel, BevelEnds, BevelProfile, BicubicPatch, Contour, Csg, Curve, Exact, Figure,
+    FillRule, MaterialId, Operation, Primitive, PrimitiveKind, Prism, Solid, TextFrame,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -91,13 +91,28 @@ fn frame() -> impl Strategy<Value = TextFrame> {
 
 type Figures = Vec<Arc<Figure>>;
 
+fn bevel() -> impl Strategy<Value = Option<Arc<Bevel>>> {
+    let round = prop_oneof![Just(BevelProfile::Chamfer), Just(BevelProfile::Round)];
+    let ends = prop_oneof![Just(BevelEnds::Front), Just(BevelEnds::Both)];
+    let bevel = (round, 1e-6..9.0, 1e-6..0.5, ends).prop_map(|(profile, inset, depth, ends)| {
+        Arc::new(Bevel {
+            profile,
+            inset,
+            depth,
+            ends,
+        })
+    });
+    option::of(bevel)
+}
+
 fn prism(figures: Figures, materials: u32) -> impl Strategy<Value = Solid> {
-    (any::<prop::sample::Index>(), map(), 0..materials).prop_map(
-        move |(figure, world_from_figure, material)| {
+    (any::<prop::sample::Index>(), map(), 0..materials, bevel()).prop_map(
+        move |(figure, world_from_figure, material, bevel)| {
             Solid::Prism(Prism {
                 figure: Arc::clone(figure.get(&figures)),
                 world_from_figure,
                 material,
+                bevel,
             })
         },
     )
@@ -107,12 +122,13 @@ fn prism(figures: Figures, materials: u32) -> impl Strategy<Value = Solid> {
 fn text(figures: Figures, materials: u32) -> impl Strategy<Value = Vec<Solid>> {
     let pen = [-900..9000i32, -3..3i32].prop_map(|p| DVec2::from(p.map(|n| f64::from(n) / 100.0)));
     let glyphs = vec((any::<prop::sample::Index>(), pen), 1..6);
-    (frame(), glyphs, 0..materials).prop_map(move |(frame, glyphs, material)| {
+    (frame(), glyphs, 0..materials, bevel()).prop_map(move |(frame, glyphs, material, bevel)| {
         let prism = |(figure, pen): (prop::sample::Index, DVec2)| {
             Solid::Prism(Prism {
                 figure: Arc::clone(figure.get(&figures)),
                 world_from_figure: frame.world_from_glyph(pen),
                 material,
+                bevel: bevel.clone(),
             })
         };
         glyphs.into_iter().map(prism).collect()

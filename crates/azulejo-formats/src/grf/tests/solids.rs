@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::ReadOptions;
-use azulejo_scene::{Exact, Leaf, Operation, Rgb, Solid};
+use azulejo_scene::{Bevel, BevelEnds, BevelProfile, Exact, Leaf, Operation, Rgb, Solid};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -365,6 +365,61 @@ fn figures_and_skins_that_cannot_be() {
     check(
         "ext skin begin end ext",
         &format!("{AT}:1: found `ext skin`, expected its exact shape immediately before it"),
+    );
+}
+
+#[test]
+fn bevels_have_a_profile_and_a_size() {
+    let prism = |keys: &str| {
+        format!("ext prism begin {keys} figure = lens map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext")
+    };
+    let bevel = |keys: &str| {
+        let scene = scene(&with_figures(&prism(keys)));
+        match &exact(&scene, 0).solids[0] {
+            Solid::Prism(prism) => prism.bevel.as_deref().copied(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let chamfer = Bevel {
+        profile: BevelProfile::Chamfer,
+        inset: 0.1,
+        depth: 0.75,
+        ends: BevelEnds::Front,
+    };
+    assert_eq!(bevel(""), None);
+    assert_eq!(
+        bevel("bevel = chamfer bevel_size = 0.1 0.75"),
+        Some(chamfer)
+    );
+    let round = Bevel {
+        profile: BevelProfile::Round,
+        depth: 0.5,
+        ends: BevelEnds::Both,
+        ..chamfer
+    };
+    assert_eq!(
+        bevel("bevel_ends = both bevel = round bevel_size = 0.1 0.5"),
+        Some(round)
+    );
+    check(
+        &prism("bevel = flat"),
+        &format!("{AT}:25: found `flat`, expected `chamfer` or `round`"),
+    );
+    check(
+        &prism("bevel = round"),
+        &format!(
+            "{AT}:1: found `ext prism` without `bevel_size`, expected `bevel_size = ...` in it"
+        ),
+    );
+    check(
+        &prism("bevel = round bevel_size = 0.1"),
+        &format!("{AT}:44: found `bevel_size` of 1 number, expected two numbers"),
+    );
+    check(
+        &prism("bevel = round bevel_ends = both bevel_size = 0.1 0.6"),
+        &format!(
+            "{AT}:62: found a bevel of size 0.1 0.6, expected an inset above 0, and a depth above 0 and at most 1, or 0.5 with `bevel_ends = both`"
+        ),
     );
 }
 

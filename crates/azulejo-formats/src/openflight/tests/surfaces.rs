@@ -289,7 +289,7 @@ fn materials_glow_and_shine() {
     };
     let highlight = Highlight::half(20.0, Rgb::new(1.0, 0.5, 0.25));
     let mut expected = expected;
-    let warning = "glossy material that reflects more light than it receives: scaled down";
+    let warning = "glossy material that reflects more light than it receives: scaled to 90%";
     let made = Gloss::default().highlight(&mut expected, highlight);
     assert_eq!(made, Err(warning));
     check_material(&[glossy], lit(), expected, &[(warning, 1)]);

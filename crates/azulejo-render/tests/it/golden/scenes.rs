@@ -337,6 +337,7 @@ pub fn text() -> (Scene, Camera) {
             figure: Arc::clone(&glyph.figure),
             world_from_figure: frame.world_from_glyph(DVec2::new(pen, 0.25)),
             material: red,
+            bevel: None,
         }));
         pen += glyph.advance + 0.05;
     }

@@ -51,6 +51,9 @@ const DROP: f64 = 0.04;
 /// Share of the directions around one in which nothing may be seen of a side that is not open.
 const OPEN: f64 = 0.6;
 
+/// Vertical field of view within, degrees.
+const WIDE: f64 = 62.0;
+
 impl Room {
     /// The room that a model is, if it is one: a place within the model from which one sees the
     /// fronts of walls all around. A closed solid is none, as from within it only backs are seen.
@@ -105,9 +108,9 @@ impl Room {
         (self.ceiling.unwrap_or(self.lamp.0) - self.floor).length()
     }
 
-    /// A viewpoint and a target at the height of eyes: into an open side, from one step back, or else from far on the
+    /// A camera at the height of eyes, wide, as one cannot step back: it looks into an open side, from one step back, or else from far on the
     /// side with the widest view. A window or a door is no open side.
-    pub fn view(&self, tracer: &Tracer, units: Units) -> (DVec3, DVec3) {
+    pub fn camera(&self, tracer: &Tracer, units: Units) -> Camera {
         let up = units.up.axis();
         let eyes = self.floor + up * (0.55 * self.height());
         let middle = tracer.bounds().centre();
@@ -137,7 +140,14 @@ impl Room {
             None => (eyes, widest.0, widest.1),
         };
         let ahead = place - up * (0.13 * self.height()) - 0.5 * reach * direction;
-        (place + reach * direction, ahead)
+        Camera {
+            name: String::new(),
+            eye: place + reach * direction,
+            target: ahead,
+            up,
+            vertical_fov: WIDE.to_radians(),
+            size: None,
+        }
     }
 }
 
@@ -384,7 +394,7 @@ mod tests {
         let gap = (top - lamp).dot(up);
         assert!(gap > 0.0 && gap < 0.1 * room.height(), "{gap}");
         assert!(edge > 0.1 && edge < 0.5, "{edge}");
-        let (eye, target) = room.view(&Tracer::new(&scene), scene.units);
+        let Camera { eye, target, .. } = room.camera(&Tracer::new(&scene), scene.units);
         let bounds = scene.bounds();
         assert!(
             bounds.min.cmplt(eye).all() && eye.cmplt(bounds.max).all(),
@@ -437,7 +447,7 @@ mod tests {
         let view = |mesh: Mesh| {
             let scene = scene_of(mesh);
             let room = find(&scene).unwrap();
-            room.view(&Tracer::new(&scene), scene.units).0
+            room.camera(&Tracer::new(&scene), scene.units).eye
         };
         // The walls at x = 0 and x = 1, and those at z.
         for (face, axis, is_high) in [(0, 0, false), (1, 0, true), (4, 2, false), (5, 2, true)] {
