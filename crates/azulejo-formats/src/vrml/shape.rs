@@ -121,6 +121,12 @@ impl VrmlSceneBuilder<'_> {
             "IndexedFaceSet" => Some(self.face_set(&geometry)?),
             "ElevationGrid" => elevation::surface(self, &geometry)?,
             "Extrusion" => extrusion::surface(self, &geometry)?,
+            #[cfg(feature = "fonts")]
+            "Text" => match self.text(&geometry)? {
+                Some(letters) => Some(letters),
+                // What is missing has been said.
+                None => return Ok(()),
+            },
             kind => match triangles::layout(kind) {
                 Some(layout) => Some(triangles::surface(self, &geometry, layout)?),
                 None => flat::surface(&geometry),

@@ -110,12 +110,12 @@ pub(super) enum V1NodeKind {
     DirectionalLight,
     PerspectiveCamera,
     Info,
-    /// Lines, points and text: shapes without a surface.
+    /// Lines and points: shapes without a surface.
     NoSurface,
     /// A camera without perspective.
     OrthographicCamera,
-    /// Nodes that only affect shapes that are not read.
-    Silent,
+    FontStyle,
+    AsciiText,
     /// Not a node of VRML 1.0. Its children are read as in a [`V1NodeKind::Separator`].
     Unknown,
 }
@@ -143,6 +143,7 @@ impl V1NodeKind {
                 | V1NodeKind::Sphere
                 | V1NodeKind::Cylinder
                 | V1NodeKind::Cone
+                | V1NodeKind::AsciiText
                 | V1NodeKind::Inline
         )
     }
@@ -223,10 +224,10 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         ORTHOGRAPHIC,
     ),
     ("Info", V1NodeKind::Info, INFO),
-    ("AsciiText", V1NodeKind::NoSurface, NO_SURFACE),
+    ("AsciiText", V1NodeKind::AsciiText, ASCII_TEXT),
     ("IndexedLineSet", V1NodeKind::NoSurface, NO_SURFACE),
     ("PointSet", V1NodeKind::NoSurface, NO_SURFACE),
-    ("FontStyle", V1NodeKind::Silent, FONT),
+    ("FontStyle", V1NodeKind::FontStyle, FONT),
 ];
 
 const ANCHOR: &[V1FieldSpec] = &[(V1FieldType::Words, "name description map")];
@@ -295,7 +296,10 @@ const NO_SURFACE: &[V1FieldSpec] = &[
         V1FieldType::Integers,
         "coordIndex materialIndex normalIndex textureCoordIndex",
     ),
-    (NUMBER, "startIndex numPoints spacing"),
+    (NUMBER, "startIndex numPoints"),
+];
+const ASCII_TEXT: &[V1FieldSpec] = &[
+    (NUMBER, "spacing"),
     (V1FieldType::Words, "string justification"),
     (V1FieldType::Numbers, "width"),
 ];

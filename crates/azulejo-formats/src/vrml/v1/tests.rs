@@ -625,7 +625,7 @@ fn unknown_nodes_and_fields() {
     check("Cube { Sphere {} }", "nodes inside Cube");
     check(
         "AsciiText { string [ \"a\" ] justification LEFT } FontStyle {} Cube {}",
-        "AsciiText is not supported",
+        "text \"a\": no font",
     );
     check(
         "PointSet {} IndexedLineSet { coordIndex [ 0 1 ] } Cube {}",

@@ -124,6 +124,8 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::Cube | V1NodeKind::Sphere | V1NodeKind::Cylinder | V1NodeKind::Cone => {
                 self.solid(node)?
             }
+            #[cfg(feature = "fonts")]
+            V1NodeKind::AsciiText => self.text(node)?,
             V1NodeKind::PointLight | V1NodeKind::SpotLight | V1NodeKind::DirectionalLight => {
                 self.light(node)
             }
@@ -133,7 +135,6 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 let name = text(node.type_name);
                 self.warn(node, format!("{name} is not supported: skipped"));
             }
-            V1NodeKind::Silent => {}
             _ => self.property(node),
         }
         Ok(())
@@ -151,6 +152,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::Material => state.material = Some(node),
             V1NodeKind::MaterialBinding => self.state.material_binding = self.part(node),
             V1NodeKind::NormalBinding => self.state.normal_binding = self.part(node),
+            V1NodeKind::FontStyle => state.font = Some(node),
             V1NodeKind::Texture2 => self.state.texture = self.texture(node),
             V1NodeKind::Texture2Transform => state.uv_matrix *= uv_transform(node),
             V1NodeKind::ShapeHints => state.hints = ShapeHints::of(node, self.inventor),
