@@ -420,7 +420,7 @@ fn letters_of_colors_have_layers() {
     assert_eq!(folder.json("info a.grf")["materials"], json!(2));
     let said = folder.json("text Xo --font paint.ttf -o a.grf")["warnings"].to_string();
     assert!(said.contains("gradients have their mean colour"), "{said}");
-    assert!(said.contains("transparent is opaque"), "{said}");
+    assert!(said.contains("partly transparent is opaque"), "{said}");
     folder.fails("text A --font paint.ttf -o b.grf", 1, "colours");
 }
 

@@ -343,7 +343,7 @@ impl VrmlSceneBuilder<'_> {
 /// Generates texture coordinates for a textured surface without any, and applies the texture
 /// transform of the appearance.
 fn apply_texture_transform(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
-    if shape_appearance.textures.is_empty() {
+    if !shape_appearance.is_pictured() {
         return;
     }
     if surface.uvs.is_none() {

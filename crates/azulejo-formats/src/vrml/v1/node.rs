@@ -92,6 +92,8 @@ pub(super) enum V1NodeKind {
     Texture2,
     Texture2Transform,
     TextureCoordinate2,
+    /// Inventor 2.1: coordinates, normals and texture coordinates of the one shape that it is inside.
+    VertexProperty,
     ShapeHints,
     Transform,
     Translation,
@@ -196,6 +198,11 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         TEXTURE_TRANSFORM,
     ),
     ("TextureCoordinate2", V1NodeKind::TextureCoordinate2, PAIRS),
+    (
+        "VertexProperty",
+        V1NodeKind::VertexProperty,
+        VERTEX_PROPERTY,
+    ),
     ("ShapeHints", V1NodeKind::ShapeHints, HINTS),
     ("Transform", V1NodeKind::Transform, TRANSFORM),
     ("Translation", V1NodeKind::Translation, TRANSLATION),
@@ -301,6 +308,11 @@ const SWITCH: &[V1FieldSpec] = &[(NUMBER, "whichChild")];
 const POINTS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "point")];
 const NORMALS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "vector")];
 const PAIRS: &[V1FieldSpec] = &[(V1FieldType::Vectors2, "point")];
+const VERTEX_PROPERTY: &[V1FieldSpec] = &[
+    (V1FieldType::Vectors, "vertex normal"),
+    (V1FieldType::Vectors2, "texCoord"),
+    (V1FieldType::Words, "normalBinding materialBinding"),
+];
 const TRANSLATION: &[V1FieldSpec] = &[(TRIPLE, "translation")];
 const ROTATION: &[V1FieldSpec] = &[(V1FieldType::Exactly(4), "rotation")];
 const SCALE: &[V1FieldSpec] = &[(TRIPLE, "scaleFactor")];
