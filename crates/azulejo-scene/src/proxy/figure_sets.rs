@@ -453,13 +453,16 @@ mod tests {
         let place = || (0..5000i32).prop_map(|x| 1e-3 * f64::from(x));
         let point = || (place(), place()).prop_map(|(x, y)| v(x, y));
         let curve = (point(), point(), point(), any::<bool>()).prop_map(
-            |(start, control1, control2, bends)| match bends {
-                true => Curve::Cubic {
-                    start,
-                    control1,
-                    control2,
-                },
-                false => Curve::Line { start },
+            |(start, control1, control2, bends)| {
+                if bends {
+                    Curve::Cubic {
+                        start,
+                        control1,
+                        control2,
+                    }
+                } else {
+                    Curve::Line { start }
+                }
             },
         );
         let contour = prop::collection::vec(curve, 2..7).prop_map(|curves| Contour { curves });
