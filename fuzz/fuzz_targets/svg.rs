@@ -28,6 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
             figure: Arc::new(shape.figure),
             world_from_figure: Default::default(),
             material: 0,
+            bevel: None,
         })
     };
     let solids = drawing.shapes.into_iter().map(prism).collect();
