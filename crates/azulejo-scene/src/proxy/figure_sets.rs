@@ -274,14 +274,14 @@ impl Chords {
             Some(segment @ Segment::Cubic([_, b, c, _])) => {
                 let [t0, t1] = piece.span;
                 let is_whole = (t1 - t0).abs() > 1.0 - NEAR;
-                let (control1, control2) = match is_whole {
-                    true if t0 < t1 => (b, c),
-                    true => (c, b),
-                    false => {
-                        let reach = (t1 - t0) / 3.0;
-                        let leave = segment.at(t0) + reach * segment.derivative(t0);
-                        (leave, segment.at(t1) - reach * segment.derivative(t1))
-                    }
+                let (control1, control2) = if is_whole && t0 < t1 {
+                    (b, c)
+                } else if is_whole {
+                    (c, b)
+                } else {
+                    let reach = (t1 - t0) / 3.0;
+                    let leave = segment.at(t0) + reach * segment.derivative(t0);
+                    (leave, segment.at(t1) - reach * segment.derivative(t1))
                 };
                 Curve::Cubic {
                     start,
@@ -453,13 +453,16 @@ mod tests {
         let place = || (0..5000i32).prop_map(|x| 1e-3 * f64::from(x));
         let point = || (place(), place()).prop_map(|(x, y)| v(x, y));
         let curve = (point(), point(), point(), any::<bool>()).prop_map(
-            |(start, control1, control2, bends)| match bends {
-                true => Curve::Cubic {
-                    start,
-                    control1,
-                    control2,
-                },
-                false => Curve::Line { start },
+            |(start, control1, control2, bends)| {
+                if bends {
+                    Curve::Cubic {
+                        start,
+                        control1,
+                        control2,
+                    }
+                } else {
+                    Curve::Line { start }
+                }
             },
         );
         let contour = prop::collection::vec(curve, 2..7).prop_map(|curves| Contour { curves });

@@ -113,7 +113,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         }
         let mut map = site.map;
         if let Some(own) = target.attribute("transform") {
-            map = map * transform(own).unwrap_or(DAffine2::IDENTITY);
+            map *= transform(own).unwrap_or(DAffine2::IDENTITY);
         }
         if target.attribute("clipPathUnits") == Some("objectBoundingBox") {
             let Some(bounds) = bounds else {
@@ -121,7 +121,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
                 self.warn(message, site.element);
                 return Ok(outer);
             };
-            map = map * DAffine2::from_scale_angle_translation(bounds.size(), 0.0, bounds.min);
+            map *= DAffine2::from_scale_angle_translation(bounds.size(), 0.0, bounds.min);
         }
         let inside = PendingElement {
             element: target,

@@ -214,7 +214,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         if !overflows {
             site.clip = Some(Clip::window(inner.window, &site.map, site.clip));
         }
-        site.map = site.map * inner.map;
+        site.map *= inner.map;
         site.view = inner.view;
         site.size = [None; 2];
         push_children(site, open);
@@ -398,9 +398,10 @@ impl PendingElement<'_, '_> {
     /// Whether it is filled, and whether it is stroked.
     pub fn paints(&self) -> (bool, bool) {
         let style = &self.style;
-        let (fills, strokes) = match self.is_clip {
-            true => (true, false),
-            false => (style.fill != Paint::None, style.stroke.pen().is_some()),
+        let (fills, strokes) = if self.is_clip {
+            (true, false)
+        } else {
+            (style.fill != Paint::None, style.stroke.pen().is_some())
         };
         (fills && style.is_visible, strokes && style.is_visible)
     }
