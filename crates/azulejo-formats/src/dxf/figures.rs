@@ -19,9 +19,9 @@ use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Position, ReadError, ReadOptions};
 use azulejo_scene::figure::{Rectangle, Segment};
-use azulejo_scene::{Contour, Figure, FillRule};
+use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::{DAffine2, DMat2, DMat3, DVec2};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
@@ -90,7 +90,10 @@ pub fn read_figures(
         content.into_iter().map(|c| (c.strands, c.letters)).unzip();
     let mut contours = reader.joined(strands)?;
     // Letters are cut out of what is around them on their layer, as if they had been drawn as outlines.
-    for (contours, letters) in contours.iter_mut().zip(letters) {
+    // Those drawn twice count once.
+    for (contours, mut letters) in contours.iter_mut().zip(letters) {
+        let mut known = HashSet::new();
+        letters.retain(|letter| known.insert(bits(std::slice::from_ref(letter))));
         contours.extend(letters);
     }
     let filled = |(name, contours): (String, Vec<Contour>)| Filled {
@@ -628,6 +631,20 @@ impl FigureReader<'_> {
         }
         Ok(())
     }
+}
+
+/// The numbers that define contours, to compare them.
+pub(super) fn bits(contours: &[Contour]) -> Vec<u64> {
+    let points = |curve: &Curve| match *curve {
+        Curve::Line { start } => vec![start],
+        Curve::Cubic {
+            start,
+            control1,
+            control2,
+        } => vec![start, control1, control2],
+    };
+    let points = contours.iter().flat_map(|c| &c.curves).flat_map(points);
+    points.flat_map(|p| [p.x, p.y]).map(f64::to_bits).collect()
 }
 
 /// The smallest rectangle around a closed outline.

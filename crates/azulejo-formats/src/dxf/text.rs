@@ -1,12 +1,12 @@
 //! TEXT, ATTRIB, ATTDEF and MTEXT as outlines.
 
-use super::figures::{FigureEntity, FigureReader, ReadResult};
+use super::figures::{FigureEntity, FigureReader, ReadResult, bits};
 use super::mtext::{LetterStyle, StyledLetters, Token, decoded_codes, tokens};
 use super::pairs::Value;
 use super::record::Record;
 use crate::reading::text::text;
 use crate::{FontRequest, ReadError};
-use azulejo_scene::{Contour, Curve, Figure};
+use azulejo_scene::{Contour, Figure};
 use glam::{DAffine2, DMat2, DVec2};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -310,20 +310,7 @@ impl FigureReader<'_> {
 impl TextFonts {
     /// A letter whose contours do not cross, so that the even-odd rule fills it. Equal ones are found once.
     fn outline(&mut self, figure: &Figure) -> Rc<Figure> {
-        let points = |curve: &Curve| match *curve {
-            Curve::Line { start } => vec![start],
-            Curve::Cubic {
-                start,
-                control1,
-                control2,
-            } => vec![start, control1, control2],
-        };
-        let curves = figure.contours.iter().flat_map(|c| &c.curves);
-        let key = curves
-            .flat_map(points)
-            .flat_map(|p| [p.x, p.y])
-            .map(f64::to_bits);
-        let known = self.outlines.entry(key.collect());
+        let known = self.outlines.entry(bits(&figure.contours));
         Rc::clone(known.or_insert_with(|| Rc::new(figure.outline())))
     }
 }

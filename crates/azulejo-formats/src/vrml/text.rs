@@ -316,11 +316,15 @@ fn shifts(strips: &[TextStrip], style: &TextStyle) -> Vec<DVec2> {
     let minor = minor.shift(begin, end, first);
     let along = |strip: &TextStrip| {
         // Lines are set from 0 to the right, whichever way they run; columns run away from 0.
-        let (begin, end) = match style.is_horizontal {
-            true if style.left_to_right => (0.0, strip.length),
-            true => (strip.length, 0.0),
-            false if style.top_to_bottom => (0.0, -strip.length),
-            false => (0.0, strip.length),
+        let ends = [0.0, strip.length];
+        let [begin, end] = match (
+            style.is_horizontal,
+            style.left_to_right,
+            style.top_to_bottom,
+        ) {
+            (true, true, _) | (false, _, false) => ends,
+            (true, false, _) => [ends[1], ends[0]],
+            (false, _, true) => ends.map(|end| -end),
         };
         major.shift(begin, end, begin)
     };

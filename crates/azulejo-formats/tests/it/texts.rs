@@ -473,6 +473,9 @@ fn letters_of_dxf_are_cut_out_of_their_layer_alone() {
         one.len() == 1 && (one[0] - (1e4 - 100.0 * x)).abs() < 0.01,
         "{one:?}"
     );
+    // Drawn twice, it counts once.
+    let twice = format!("{square}{0}{0}", text("plate", "X"));
+    assert_eq!(areas(&twice), one);
     let two = areas(&format!("{square}{}", text("words", "X")));
     assert!(
         two.len() == 2 && (two[0] - 1e4).abs() < 0.01 && (two[1] - 100.0 * x).abs() < 0.01,

@@ -274,14 +274,14 @@ impl Chords {
             Some(segment @ Segment::Cubic([_, b, c, _])) => {
                 let [t0, t1] = piece.span;
                 let is_whole = (t1 - t0).abs() > 1.0 - NEAR;
-                let (control1, control2) = match is_whole {
-                    true if t0 < t1 => (b, c),
-                    true => (c, b),
-                    false => {
-                        let reach = (t1 - t0) / 3.0;
-                        let leave = segment.at(t0) + reach * segment.derivative(t0);
-                        (leave, segment.at(t1) - reach * segment.derivative(t1))
-                    }
+                let (control1, control2) = if is_whole && t0 < t1 {
+                    (b, c)
+                } else if is_whole {
+                    (c, b)
+                } else {
+                    let reach = (t1 - t0) / 3.0;
+                    let leave = segment.at(t0) + reach * segment.derivative(t0);
+                    (leave, segment.at(t1) - reach * segment.derivative(t1))
                 };
                 Curve::Cubic {
                     start,
