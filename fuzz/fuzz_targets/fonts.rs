@@ -21,7 +21,10 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let (_, _) = (typeface.features(), typeface.instance());
     let mut fonts = [FontFace::Typeface(typeface)];
-    let _ = vary(&mut fonts, &["wght=500".parse().expect("an axis and its value")]);
+    let _ = vary(
+        &mut fonts,
+        &["wght=500".parse().expect("an axis and its value")],
+    );
     let layout = Layout {
         spacing: 0.0,
         width: Some(2.0),

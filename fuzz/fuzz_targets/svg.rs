@@ -2,14 +2,23 @@
 #![no_main]
 
 use azulejo_formats::outline::Filled;
-use azulejo_formats::{ReadOptions, read_drawing};
+use azulejo_formats::{FontFile, Memory, ReadOptions, read_drawing};
 use azulejo_scene::{Exact, Material, Object, Prism, Scene, Shape, Solid};
 use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
 
+/// A font of a few letters for its texts.
+fn font() -> Memory {
+    Memory::new().with_font(FontFile {
+        name: "tiny.ttf".into(),
+        bytes: include_bytes!("../seeds/fonts/tiny.ttf").to_vec(),
+        face: 0,
+    })
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let options = ReadOptions::in_proportion(bytes.len());
-    let Ok(drawing) = read_drawing(bytes, "fuzz", &options) else {
+    let Ok(drawing) = read_drawing(bytes, "fuzz", &font(), &options) else {
         return;
     };
     let mut scene = Scene::default();
@@ -19,6 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
             figure: Arc::new(shape.figure),
             world_from_figure: Default::default(),
             material: 0,
+            bevel: None,
         })
     };
     let solids = drawing.shapes.into_iter().map(prism).collect();

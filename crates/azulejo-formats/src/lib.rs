@@ -60,5 +60,6 @@ pub use read::{RecognizedModel, read, read_drawing, read_with};
 pub use reading::detect::{Format, Unrecognized, detect, recognize};
 pub use reading::error::{Loaded, Position, ReadError, Warning};
 pub use reading::files::{FileError, Files, Folder, Memory};
+pub use reading::fonts::{FontFile, FontRequest};
 pub use reading::options::{Lod, ReadOptions, VertexColors};
 pub use surface::tessellate::divide_into_triangles;

@@ -7,7 +7,9 @@ use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
-use crate::{FileError, Files, Loaded, Position, ReadError, ReadOptions, Warning};
+use crate::{
+    FileError, Files, FontFile, FontRequest, Loaded, Position, ReadError, ReadOptions, Warning,
+};
 use crate::{
     abaqus, cityjson, dxf, energyplus, gltf, gmsh, grf, mgf, nastran, obj, off, openflight,
 };
@@ -83,6 +85,10 @@ impl Files for ListedFiles<'_> {
         let bytes = self.files.read(name)?;
         self.names.borrow_mut().insert(name.to_owned());
         Ok(bytes)
+    }
+
+    fn font(&self, request: &FontRequest) -> Option<FontFile> {
+        self.files.font(request)
     }
 }
 
@@ -186,21 +192,27 @@ fn divide_in_shared_meshes(scene: &mut Scene) -> usize {
     count
 }
 
-/// Reads an SVG or DXF drawing, recognized by its content. `name` is used in messages.
+/// Reads an SVG or DXF drawing, recognized by its content. `name` is used in messages; `files` provides the fonts of
+/// its texts.
 ///
 /// # Errors
 /// Another format, and the errors of [`svg::read`] and [`dxf::read_figures`].
-pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
+pub fn read_drawing(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Drawing, ReadError> {
     const EXPECTED: &str = "a drawing in SVG or DXF";
     let bytes = &*decoded(bytes);
     if svg::is_svg(bytes) {
         return counted_first(bytes.len(), options, |options| {
-            svg::read(bytes, name, options)
+            svg::read(bytes, name, files, options)
         });
     }
     match detect(bytes) {
         Ok(Format::Dxf) => counted_first(bytes.len(), options, |options| {
-            dxf::read_figures(bytes, name, options)
+            dxf::read_figures(bytes, name, files, options)
         }),
         Ok(other) => {
             let found = format!("a model in {}", other.name());
@@ -485,7 +497,7 @@ mod tests {
             "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n0\n20\n0\n40\n1\n0\nENDSEC\n0\nEOF\n",
         ] {
             check(drawing, |b| {
-                let read = read_drawing(b, "a", &options);
+                let read = read_drawing(b, "a", &Memory::new(), &options);
                 read.map(|drawing| (drawing.shapes, drawing.warnings))
             });
         }

@@ -78,6 +78,22 @@ impl Figure {
         }
     }
 
+    /// Moves every point that defines a curve; an affine map of them is that of the figure.
+    pub fn move_points(&mut self, map: impl Fn(DVec2) -> DVec2) {
+        for curve in self.contours.iter_mut().flat_map(|c| &mut c.curves) {
+            match curve {
+                Curve::Line { start } => *start = map(*start),
+                Curve::Cubic {
+                    start,
+                    control1,
+                    control2,
+                } => [start, control1, control2]
+                    .into_iter()
+                    .for_each(|p| *p = map(*p)),
+            }
+        }
+    }
+
     /// All curves with their end points, contour by contour.
     pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
         self.contours.iter().flat_map(Contour::segments)

@@ -89,6 +89,7 @@ pub use patch::BicubicPatch;
 pub use photometric_web::{PhotometricWeb, WebType};
 pub use primitive::{Primitive, PrimitiveKind, SurfaceGrid, SurfaceLight, SurfacePoint};
 pub use prism::Prism;
+pub use proxy::Tiling;
 pub use rgb::Rgb;
 pub use rounding::rounded_number;
 pub use rtrace::Rtrace;

@@ -55,6 +55,8 @@ pub struct PlacedGlyph {
     pub color: Option<Rgb>,
     /// How many layers of its letter are painted below it.
     pub layer: u32,
+    /// The layer on which all of it lies; `None` if it stands by itself.
+    pub base: Option<u32>,
 }
 
 impl PlacedGlyph {
@@ -66,6 +68,7 @@ impl PlacedGlyph {
             axis: DVec2::X,
             color: None,
             layer: 0,
+            base: None,
         }
     }
 }
@@ -242,17 +245,37 @@ impl TextFrame {
     /// The frame whose front lies `rise` before this one's, as a share of the depth. Its back is a little nearer than
     /// this one's: where both are in one plane, it would be a face in two colours.
     pub fn raised(&self, rise: f64) -> TextFrame {
-        const BACKS: f64 = 1e-3;
+        self.between(-rise, 1.0 - BACKS * rise)
+    }
+
+    /// The frame of a letter's layer, where the front of each lies a `step` before that of the one below, as a share of
+    /// the depth. What lies on another layer reaches no further back than a little into it.
+    pub fn of_layer(&self, glyph: &PlacedGlyph, step: f64) -> TextFrame {
+        let front = step * f64::from(glyph.layer);
+        match glyph.base {
+            Some(base) => {
+                let base = step * f64::from(base);
+                self.between(-front, BACKS * (front - base) - base)
+            }
+            None => self.raised(front),
+        }
+    }
+
+    /// The frame between two shares of the depth, of which 0 is the front and 1 the back.
+    fn between(&self, front: f64, back: f64) -> TextFrame {
         TextFrame {
-            origin: self.origin - rise * self.scale.z * self.extrusion,
+            origin: self.origin + front * self.scale.z * self.extrusion,
             scale: DVec3 {
-                z: self.scale.z * (1.0 + rise * (1.0 - BACKS)),
+                z: self.scale.z * (back - front),
                 ..self.scale
             },
             ..*self
         }
     }
 }
+
+/// How far the backs of layers are apart, as a share of the distance of their fronts.
+const BACKS: f64 = 1e-3;
 
 /// Why a string cannot be laid out.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -480,6 +503,19 @@ mod tests {
         assert!((place(&raised, [1.0, 0.0, 0.0]).z - 3.1).abs() < 1e-12);
         let back = place(&raised, [0.0, 1.0, 1.0]).z;
         assert!(back > 2.5 && back < 2.501, "{back}");
+        // Its second layer, on the first or by itself.
+        let ends = |base: Option<u32>| {
+            let layer = PlacedGlyph {
+                layer: 2,
+                base,
+                ..turned.clone()
+            };
+            let frame = frame.of_layer(&layer, 0.1);
+            [0.0, 1.0].map(|z| (1e3 * place(&frame, [0.0, 0.0, z]).z).round() / 1e3)
+        };
+        assert_eq!(ends(Some(1)), [3.1, 3.05]);
+        assert_eq!(ends(Some(0)), [3.1, 3.0]);
+        assert_eq!(ends(None), [3.1, 2.5]);
     }
 
     #[test]

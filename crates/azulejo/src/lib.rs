@@ -19,6 +19,7 @@
 //! | [`output`] | files written atomically |
 //! | [`page`] | web pages that show a scene with its light |
 //! | [`files`], [`machine`] | messages for errors of the file system; memory of the machine |
+//! | [`fonts`] | the fonts of the machine, for text inside files |
 //! | [`spelling`] | messages for unknown names, with the most similar known one |
 //! | [`typeface`] | the embedded typeface |
 //!
@@ -31,6 +32,8 @@
 //! the module `gpu`: item buffers on graphics cards.
 
 pub mod files;
+#[cfg(feature = "fonts")]
+pub mod fonts;
 pub mod lightmap;
 pub mod luminaire;
 pub mod machine;

@@ -238,7 +238,7 @@ pub struct FontPart {
 /// `extrude`
 #[derive(Debug, Args)]
 pub struct ExtrudeArgs {
-    /// Filled and stroked shapes of an SVG, or outlines of a DXF drawing
+    /// Filled and stroked shapes and texts of an SVG, or outlines and texts of a DXF drawing
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
@@ -252,6 +252,10 @@ pub struct ExtrudeArgs {
     /// Raise the front of each shape by this over that of the one painted before it, in scene units
     #[arg(long, value_name = "STEP", value_parser = values::positive, allow_hyphen_values = true)]
     pub layers: Option<f64>,
+    /// Font of all texts in the drawing: TrueType, OpenType or Type 1 [default: those that it names, of the
+    /// system's]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub font: Option<PathBuf>,
     /// Length of one unit of the drawing, in scene units
     #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
           allow_hyphen_values = true)]

@@ -5,8 +5,10 @@ use super::solid;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
+use azulejo::fonts::Fonts;
 use azulejo::models::ModelOutput;
 use azulejo::models::read_bytes;
+use azulejo_formats::outline::typeface::Typeface;
 use azulejo_formats::outline::{Drawing, Filled};
 use azulejo_formats::{ReadOptions, read_drawing};
 use azulejo_scene::figure::Rectangle;
@@ -27,7 +29,9 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     session.claim_stdout(output.is_stdout())?;
     let path = args.drawing.display().to_string();
     let bytes = read_bytes(&args.drawing)?;
-    let drawing = read_drawing(&bytes, &path, &ReadOptions::default()).map_err(Failure::failed)?;
+    let fonts = fonts(args)?;
+    let read = read_drawing(&bytes, &path, &fonts, &ReadOptions::default());
+    let drawing = read.map_err(Failure::failed)?;
     drawing.warnings.iter().for_each(|w| session.warn(w));
     if args.layers.is_none() && is_painted_over(&drawing.shapes) {
         session.note(
@@ -51,7 +55,18 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     solid::write(&scene, &output, &args.output, session)
 }
 
-/// Whether a shape lies on one of another colour before it, as far as the points of its outlines say.
+/// The font of the drawing's texts: the one that is named, which must be one, or those of the system.
+fn fonts(args: &ExtrudeArgs) -> Result<Fonts, Failure> {
+    let Some(path) = &args.font else {
+        return Ok(Fonts::default());
+    };
+    let bytes = read_bytes(path)?;
+    Typeface::read(&bytes, &path.display().to_string(), 0).map_err(Failure::failed)?;
+    Ok(Fonts::only(path, bytes, 0))
+}
+
+/// Whether a shape lies on one of another colour (or, without colours, another name) before it, as far as the points of
+/// its outlines say.
 fn is_painted_over(shapes: &[Filled]) -> bool {
     let drawn = shapes.iter().take(MOST_COMPARED);
     let known: Vec<(&Filled, Rectangle)> = drawn.map(|s| (s, s.figure.bounds())).collect();
@@ -59,7 +74,11 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
     known.iter().enumerate().any(|(k, (shape, around))| {
         known[..k].iter().any(|(before, below)| {
             let overlap = around.min.max(below.min).cmplt(around.max.min(below.max));
-            if shape.color == before.color || !overlap.all() {
+            let is_same = match shape.color {
+                Some(_) => shape.color == before.color,
+                None => before.color.is_none() && shape.name == before.name,
+            };
+            if is_same || !overlap.all() {
                 return false;
             }
             let each = before.figure.curve_count();

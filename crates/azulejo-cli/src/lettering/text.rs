@@ -73,7 +73,12 @@ fn extruded(
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(new) => new.insert(args.edge.bevel(unit, depth * (1.0 + rise))?),
         };
-        let prism = frame.raised(rise).prism(glyph, material as MaterialId);
+        // What only lies on another layer would be thinner than its bevel.
+        let frame = match bevel {
+            Some(_) => frame.raised(rise),
+            None => frame.of_layer(glyph, step),
+        };
+        let prism = frame.prism(glyph, material as MaterialId);
         prisms.extend(prism.map(|prism| Prism {
             bevel: bevel.clone(),
             ..prism

@@ -420,7 +420,7 @@ fn letters_of_colors_have_layers() {
     assert_eq!(folder.json("info a.grf")["materials"], json!(2));
     let said = folder.json("text Xo --font paint.ttf -o a.grf")["warnings"].to_string();
     assert!(said.contains("gradients have their mean colour"), "{said}");
-    assert!(said.contains("transparent is opaque"), "{said}");
+    assert!(said.contains("partly transparent is opaque"), "{said}");
     folder.fails("text A --font paint.ttf -o b.grf", 1, "colours");
 }
 
@@ -437,6 +437,38 @@ fn sheets_show_all_glyphs() {
         report["warnings"]
             .to_string()
             .contains("names are not drawn")
+    );
+}
+
+/// Letters in the named font, and only in one.
+#[test]
+fn texts_of_drawings_become_solid() {
+    let folder = folder();
+    folder.write(
+        "sign.svg",
+        "<svg viewBox='0 0 100 100'><text x='1' y='90' font-size='10'>AA</text></svg>",
+    );
+    let report = folder.json("extrude sign.svg --depth 3 --font tiny.ttf -o sign.grf");
+    check(bounds(&report), [1.0, 10.0, -3.0, 13.0, 17.0, 0.0]);
+    let said = folder.ok("extrude sign.svg --depth 3 --font tiny.ttf -o sign.grf");
+    assert!(said.err.contains("set in tiny.ttf"), "{}", said.err);
+    folder.fails(
+        "extrude sign.svg --depth 3 --font sign.svg -o sign.grf",
+        1,
+        "sign.svg: found no font that can be read",
+    );
+    // Text on a layer of its own is inside of the plate, unless it is raised.
+    folder.write(
+        "plate.dxf",
+        "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nplate\n40\n30\n\
+         0\nTEXT\n8\nwords\n1\nA\n40\n7\n0\nENDSEC\n0\nEOF\n",
+    );
+    let flat = folder.ok("extrude plate.dxf --depth 2 --font tiny.ttf -o plate.glb");
+    assert!(flat.err.contains("--layers STEP raises"), "{}", flat.err);
+    let line = "extrude plate.dxf --depth 2 --font tiny.ttf --layers 1 -o plate.glb";
+    check(
+        bounds(&folder.json(line)),
+        [-30.0, -30.0, -2.0, 30.0, 30.0, 1.0],
     );
 }
 

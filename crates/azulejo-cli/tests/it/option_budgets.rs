@@ -20,7 +20,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("text", 22),
     ("font convert", 3),
     ("font sheet", 3),
-    ("extrude", 13),
+    ("extrude", 14),
     ("brdf list", 0),
     ("brdf eval", 2),
     ("brdf plot", 5),

@@ -7,17 +7,21 @@ use super::parse::position;
 use super::record::{Record, Records};
 use super::spline;
 use super::strands::{OpenOutline, Strand, bounds, join, tolerance};
+#[cfg(feature = "fonts")]
+use super::text::TextFonts;
 use super::units;
+#[cfg(feature = "fonts")]
+use crate::outline::letters::Letters;
 use crate::outline::pen::{Ellipse, Pen};
 use crate::outline::{Drawing, Filled};
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
-use crate::{Position, ReadError, ReadOptions};
+use crate::{Files, Position, ReadError, ReadOptions};
 use azulejo_scene::figure::{Rectangle, Segment};
-use azulejo_scene::{Contour, Figure, FillRule};
+use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::{DAffine2, DMat2, DMat3, DVec2};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
@@ -36,7 +40,12 @@ const EXAMINED: usize = 64;
 /// # Errors
 /// A file without sections, one whose outlines have more curves than `options` allow, and one with an open outline
 /// around others: what is inside may be its holes.
-pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
+pub fn read_figures(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Drawing, ReadError> {
     let bytes = &*decoded(bytes);
     let mut reader = FigureReader {
         bytes,
@@ -52,7 +61,13 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
         block: None,
         entities: Vec::new(),
         polyline: None,
+        #[cfg(feature = "fonts")]
+        letters: Letters::new(files),
+        #[cfg(feature = "fonts")]
+        fonts: TextFonts::default(),
     };
+    #[cfg(not(feature = "fonts"))]
+    let _ = files;
     let mut records = Records::new(bytes);
     let mut record = Record::default();
     while records.read(&mut record) && record.kind != b"EOF" {
@@ -64,14 +79,23 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
     }
     // Put the blocks into their places, and join what meets.
     let entities = std::mem::take(&mut reader.entities);
-    let mut strands = vec![Vec::new(); reader.layers.len()];
+    let mut content = vec![LayerContent::default(); reader.layers.len()];
     let space = Insertion {
         map: DAffine2::IDENTITY,
         layer: None,
         depth: 0,
     };
-    reader.expand(&entities, &space, &mut strands)?;
-    let contours = reader.joined(strands)?;
+    reader.expand(&entities, &space, &mut content)?;
+    let (strands, letters): (Vec<_>, Vec<_>) =
+        content.into_iter().map(|c| (c.strands, c.letters)).unzip();
+    let mut contours = reader.joined(strands)?;
+    // Letters are cut out of what is around them on their layer, as if they had been drawn as outlines.
+    // Those drawn twice count once.
+    for (contours, mut letters) in contours.iter_mut().zip(letters) {
+        let mut known = HashSet::new();
+        letters.retain(|letter| known.insert(bits(std::slice::from_ref(letter))));
+        contours.extend(letters);
+    }
     let filled = |(name, contours): (String, Vec<Contour>)| Filled {
         figure: Figure {
             contours,
@@ -90,7 +114,7 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
     })
 }
 
-struct FigureReader<'a> {
+pub(super) struct FigureReader<'a> {
     bytes: &'a [u8],
     file: &'a str,
     warnings: Warnings,
@@ -108,18 +132,31 @@ struct FigureReader<'a> {
     entities: Vec<FigureEntity>,
     /// The old kind of polyline, whose vertices are separate records.
     polyline: Option<Polyline>,
+    #[cfg(feature = "fonts")]
+    pub(super) letters: Letters<'a>,
+    #[cfg(feature = "fonts")]
+    pub(super) fonts: TextFonts,
 }
 
 /// Something drawn, with the number of its layer.
 #[derive(Clone)]
-enum FigureEntity {
+pub(super) enum FigureEntity {
     Strand(usize, Strand),
+    /// Closed outlines of letters.
+    Letters(usize, Vec<Contour>),
     Insert(usize, FigureInsert),
+}
+
+/// What is on a layer.
+#[derive(Clone, Default)]
+struct LayerContent {
+    strands: Vec<Strand>,
+    letters: Vec<Contour>,
 }
 
 /// A block in its places.
 #[derive(Clone)]
-struct FigureInsert {
+pub(super) struct FigureInsert {
     offset: usize,
     block: Vec<u8>,
     /// Drawing from block, of the first place.
@@ -153,7 +190,7 @@ struct Polyline {
     plane: Option<DMat3>,
 }
 
-type ReadResult = Result<(), ReadError>;
+pub(super) type ReadResult = Result<(), ReadError>;
 
 const CLOSED: i64 = 1;
 
@@ -176,6 +213,8 @@ impl FigureReader<'_> {
                 };
                 self.block = Some((block_name(record), block));
             }
+            #[cfg(feature = "fonts")]
+            (b"TABLES", b"STYLE") => self.text_style(record),
             (b"BLOCKS", b"ENDBLK") => {
                 self.finish_polyline()?;
                 self.end_block();
@@ -210,12 +249,12 @@ impl FigureReader<'_> {
         }
     }
 
-    fn warn(&mut self, message: impl Into<String>, offset: usize) {
+    pub(super) fn warn(&mut self, message: impl Into<String>, offset: usize) {
         let position = self.position(offset);
         self.warnings.add(self.file, message.into(), || position);
     }
 
-    fn spend(&mut self, elements: usize) -> ReadResult {
+    pub(super) fn spend(&mut self, elements: usize) -> ReadResult {
         let spent = self.budget.spend(elements as u64);
         spent.map_err(|e| e.error(self.file))
     }
@@ -247,7 +286,10 @@ impl FigureReader<'_> {
             b"ELLIPSE" => self.ellipse(record),
             b"SPLINE" => self.spline(record),
             b"INSERT" => self.insert(record),
-            b"ATTRIB" | b"ATTDEF" => Ok(()),
+            #[cfg(feature = "fonts")]
+            b"TEXT" | b"ATTRIB" | b"ATTDEF" => self.text(record),
+            #[cfg(feature = "fonts")]
+            b"MTEXT" => self.paragraphs(record),
             kind => {
                 let kind = shortened(&text(kind));
                 self.warn(format!("{kind}: no outline, left out"), record.offset);
@@ -257,7 +299,7 @@ impl FigureReader<'_> {
     }
 
     /// The entity's plane seen from above, if it is horizontal.
-    fn plane(&mut self, record: &Record) -> Option<DMat3> {
+    pub(super) fn plane(&mut self, record: &Record) -> Option<DMat3> {
         let axes = world_from_entity(record.point(210));
         if axes.z_axis.z.abs() > 1.0 - 1e-9 {
             return Some(axes);
@@ -270,7 +312,7 @@ impl FigureReader<'_> {
         None
     }
 
-    fn layer(&mut self, record: &Record) -> usize {
+    pub(super) fn layer(&mut self, record: &Record) -> usize {
         let name = record.text(8);
         let next = self.layers.len();
         let index = *self.by_name.entry(name.to_lowercase()).or_insert(next);
@@ -280,7 +322,7 @@ impl FigureReader<'_> {
         index
     }
 
-    fn keep(&mut self, entity: FigureEntity) {
+    pub(super) fn keep(&mut self, entity: FigureEntity) {
         match &mut self.block {
             Some((_, block)) => block.entities.push(entity),
             None => self.entities.push(entity),
@@ -461,12 +503,12 @@ impl FigureReader<'_> {
         Ok(())
     }
 
-    /// Adds the strands of entities to those of their layers.
+    /// Adds the strands and letters of entities to those of their layers.
     fn expand(
         &mut self,
         entities: &[FigureEntity],
         into: &Insertion,
-        strands: &mut [Vec<Strand>],
+        content: &mut [LayerContent],
     ) -> ReadResult {
         let of_zero = self.by_name.get("0").copied();
         let of_insert = |layer: usize| match into.layer {
@@ -479,7 +521,18 @@ impl FigureReader<'_> {
                     self.spend(strand.segments.len())?;
                     let strand = strand.mapped(&into.map);
                     if strand.points().all(DVec2::is_finite) {
-                        strands[of_insert(*layer)].push(strand);
+                        content[of_insert(*layer)].strands.push(strand);
+                    }
+                }
+                FigureEntity::Letters(layer, contours) => {
+                    let mut figure = Figure {
+                        contours: contours.clone(),
+                        ..Figure::default()
+                    };
+                    self.spend(figure.curve_count())?;
+                    figure.move_points(|p| into.map.transform_point2(p));
+                    if figure.bounds().size().is_finite() {
+                        content[of_insert(*layer)].letters.extend(figure.contours);
                     }
                 }
                 FigureEntity::Insert(layer, insert) => {
@@ -505,7 +558,7 @@ impl FigureReader<'_> {
                                 layer: Some(of_insert(*layer)),
                                 depth: into.depth + 1,
                             };
-                            self.expand(&block.entities, &inner, strands)?;
+                            self.expand(&block.entities, &inner, content)?;
                         }
                     }
                 }
@@ -578,6 +631,20 @@ impl FigureReader<'_> {
         }
         Ok(())
     }
+}
+
+/// The numbers that define contours, to compare them.
+pub(super) fn bits(contours: &[Contour]) -> Vec<u64> {
+    let points = |curve: &Curve| match *curve {
+        Curve::Line { start } => vec![start],
+        Curve::Cubic {
+            start,
+            control1,
+            control2,
+        } => vec![start, control1, control2],
+    };
+    let points = contours.iter().flat_map(|c| &c.curves).flat_map(points);
+    points.flat_map(|p| [p.x, p.y]).map(f64::to_bits).collect()
 }
 
 /// The smallest rectangle around a closed outline.

@@ -17,6 +17,8 @@ mod ids;
 mod instantiate;
 mod light;
 mod mesh_entity;
+#[cfg(feature = "fonts")]
+mod mtext;
 mod outline;
 mod pairs;
 mod parse;
@@ -28,6 +30,8 @@ mod strands;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "fonts")]
+mod text;
 
 mod units;
 mod write;

@@ -5,7 +5,7 @@ use super::lightmap::{self, NamedLightmap};
 use super::messages::GltfMessages;
 use super::pictures::Pictures;
 use crate::Files;
-use crate::surface::gloss::Gloss;
+use crate::surface::gloss::{Gloss, SMOOTHEST};
 use crate::surface::materials::Materials;
 use azulejo_scene::{
     Dielectric, FinishMaps, Image, IrradiancePicture, Material, MaterialId, NumberPicture, Opacity,
@@ -28,9 +28,6 @@ const DEFAULT_IOR: f64 = 1.5;
 
 /// Glass below this roughness is taken as clear without a warning.
 const CLEAR: f64 = 0.1;
-
-/// Least mean roughness by a picture: the surface keeps a model.
-const SMOOTHEST: f64 = 0.03;
 
 /// From this share of transmitted light on, a surface is glass.
 pub(super) const LEAST_TRANSMISSION: f64 = 0.5;

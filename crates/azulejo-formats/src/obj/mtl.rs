@@ -4,7 +4,7 @@ use super::cursor::StatementCursor;
 use super::placement::PicturePlacement;
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
-use crate::surface::gloss::Gloss;
+use crate::surface::gloss::{Gloss, SMOOTHEST};
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
 use crate::{Files, Loaded, ReadError};
@@ -127,9 +127,6 @@ impl Library {
         Ok(())
     }
 }
-
-/// Least mean roughness by a picture: the surface keeps a model.
-const SMOOTHEST: f64 = 0.03;
 
 /// The content of a `newmtl` block; `None` for missing statements.
 #[derive(Debug, Default)]

@@ -4,6 +4,8 @@
 //! rather than a scene.
 
 pub(crate) mod drawing;
+#[cfg(feature = "fonts")]
+pub(crate) mod letters;
 pub(crate) mod pen;
 pub mod ppe;
 pub mod ppf;

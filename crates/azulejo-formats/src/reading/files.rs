@@ -1,5 +1,6 @@
 //! Access to the files that a model names.
 
+use super::fonts::{FontFile, FontRequest};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::{fmt, fs, io};
@@ -15,6 +16,12 @@ pub trait Files {
     /// # Errors
     /// [`FileError`]: missing, unreadable, larger than the limit, or outside the folder.
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError>;
+
+    /// The font that is most like what a text asks for, wherever fonts are; `None` if there is none, which is the
+    /// default, or none with the requested characters.
+    fn font(&self, _request: &FontRequest) -> Option<FontFile> {
+        None
+    }
 }
 
 /// The name of a file relative to the model's own folder, where `name` occurs in the file `of`,
@@ -210,6 +217,7 @@ impl Files for Folder {
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     files: BTreeMap<String, Vec<u8>>,
+    font: Option<FontFile>,
 }
 
 impl Memory {
@@ -221,6 +229,12 @@ impl Memory {
     /// Adds a file.
     pub fn with(mut self, name: impl Into<String>, content: impl Into<Vec<u8>>) -> Memory {
         self.files.insert(name.into(), content.into());
+        self
+    }
+
+    /// Adds the font of all texts.
+    pub fn with_font(mut self, font: FontFile) -> Memory {
+        self.font = Some(font);
         self
     }
 }
@@ -235,6 +249,10 @@ impl Files for Memory {
         entry
             .map(|(_, content)| content.clone())
             .ok_or(FileError::Missing)
+    }
+
+    fn font(&self, _request: &FontRequest) -> Option<FontFile> {
+        self.font.clone()
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod cursor;
 pub(crate) mod detect;
 pub(crate) mod error;
 pub(crate) mod files;
+pub(crate) mod fonts;
 pub(crate) mod fortran;
 pub(crate) mod gzip;
 pub(crate) mod include;

@@ -20,6 +20,9 @@ const MOST_REFLECTED: f64 = 0.9;
 /// The warning about them.
 const TOO_MUCH: &str = "glossy material that reflects more light than it receives: scaled to 90%";
 
+/// The least mean roughness of a material whose roughness a picture varies: the model of the mean must not be a mirror.
+pub(crate) const SMOOTHEST: f64 = 0.03;
+
 /// The reflection models of one file, each once.
 #[derive(Debug, Default)]
 pub(crate) struct Gloss {

@@ -5,8 +5,12 @@ use super::tree::VrmlNode;
 use crate::ReadError;
 use crate::picture::srgb::linear_from_srgb;
 use crate::reading::text::shortened;
+use crate::surface::gloss::SMOOTHEST;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Image, Material, Opacity, OpacityMode, Rgb, TextureId, WrapMode};
+use azulejo_scene::{
+    FinishMaps, Image, Material, NumberPicture, Opacity, OpacityMode, PictureChannel, Relief,
+    ReliefKind, Rgb, TextureId, WrapMode,
+};
 use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -31,6 +35,12 @@ pub(super) struct ShapeAppearance {
 }
 
 impl ShapeAppearance {
+    /// Whether pictures vary the surface, which then needs texture coordinates.
+    pub fn is_pictured(&self) -> bool {
+        let material = &self.material;
+        !self.textures.is_empty() || material.finish.is_some() || material.relief.is_some()
+    }
+
     /// The material of a surface with texture coordinates; `color` replaces the material's own
     /// colour.
     pub fn textured(&self, color: Option<Rgb>) -> Material {
@@ -118,7 +128,7 @@ impl VrmlSceneBuilder<'_> {
         };
         match &material {
             Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
-            Some(material) => shape_appearance.material = self.surface_material(material),
+            Some(material) => shape_appearance.material = self.surface_material(material)?,
             None => {
                 let message = "shape without a material, which VRML displays unlit: diffuse with reflectance 0.8";
                 self.warn_node(shape, message);
@@ -138,9 +148,9 @@ impl VrmlSceneBuilder<'_> {
     }
 
     /// A material without textures.
-    fn surface_material(&mut self, node: &Rc<VrmlNode>) -> Material {
+    fn surface_material(&mut self, node: &Rc<VrmlNode>) -> Result<Material, ReadError> {
         let mut material = match &*node.kind {
-            "PhysicalMaterial" => self.physical_material(node),
+            "PhysicalMaterial" => self.physical_material(node)?,
             "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
             "Material" | "TwoSidedMaterial" => self.phong_material(node),
             kind => {
@@ -157,7 +167,15 @@ impl VrmlSceneBuilder<'_> {
         }
         self.warn_other_fields(node, KNOWN);
         material.name = node.name.as_deref().unwrap_or_default().to_owned();
-        material
+        // Since X3D 4.
+        let relief = self.number_picture(node, "normalTexture")?;
+        material.relief = relief.map(|texture| Relief {
+            texture,
+            kind: ReliefKind::Normals {
+                scale: node.number("normalScale", 1.0),
+            },
+        });
+        Ok(material)
     }
 
     /// Warns about every field that is not among `known`.
@@ -187,20 +205,66 @@ impl VrmlSceneBuilder<'_> {
         material
     }
 
-    /// glTF's base colour, metalness and roughness.
-    fn physical_material(&mut self, node: &VrmlNode) -> Material {
+    /// glTF's base colour, metalness and roughness; the last two are the blue and the green channel of a texture, times
+    /// factors.
+    fn physical_material(&mut self, node: &Rc<VrmlNode>) -> Result<Material, ReadError> {
         let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
-        let base = node.color("baseColor", Rgb::WHITE);
+        let mut finish = FinishMaps {
+            base: node.color("baseColor", Rgb::WHITE),
+            metallic: share("metallic"),
+            roughness: share("roughness"),
+            metallic_picture: None,
+            roughness_picture: None,
+        };
+        let (mut metallic, mut roughness) = (finish.metallic, finish.roughness);
+        // A texture colours metals, too.
+        let mut is_varied = metallic > 0.0 && !node.nodes("baseTexture").is_empty();
+        if !node.nodes("metallicRoughnessTexture").is_empty() {
+            let texture = self.number_picture(node, "metallicRoughnessTexture")?;
+            let known = texture.and_then(|id| Some((id, self.textures.numbers(id)?.mean())));
+            // Factors alone say nothing: those of what is no metal are 1, too.
+            (metallic, roughness) = known.map_or((0.0, 1.0), |(_, mean)| {
+                (metallic * mean.z, (roughness * mean.y).max(SMOOTHEST))
+            });
+            let picture = |channel| known.map(|(texture, _)| NumberPicture { texture, channel });
+            finish.metallic_picture = picture(PictureChannel::Blue);
+            finish.roughness_picture = picture(PictureChannel::Green);
+            is_varied = known.is_some();
+        }
         let mut material = Material {
             emission: node.color("emissiveColor", Rgb::BLACK),
             ..Material::default()
         };
-        let (metallic, roughness) = (share("metallic"), share("roughness"));
         let gloss = &mut self.gloss;
-        if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
+        if let Err(message) =
+            gloss.metallic_roughness(&mut material, finish.base, metallic, roughness)
+        {
             self.warn_node(node, message);
         }
-        material
+        // Without a model the surface is matt, or a mirror.
+        material.finish = (is_varied && material.brdf.is_some()).then_some(finish);
+        Ok(material)
+    }
+
+    /// The picture of numbers in a field of a material; with a warning, none if it cannot be read.
+    fn number_picture(
+        &mut self,
+        material: &VrmlNode,
+        field: &str,
+    ) -> Result<Option<TextureId>, ReadError> {
+        let Some(node) = self.child(material, field)? else {
+            return Ok(None);
+        };
+        let picture = match &*node.kind {
+            "ImageTexture" => self.image_texture(&node),
+            "PixelTexture" => self.pixel_texture(&node),
+            _ => None,
+        };
+        let picture = picture.filter(|id| self.textures.is_loaded(*id));
+        if picture.is_none() {
+            self.warn_node(&node, format!("{field} without a picture: not used"));
+        }
+        Ok(picture)
     }
 
     /// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
@@ -389,6 +453,9 @@ const KNOWN: &[&str] = &[
     "roughness",
     "diffuseTexture",
     "baseTexture",
+    "metallicRoughnessTexture",
+    "normalTexture",
+    "normalScale",
     "mirror",
 ];
 

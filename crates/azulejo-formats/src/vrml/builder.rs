@@ -3,6 +3,8 @@
 use super::appearance::AppearanceCache;
 use super::solid::PlacedPrimitive;
 use super::tree::{VrmlDocument, VrmlNode};
+#[cfg(feature = "fonts")]
+use crate::outline::letters::Letters;
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened};
 use crate::reading::warnings::Warnings;
@@ -121,6 +123,8 @@ pub(super) struct VrmlSceneBuilder<'a> {
     pub gloss: Gloss,
     pub textures: Textures,
     repeated: RepeatedMeshes,
+    #[cfg(feature = "fonts")]
+    pub letters: Letters<'a>,
     pub warnings: Warnings,
     budget: Budget,
     /// The model's name in messages.
@@ -157,6 +161,8 @@ impl<'a> VrmlSceneBuilder<'a> {
             gloss: Gloss::default(),
             textures: Textures::default(),
             repeated: RepeatedMeshes::default(),
+            #[cfg(feature = "fonts")]
+            letters: Letters::new(files),
             warnings: Warnings::default(),
             budget: Budget::new(options),
             model: model.to_owned(),

@@ -23,6 +23,8 @@ mod solid;
 mod solids;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "fonts")]
+mod text;
 mod tree;
 mod triangles;
 mod v1;

@@ -121,6 +121,12 @@ impl VrmlSceneBuilder<'_> {
             "IndexedFaceSet" => Some(self.face_set(&geometry)?),
             "ElevationGrid" => elevation::surface(self, &geometry)?,
             "Extrusion" => extrusion::surface(self, &geometry)?,
+            #[cfg(feature = "fonts")]
+            "Text" => match self.text(&geometry)? {
+                Some(letters) => Some(letters),
+                // What is missing has been said.
+                None => return Ok(()),
+            },
             kind => match triangles::layout(kind) {
                 Some(layout) => Some(triangles::surface(self, &geometry, layout)?),
                 None => flat::surface(&geometry),
@@ -337,7 +343,7 @@ impl VrmlSceneBuilder<'_> {
 /// Generates texture coordinates for a textured surface without any, and applies the texture
 /// transform of the appearance.
 fn apply_texture_transform(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
-    if shape_appearance.textures.is_empty() {
+    if !shape_appearance.is_pictured() {
         return;
     }
     if surface.uvs.is_none() {

@@ -6,7 +6,7 @@ use super::shape::sidedness;
 use super::solid::PlacedPrimitive;
 use super::tree::VrmlNode;
 use crate::ReadError;
-use azulejo_scene::Mesh;
+use azulejo_scene::{Mesh, TextureId};
 use glam::DVec3;
 
 /// The primitive of a node; `None` if it is of another type.
@@ -44,10 +44,10 @@ pub(super) fn place(
         builder.report(node, ShapeOutcome::Degenerate);
         return Ok(());
     }
-    let is_textured = shape_appearance
-        .textures
-        .iter()
-        .any(|t| builder.textures.is_loaded(*t));
+    let textures = &shape_appearance.textures;
+    let is_loaded = |t: &TextureId| builder.textures.is_loaded(*t);
+    let is_textured =
+        shape_appearance.is_pictured() && (textures.is_empty() || textures.iter().any(is_loaded));
     let mut material = shape_appearance.textured(None);
     material.emits_back = material.is_emitter() && !node.flag("solid", true);
     material.sidedness = sidedness(node);

@@ -11,6 +11,7 @@ mod sff;
 mod solvers;
 mod table_1;
 #[cfg(feature = "fonts")]
+mod texts;
 mod tiny_font;
 #[cfg(feature = "fonts")]
 mod typeface;

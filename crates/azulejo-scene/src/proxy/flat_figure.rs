@@ -19,7 +19,7 @@ const MOST_CROSSINGS: usize = 1 << 14;
 /// Contours with more corners are simplified within the tolerance.
 const MANY_CORNERS: usize = 1 << 12;
 
-type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+pub(super) type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// A figure as polygons.
 #[derive(Default)]
@@ -32,6 +32,27 @@ pub(crate) struct FlatFigure {
     pub border: Vec<[u32; 2]>,
     /// Whether the border is smooth at each point.
     pub is_smooth: Vec<bool>,
+}
+
+/// A plane figure as polygons.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tiling {
+    /// Corners, all on the border of the figure.
+    pub points: Vec<DVec2>,
+    /// Simple polygons without holes that tile the inside, counter-clockwise, as indices of `points`.
+    pub rings: Vec<Vec<u32>>,
+}
+
+impl Figure {
+    /// The inside as polygons whose edges deviate from the curves by at most `tolerance`, > 0, in the units of the
+    /// figure, or twice that where a contour has thousands of curves. Contours may cross and overlap.
+    pub fn tiling(&self, tolerance: f64) -> Tiling {
+        let flat = FlatFigure::new(self, tolerance);
+        Tiling {
+            points: flat.points,
+            rings: flat.tiles.into_iter().map(|tile| tile.ring).collect(),
+        }
+    }
 }
 
 /// A simple polygon.
@@ -114,7 +135,8 @@ impl FlatFigure {
         loops
     }
 
-    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
+    /// Adds the border of the faces that are inside, and their corners. Returns them as triangles.
+    pub fn collect(&mut self, mesh: &Delaunay, inside: &[bool]) -> Vec<[u32; 3]> {
         let mut number = HashMap::new();
         let mut triangles = Vec::new();
         for face in mesh.inner_faces().filter(|f| inside[f.fix().index()]) {
@@ -132,8 +154,7 @@ impl FlatFigure {
                 }
             }
         }
-        self.is_smooth = self.points.iter().map(|p| outline.is_smooth(*p)).collect();
-        self.tiles = tiles(&triangles);
+        triangles
     }
 }
 
@@ -151,12 +172,12 @@ struct FlattenedContours {
 }
 
 /// Positions as keys.
-fn key(p: DVec2) -> [u64; 2] {
+pub(super) fn key(p: DVec2) -> [u64; 2] {
     // Adding zero turns −0 into 0.
     [p.x + 0.0, p.y + 0.0].map(f64::to_bits)
 }
 
-fn point(p: Point2<f64>) -> DVec2 {
+pub(super) fn point(p: Point2<f64>) -> DVec2 {
     DVec2::new(p.x, p.y)
 }
 
@@ -199,7 +220,9 @@ impl FlattenedContours {
         let mesh = self.triangulated(lines);
         let inside = self.inside(&mesh, rule);
         let mut flat = FlatFigure::default();
-        flat.collect(&mesh, &inside, self);
+        let triangles = flat.collect(&mesh, &inside);
+        flat.is_smooth = flat.points.iter().map(|p| self.is_smooth(*p)).collect();
+        flat.tiles = tiles(&triangles);
         for p in &mut flat.points {
             *p = place.0 + place.1 * *p;
         }
@@ -355,7 +378,7 @@ fn is_smooth(before: &Segment, after: &Segment) -> bool {
 }
 
 /// Edges sorted into horizontal strips, for winding numbers.
-struct Strips {
+pub(super) struct Strips {
     edges: Vec<[DVec2; 2]>,
     low: f64,
     height: f64,
@@ -363,7 +386,8 @@ struct Strips {
 }
 
 impl Strips {
-    fn new(edges: Vec<[DVec2; 2]>) -> Strips {
+    /// Sorts edges.
+    pub fn new(edges: Vec<[DVec2; 2]>) -> Strips {
         let heights = || edges.iter().map(|e| e[0].y);
         let low = heights().fold(f64::INFINITY, f64::min);
         let high = heights().fold(f64::NEG_INFINITY, f64::max);
@@ -404,9 +428,19 @@ impl Strips {
         self.edges.iter().map(reach).sum()
     }
 
+    /// Numbers of edges that are at similar heights.
+    pub fn lists(&self) -> &[Vec<u32>] {
+        &self.lists
+    }
+
+    /// The edges near a height, by their numbers.
+    pub fn at(&self, y: f64) -> &[u32] {
+        &self.lists[self.strip(y, self.lists.len())]
+    }
+
     /// The winding number of the edges about a point.
-    fn winding(&self, p: DVec2) -> i32 {
-        let list = &self.lists[self.strip(p.y, self.lists.len())];
+    pub fn winding(&self, p: DVec2) -> i32 {
+        let list = self.at(p.y);
         let turn = |&k: &u32| {
             let [a, b] = self.edges[k as usize];
             let up = i32::from(b.y > p.y) - i32::from(a.y > p.y);

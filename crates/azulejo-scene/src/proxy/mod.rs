@@ -5,9 +5,11 @@
 //! | `bevelled` | plane figures whose points have the heights of a bevel |
 //! | `areas` | areas without a mesh of all prisms |
 //! | `flat_figure` | plane figures as polygons, also where contours cross or overlap |
+//! | `figure_sets` | what is inside several plane figures, with their curves |
 //! | `facet` | the faces of prisms, primitives, patches and meshes |
 //! | `cut` | set operations on faces |
 //! | `triangle_pair` | intersection of two triangles |
+//! | `uncrossed` | edges divided where they cross |
 //! | `builder` | the mesh under construction |
 
 mod areas;
@@ -15,12 +17,15 @@ mod bevelled;
 mod builder;
 mod cut;
 mod facet;
+mod figure_sets;
 mod flat_figure;
 #[cfg(test)]
 mod tests;
 mod triangle_pair;
+mod uncrossed;
 
 pub(crate) use flat_figure::FlatFigure;
+pub use flat_figure::Tiling;
 
 use crate::{Exact, Leaf, Mesh, Object, Scene, Shape, Solid};
 use builder::ProxyMeshBuilder;

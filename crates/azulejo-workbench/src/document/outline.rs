@@ -1,6 +1,7 @@
 //! Planar outlines to extrude.
 
 use super::EditError;
+use azulejo::fonts::Fonts;
 use azulejo::formats::{ReadOptions, Warning, read_drawing};
 use azulejo::scene::{Exact, Figure, MaterialId, Prism, Shape, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -51,7 +52,7 @@ impl PrismOutline {
         name: &str,
         height: f64,
     ) -> Result<(PrismOutline, Vec<Warning>), EditError> {
-        let drawing = read_drawing(bytes, name, &ReadOptions::default());
+        let drawing = read_drawing(bytes, name, &Fonts::default(), &ReadOptions::default());
         let drawing = drawing.map_err(|e| EditError(e.to_string()))?;
         let figures = drawing.shapes.into_iter().map(|shape| shape.figure);
         let stem = std::path::Path::new(name).file_stem().unwrap_or_default();

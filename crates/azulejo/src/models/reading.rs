@@ -1,9 +1,13 @@
 //! Reading of model files.
 
 use crate::files::Refused;
+#[cfg(feature = "fonts")]
+use crate::fonts::Fonts;
 use azulejo_formats::{
     FileError, Files, Folder, Format, ReadError, ReadOptions, RecognizedModel, gltf, recognize,
 };
+#[cfg(feature = "fonts")]
+use azulejo_formats::{FontFile, FontRequest};
 use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
@@ -187,6 +191,8 @@ fn parsed(
 struct CancellableFiles<'a> {
     own: Folder,
     home: Option<Folder>,
+    #[cfg(feature = "fonts")]
+    fonts: Fonts,
     progress: &'a Progress,
 }
 
@@ -197,6 +203,8 @@ impl<'a> CancellableFiles<'a> {
         CancellableFiles {
             own,
             home: reading.home.as_ref().map(Folder::new),
+            #[cfg(feature = "fonts")]
+            fonts: Fonts::default(),
             progress,
         }
     }
@@ -211,6 +219,11 @@ impl Files for CancellableFiles<'_> {
             (Err(FileError::Missing | FileError::Outside), Some(home)) => home.read(name),
             (read, _) => read,
         }
+    }
+
+    #[cfg(feature = "fonts")]
+    fn font(&self, request: &FontRequest) -> Option<FontFile> {
+        self.fonts.find(request)
     }
 }
 

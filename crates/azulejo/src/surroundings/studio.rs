@@ -118,7 +118,7 @@ pub fn studio(scene: &Scene, tracer: &Tracer) -> Option<Scene> {
     }
 }
 
-/// Limits the diffuse reflectances of a scene to [`PAINT`] of what its mirrors and highlights leave, and returns how
+/// Limits the diffuse reflectances of a scene to 90% of what its mirrors and highlights leave, and returns how
 /// many materials reflected more: models often say white for what no paint is, and light between such surfaces that
 /// touch never ends.
 pub fn limit_paint(scene: &mut Scene) -> usize {

@@ -1,8 +1,8 @@
 //! Closed outlines as figures.
 
 use super::super::read_figures;
-use crate::ReadOptions;
 use crate::outline::Drawing;
+use crate::{Memory, ReadOptions};
 use glam::DVec2;
 use std::f64::consts::PI;
 
@@ -10,7 +10,13 @@ fn drawing(entities: &str) -> Drawing {
     let text = format!(
         "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
     );
-    read_figures(text.as_bytes(), "a.dxf", &ReadOptions::default()).unwrap()
+    read_figures(
+        text.as_bytes(),
+        "a.dxf",
+        &Memory::new(),
+        &ReadOptions::default(),
+    )
+    .unwrap()
 }
 
 fn light(flags: u32, vertices: &[(f64, f64, f64)]) -> String {
@@ -104,7 +110,11 @@ fn left_out_outlines_are_reported() {
         "0\nELLIPSE\n11\n1\n40\n1\n41\n0\n42\n1\n",
         "open outline: left out",
     );
-    check("0\nTEXT\n1\nx\n", "TEXT: no outline, left out");
+    check(
+        "0\nTEXT\n1\nx\n",
+        "text \"x\": no font to set it in (install or name one), left out",
+    );
+    check("0\nHATCH\n", "HATCH: no outline, left out");
     check(
         "0\nINSERT\n2\nnone\n",
         "INSERT of a block that is missing: left out",
@@ -184,7 +194,13 @@ fn pieces_whose_ends_meet_are_outlines() {
         "0\nSECTION\n2\nENTITIES\n{}{hole}0\nENDSEC\n0\nEOF\n",
         plate[1..].concat()
     );
-    let error = read_figures(text.as_bytes(), "a.dxf", &ReadOptions::default()).unwrap_err();
+    let error = read_figures(
+        text.as_bytes(),
+        "a.dxf",
+        &Memory::new(),
+        &ReadOptions::default(),
+    )
+    .unwrap_err();
     let message = error.to_string();
     assert!(message.starts_with("a.dxf:5:"), "{message}");
     assert!(
@@ -207,7 +223,13 @@ fn blocks_are_put_in_their_places() {
         0\nBLOCK\n2\nself\n0\nINSERT\n2\nSELF\n0\nENDBLK\n0\nENDSEC\n";
     let read = |entities: &str| {
         let text = format!("{block}0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n");
-        read_figures(text.as_bytes(), "a.dxf", &ReadOptions::default()).unwrap()
+        read_figures(
+            text.as_bytes(),
+            "a.dxf",
+            &Memory::new(),
+            &ReadOptions::default(),
+        )
+        .unwrap()
     };
     let placed =
         read("0\nINSERT\n8\ncut\n2\nhalf\n10\n5\n20\n5\n41\n2\n42\n-1\n50\n90\n70\n3\n44\n10\n");

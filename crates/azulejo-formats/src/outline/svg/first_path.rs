@@ -1,8 +1,9 @@
 //! The first path of a drawing, for text to follow.
 
 use super::stroke;
+use super::style::Style;
 use super::values::transform;
-use super::walk::viewport;
+use super::viewport;
 use super::{shapes, with_document};
 use crate::outline::pen::Pen;
 use crate::reading::text::shortened;
@@ -32,7 +33,7 @@ pub fn first_path(bytes: &[u8], name: &str) -> Result<Vec<Segment>, ReadError> {
             let expected = "a path for the text to follow";
             return Err(ReadError::whole(name, "a drawing without paths", expected));
         };
-        let segments = first_contour(element, viewport(xml.root_element()).0);
+        let segments = first_contour(element, &viewport::root(xml.root_element()));
         segments.ok_or_else(|| {
             let place = xml.text_pos_at(element.range().start);
             let found = shortened(element.tag_name().name());
@@ -48,17 +49,18 @@ pub fn first_path(bytes: &[u8], name: &str) -> Result<Vec<Segment>, ReadError> {
     })
 }
 
-fn first_contour(element: Node, view: DAffine2) -> Option<Vec<Segment>> {
+fn first_contour(element: Node, view: &viewport::RootView) -> Option<Vec<Segment>> {
     let mut map = DAffine2::IDENTITY;
     for node in element.ancestors() {
         if let Some(text) = node.attribute("transform") {
             map = transform(text)? * map;
         }
     }
-    let map = view * map;
+    let map = view.map * map;
+    let units = Style::default().units(view.view);
     let mut pen = Pen::default();
-    shapes::draw(element, &mut pen);
-    let path = stroke::path(element, &pen.finish(FillRule::NonZero))?;
+    shapes::draw(element, &units, &mut pen);
+    let path = stroke::path(element, &pen.finish(FillRule::NonZero), &units)?;
     let contour = path.elements().iter().enumerate();
     let second = contour
         .filter(|(_, e)| matches!(e, kurbo::PathEl::MoveTo(_)))

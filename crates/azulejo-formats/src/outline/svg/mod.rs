@@ -1,9 +1,10 @@
 //! SVG drawings: their filled and stroked shapes.
 //!
 //! Paths and basic shapes become [`Figure`](azulejo_scene::Figure)s, with all transforms applied,
-//! y up, and arcs as cubic curves. Text and images are left out and counted.
+//! y up, and arcs as cubic curves; letters become the outlines of a font. Images are left out and counted.
 //! `docs/formats/svg.md` documents how every element is interpreted.
 
+mod clip;
 mod first_path;
 mod path;
 mod shapes;
@@ -12,7 +13,10 @@ mod style;
 mod style_sheet;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "fonts")]
+mod text;
 mod values;
+mod viewport;
 mod walk;
 
 pub use first_path::first_path;
@@ -20,16 +24,21 @@ pub use first_path::first_path;
 use crate::outline::drawing::Drawing;
 use crate::reading::text::decoded_text;
 use crate::reading::xml::crowded_element;
-use crate::{ReadError, ReadOptions};
+use crate::{Files, ReadError, ReadOptions};
 use roxmltree::{Document, ParsingOptions};
 
-/// Reads a drawing. `name` is used in messages.
+/// Reads a drawing. `name` is used in messages; `files` provides fonts.
 ///
 /// # Errors
 /// XML that is not well-formed or declares entities, another element than `svg`, and a drawing
 /// that expands to more than `options` allow. Anything less is left out with a warning.
-pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
-    with_document(bytes, name, |xml| walk::read(xml, name, options))
+pub fn read(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<Drawing, ReadError> {
+    with_document(bytes, name, |xml| walk::read(xml, name, files, options))
 }
 
 /// Parses a drawing, and hands it on.

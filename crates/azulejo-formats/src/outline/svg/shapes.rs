@@ -1,25 +1,22 @@
 //! Basic shapes: rectangles, circles, ellipses, polygons.
 
 use super::path::{self, PathProblems};
-use super::values::{length, numbers};
+use super::values::{LengthUnits, numbers};
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use roxmltree::Node;
 use std::f64::consts::FRAC_PI_2;
 
-/// Draws the outline of a shape; `None` for other elements, and for those without required attributes.
-pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<PathProblems> {
-    let value = |name: &str| match element.attribute(name) {
-        Some(text) => length(text).map(|(value, _)| value),
-        None => Some(0.0),
-    };
+/// Draws the outline of a shape; `None` for other elements, and for those with lengths that are none.
+pub(super) fn draw(element: Node, units: &LengthUnits, pen: &mut Pen) -> Option<PathProblems> {
+    let value = |name: &str| units.of(element, name);
     match element.tag_name().name() {
         "path" => return Some(path::draw(element.attribute("d").unwrap_or(""), pen)),
         "rect" => {
             let corner = DVec2::new(value("x")?, value("y")?);
             let size = DVec2::new(value("width")?, value("height")?);
             if size.min_element() > 0.0 {
-                rectangle(corner, size, radii(element, size)?, pen);
+                rectangle(corner, size, radii(element, units, size)?, pen);
             }
         }
         "circle" | "ellipse" => {
@@ -48,9 +45,9 @@ fn upright(centre: DVec2, radii: DVec2) -> Ellipse {
 }
 
 /// Corner radii of a rectangle: one sets both, and they are at most half the sides.
-fn radii(element: Node, size: DVec2) -> Option<DVec2> {
+fn radii(element: Node, units: &LengthUnits, size: DVec2) -> Option<DVec2> {
     let radius = |name: &str| match element.attribute(name) {
-        Some(text) if text.trim() != "auto" => length(text).map(|(r, _)| Some(r.max(0.0))),
+        Some(text) if text.trim() != "auto" => units.length(name, text).map(|r| Some(r.max(0.0))),
         _ => Some(None),
     };
     let (x, y) = (radius("rx")?, radius("ry")?);

@@ -71,7 +71,7 @@ impl StyleSheet {
 }
 
 fn matters(name: &str) -> bool {
-    const NAMES: [&str; 7] = [
+    const NAMES: [&str; 15] = [
         "fill",
         "fill-rule",
         "fill-opacity",
@@ -79,8 +79,20 @@ fn matters(name: &str) -> bool {
         "display",
         "visibility",
         "color",
+        "clip-path",
+        "clip-rule",
+        "mask",
+        "filter",
+        "overflow",
+        "font",
+        "letter-spacing",
+        "text-anchor",
     ];
-    NAMES.contains(&name) || name.starts_with("stroke")
+    let is_of_group = |group: &str| name.starts_with(group);
+    NAMES.contains(&name)
+        || ["stroke", "font-", "marker", "vector-effect"]
+            .into_iter()
+            .any(is_of_group)
 }
 
 /// Whether a selector is a single name.

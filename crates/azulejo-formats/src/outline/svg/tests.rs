@@ -1,4 +1,5 @@
 use super::*;
+use crate::Memory;
 use crate::outline::drawing::Filled;
 use azulejo_scene::{Figure, FillRule, Rgb};
 use glam::DVec2;
@@ -6,7 +7,13 @@ use glam::DVec2;
 fn drawing(content: &str) -> Drawing {
     let text =
         format!("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>{content}</svg>");
-    read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap()
+    read(
+        text.as_bytes(),
+        "a.svg",
+        &Memory::new(),
+        &ReadOptions::default(),
+    )
+    .unwrap()
 }
 
 /// The only shape of a drawing without warnings.
@@ -63,7 +70,13 @@ fn y_points_up_from_the_lower_left() {
         (DVec2::new(10.0, 0.0), DVec2::new(15.0, 20.0))
     );
     let text = "<svg height='50' width='9'><rect y='40' width='1' height='10'/></svg>";
-    let drawing = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap();
+    let drawing = read(
+        text.as_bytes(),
+        "a.svg",
+        &Memory::new(),
+        &ReadOptions::default(),
+    )
+    .unwrap();
     assert_eq!(drawing.shapes[0].figure.bounds().min, DVec2::ZERO);
 }
 
@@ -71,7 +84,13 @@ fn y_points_up_from_the_lower_left() {
 fn units_are_known_where_the_drawing_has_a_size() {
     let check = |attributes: &str, metres: Option<f64>| {
         let text = format!("<svg {attributes}/>");
-        let drawing = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap();
+        let drawing = read(
+            text.as_bytes(),
+            "a.svg",
+            &Memory::new(),
+            &ReadOptions::default(),
+        )
+        .unwrap();
         let close = |(a, b): (f64, f64)| (a - b).abs() < 1e-12;
         assert_eq!(
             drawing.metres_per_unit.is_some(),
@@ -171,13 +190,18 @@ fn use_draws_with_its_own_transform() {
 
 #[test]
 fn left_out_elements_are_reported() {
-    check_warning("<text>a</text>", 0, "text: left out");
+    let no_font = "text \"a b\": no font to set it in (install or name one), left out";
+    check_warning("<text>\n a\n b </text>", 0, no_font);
     check_warning("<image/>", 0, "image: left out");
-    let dashed = "stroke-dasharray: drawn without gaps";
     check_warning(
-        "<path fill='none' stroke='red' stroke-dasharray='1 2' d='M0 0h1'/>",
-        1,
-        dashed,
+        "<path fill='none' stroke='red' stroke-dasharray='1e-6' d='M0 0h1'/>",
+        0,
+        "stroke-dasharray of too many dashes: stroke left out",
+    );
+    check_warning(
+        "<path fill='none' stroke='red' stroke-width='1e-9' d='M0 0h1'/>",
+        0,
+        "stroke too thin to be seen: left out",
     );
     check_warning(
         "<path d='M0 0h1v1'/>",
@@ -189,14 +213,39 @@ fn left_out_elements_are_reported() {
     check_warning("<polygon points='0 0 1 0 1 1 7'/>", 1, cut);
     let paint = "paint that is not a single colour: not kept";
     check_warning("<path fill='url(#g)' d='M0 0h1v1z'/>", 1, paint);
-    check_warning("<g clip-path='url(#c)'/>", 0, "clip-path: not applied");
+    let rect = "<rect width='1' height='1'/>";
+    let check_clip = |content: &str, message: &str| {
+        check_warning(&format!("<g {content}>{rect}</g>"), 1, message);
+    };
+    check_clip(
+        "clip-path='url(#c)'",
+        "clip-path that does not exist: not applied",
+    );
+    check_clip(
+        "style='clip-path:circle(3px)'",
+        "clip-path that names no element: not applied",
+    );
+    check_clip("style='marker-end:url(#m)'", "marker-end: not applied");
+    check_clip("mask='url(#m)'", "mask: not applied");
+    check_clip("style='filter:url(#m)'", "filter: not applied");
+    check_clip(
+        "vector-effect='non-scaling-stroke'",
+        "vector-effect: not applied",
+    );
+    let circle = "<clipPath id='c' clip-path='url(#c)'><rect width='9' height='9'/></clipPath>";
+    let content = format!("{circle}<rect clip-path='url(#c)' width='1' height='1'/>");
+    check_warning(
+        &content,
+        1,
+        "clip-path nested more than 8 deep: not applied",
+    );
     check_warning(
         "<g transform='spin(3)'/>",
         0,
         "malformed transform: not applied",
     );
     check_warning(
-        "<rect width='50%' height='1'/>",
+        "<rect width='5q' height='1'/>",
         0,
         "shape with a length in an unknown unit: left out",
     );
@@ -214,7 +263,13 @@ fn left_out_elements_are_reported() {
 #[test]
 fn other_files_are_refused() {
     let check = |text: &str, message: &str| {
-        let error = read(text.as_bytes(), "a.svg", &ReadOptions::default()).unwrap_err();
+        let error = read(
+            text.as_bytes(),
+            "a.svg",
+            &Memory::new(),
+            &ReadOptions::default(),
+        )
+        .unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     };
     check("<svg><g></svg>", "not well-formed");
@@ -231,13 +286,21 @@ fn expansion_is_limited() {
     }
     let text = format!("<svg>{content}</svg>");
     let options = ReadOptions::in_proportion(text.len());
-    assert!(read(text.as_bytes(), "a.svg", &options).is_err());
+    assert!(read(text.as_bytes(), "a.svg", &Memory::new(), &options).is_err());
 }
 
 #[test]
 fn deep_files_do_not_overflow() {
     let text = format!("<svg>{}{}</svg>", "<g>".repeat(900), "</g>".repeat(900));
-    assert!(read(text.as_bytes(), "a.svg", &ReadOptions::default()).is_ok());
+    assert!(
+        read(
+            text.as_bytes(),
+            "a.svg",
+            &Memory::new(),
+            &ReadOptions::default()
+        )
+        .is_ok()
+    );
 }
 
 /// Each takes seconds to hours where attributes, rules or repeated elements are compared with each other.
@@ -245,7 +308,12 @@ fn deep_files_do_not_overflow() {
 fn crowded_elements_take_no_quadratic_time() {
     let error = |content: &str| {
         let text = format!("<svg>{content}</svg>");
-        let read = read(text.as_bytes(), "a.svg", &ReadOptions::default());
+        let read = read(
+            text.as_bytes(),
+            "a.svg",
+            &Memory::new(),
+            &ReadOptions::default(),
+        );
         read.unwrap_err().to_string()
     };
     let many: String = (0..300_000).map(|k| format!(" a{k}=''")).collect();
@@ -352,4 +420,174 @@ fn strokes_are_figures() {
     );
     let both = drawing("<rect width='4' height='4' fill='#0f0' stroke='#00f'/>");
     assert_eq!(both.shapes[1].color, Some(Rgb::new(0.0, 0.0, 1.0)));
+}
+
+/// The sum of the areas that the shapes of a drawing without warnings fill.
+fn check_clipped(content: &str, expected: f64) {
+    let drawing = drawing(content);
+    assert!(
+        drawing.warnings.is_empty(),
+        "{content}: {:?}",
+        drawing.warnings
+    );
+    let areas = drawing
+        .shapes
+        .iter()
+        .map(|s| s.figure.outline().signed_area());
+    let area: f64 = areas.sum();
+    assert!(
+        (area - expected).abs() < 1e-3 * expected.max(0.01),
+        "{content}: {area}"
+    );
+}
+
+#[test]
+fn shapes_are_clipped() {
+    let pi = std::f64::consts::PI;
+    let square = "<rect width='20' height='20'/>";
+    let check = |clip: &str, shape: &str, area: f64| {
+        check_clipped(&format!("<clipPath id='c' {clip}</clipPath>{shape}"), area);
+    };
+    let by_c = "clip-path='url(#c)'";
+    let own = format!("<rect {by_c} width='20' height='20'/>");
+    check("><circle r='10'/>", &own, 0.25 * pi * 100.0);
+    // Also where the clip is an element in a group with a transform, or a use, or clipped itself.
+    let group = format!("<g {by_c} transform='scale(2)'>{square}</g>");
+    check("><circle r='10'/>", &group, pi * 100.0);
+    let round = "><circle id='k' r='10' clip-path='url(#d)'/>";
+    let inner = "<clipPath id='d'><rect x='5' width='9' height='99'/></clipPath>";
+    let segment = 100.0 * (pi / 3.0 - 0.75_f64.sqrt() / 2.0) / 2.0;
+    check(round, &format!("{inner}{own}"), segment);
+    check(
+        "><use href='#r'/>",
+        &format!("<defs><rect id='r' x='15' width='10' height='10'/></defs>{own}"),
+        50.0,
+    );
+    // Two shapes count once where they overlap; rules are those of clipping.
+    check("><circle r='10'/><circle r='10'/>", &own, 0.25 * pi * 100.0);
+    let ring = "M0 0h10v10h-10zM2 2h6v6h-6z";
+    check(&format!("><path d='{ring}'/>"), &own, 100.0);
+    check(
+        &format!("><path clip-rule='evenodd' d='{ring}'/>"),
+        &own,
+        64.0,
+    );
+    // In units of the box of what is clipped, with a transform, and invisible.
+    check(
+        "clipPathUnits='objectBoundingBox'><rect width='.5' height='1'/>",
+        &own,
+        200.0,
+    );
+    check(
+        "transform='scale(.5)'><circle r='10'/>",
+        &own,
+        0.25 * pi * 25.0,
+    );
+    check("><circle r='10' display='none'/>", &own, 0.0);
+    check(">", &own, 0.0);
+    // Strokes are clipped, too: as wide as the clip, and with round ends.
+    let line = format!("<line {by_c} x1='-9' x2='30' stroke='red' stroke-width='4'/>");
+    check("><rect y='-9' width='5' height='20'/>", &line, 20.0);
+}
+
+#[test]
+fn viewports_move_scale_and_clip() {
+    let rect = |x: f64, y: f64, w: f64, h: f64| {
+        format!("<rect x='{x}' y='{y}' width='{w}' height='{h}'/>")
+    };
+    let check = |content: &str, min: [f64; 2], max: [f64; 2]| {
+        let bounds = only(content).figure.bounds();
+        let off = bounds.min.distance(min.into()) + bounds.max.distance(max.into());
+        assert!(off < 1e-5, "{content}: {bounds:?}");
+    };
+    let whole = rect(0.0, 0.0, 10.0, 10.0);
+    // The drawing is 100 x 100 with y down.
+    check(
+        &format!("<svg x='10' y='20' width='30' height='30'>{whole}</svg>"),
+        [10.0, 70.0],
+        [20.0, 80.0],
+    );
+    check(
+        &format!("<svg width='30' height='30' viewBox='0 0 10 10'>{whole}</svg>"),
+        [0.0, 70.0],
+        [30.0, 100.0],
+    );
+    let wide = |aspect: &str| {
+        format!(
+            "<svg width='40' height='20' viewBox='0 0 10 10' preserveAspectRatio='{aspect}'>{whole}</svg>"
+        )
+    };
+    check(&wide("xMidYMid"), [10.0, 80.0], [30.0, 100.0]);
+    check(&wide("xMaxYMin meet"), [20.0, 80.0], [40.0, 100.0]);
+    check(&wide("none"), [0.0, 80.0], [40.0, 100.0]);
+    check(&wide("xMinYMin slice"), [0.0, 80.0], [40.0, 100.0]);
+    // What is outside is not shown, unless it may be.
+    let large = rect(-50.0, -50.0, 200.0, 200.0);
+    check(
+        &format!("<svg x='1' y='2' width='3' height='4'>{large}</svg>"),
+        [1.0, 94.0],
+        [4.0, 98.0],
+    );
+    check(
+        &format!("<svg width='3' height='4' overflow='visible'>{large}</svg>"),
+        [-50.0, -50.0],
+        [150.0, 150.0],
+    );
+    let symbol = format!("<symbol id='s' viewBox='0 0 10 10'>{whole}</symbol>");
+    check(
+        &format!("{symbol}<use href='#s' x='5' width='20' height='20'/>"),
+        [5.0, 80.0],
+        [25.0, 100.0],
+    );
+    // Per cents are of the nearest viewport, ems of the font.
+    check(
+        "<rect width='50%' height='10%'/>",
+        [0.0, 90.0],
+        [50.0, 100.0],
+    );
+    check(
+        "<svg width='50%' height='50%'><rect width='50%' height='10%'/></svg>",
+        [0.0, 95.0],
+        [25.0, 100.0],
+    );
+    check(
+        "<g font-size='20'><rect width='1em' height='2em'/></g>",
+        [0.0, 60.0],
+        [20.0, 100.0],
+    );
+    let first = format!("<switch><g requiredExtensions='x'>{large}</g>{whole}{large}</switch>");
+    check(&first, [0.0, 90.0], [10.0, 100.0]);
+}
+
+#[test]
+fn strokes_have_gaps() {
+    let check = |dashes: &str, area: f64| {
+        check_clipped(
+            &format!("<line x2='20' stroke='red' stroke-width='2' {dashes}/>"),
+            area,
+        );
+    };
+    check("stroke-dasharray='3 1'", 30.0);
+    check("stroke-dasharray='3 1' stroke-dashoffset='2'", 30.0);
+    check("stroke-dasharray='2'", 20.0);
+    check("stroke-dasharray='10%,10%'", 20.0);
+    check("stroke-dasharray='none'", 40.0);
+    check("stroke-dasharray='-1 2'", 40.0);
+    check("stroke-dasharray='0 0'", 40.0);
+}
+
+/// A path of 100,000 corners that crosses itself, a stroke of it, and a clip.
+#[test]
+fn long_outlines_take_no_quadratic_time() {
+    let corner = |k: u32| {
+        let turn = f64::from(k) * 0.01;
+        format!(
+            "{:.3} {:.3} ",
+            50.0 + 40.0 * turn.cos() * (0.3 * turn).sin(),
+            50.0 + 40.0 * turn.sin()
+        )
+    };
+    let points: String = (0..100_000).map(corner).collect();
+    let polygon = format!("<polygon points='{points}' fill-rule='evenodd'/>");
+    assert_eq!(drawing(&polygon).shapes[0].figure.curve_count(), 100_000);
 }

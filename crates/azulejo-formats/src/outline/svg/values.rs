@@ -2,7 +2,8 @@
 
 use crate::picture::srgb::linear_from_srgb_f64;
 use azulejo_scene::Rgb;
-use glam::DAffine2;
+use glam::{DAffine2, DVec2};
+use roxmltree::Node;
 use svgtypes::{Color, Length, LengthUnit, NumberListParser, Transform};
 
 /// Larger numbers are damage, and their squares could overflow.
@@ -21,7 +22,7 @@ pub(super) fn numbers(text: &str) -> (Vec<f64>, bool) {
 }
 
 /// A length in SVG's user units, of which there are 96 to the inch, and whether its unit is a physical
-/// one.
+/// one. `None` for relative ones.
 pub(super) fn length(text: &str) -> Option<(f64, bool)> {
     const PER_INCH: f64 = 96.0;
     let length: Length = text.trim().parse().ok()?;
@@ -37,6 +38,46 @@ pub(super) fn length(text: &str) -> Option<(f64, bool)> {
     let value = length.number * unit;
     let is_physical = !matches!(length.unit, LengthUnit::None | LengthUnit::Px);
     (value.abs() <= LARGEST).then_some((value, is_physical))
+}
+
+/// What relative lengths refer to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LengthUnits {
+    /// The size of the nearest viewport, user units.
+    pub view: DVec2,
+    /// The size of the font, user units.
+    pub em: f64,
+}
+
+impl LengthUnits {
+    /// The value of an attribute or property, whose name says which side of the viewport per cents are of.
+    pub fn length(&self, name: &str, text: &str) -> Option<f64> {
+        if let Some((value, _)) = length(text) {
+            return Some(value);
+        }
+        let whole = match name {
+            "x" | "width" | "cx" | "rx" | "x1" | "x2" | "dx" => self.view.x,
+            "y" | "height" | "cy" | "ry" | "y1" | "y2" | "dy" => self.view.y,
+            "font-size" => self.em,
+            // SVG 2, 8.9: the diagonal, such that it is the side of a square.
+            _ => (0.5 * self.view.length_squared()).sqrt(),
+        };
+        let length: Length = text.trim().parse().ok()?;
+        let unit = match length.unit {
+            LengthUnit::Percent => 0.01 * whole,
+            LengthUnit::Em => self.em,
+            LengthUnit::Ex => 0.5 * self.em,
+            _ => return None,
+        };
+        let value = length.number * unit;
+        (value.abs() <= LARGEST).then_some(value)
+    }
+
+    /// The length of an element's attribute; 0 without it, and `None` if it is none.
+    pub fn of(&self, element: Node, name: &str) -> Option<f64> {
+        let text = element.attribute(name);
+        text.map_or(Some(0.0), |text| self.length(name, text))
+    }
 }
 
 /// A list of transforms as one; `None` if it is malformed.
@@ -57,7 +98,6 @@ pub(super) fn color(text: &str) -> Option<Rgb> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     #[test]
     fn numbers_run_into_each_other() {
@@ -81,6 +121,31 @@ mod tests {
             (length("50%"), length("auto"), length("2em")),
             (None, None, None)
         );
+    }
+
+    #[test]
+    fn relative_lengths_are_of_the_viewport_or_the_font() {
+        let units = LengthUnits {
+            view: DVec2::new(300.0, 400.0),
+            em: 20.0,
+        };
+        let check = |name: &str, text: &str, expected: Option<f64>| {
+            let found = units.length(name, text);
+            let is_near = |(a, b): (f64, f64)| (a - b).abs() < 1e-9;
+            assert_eq!(found.is_some(), expected.is_some(), "{name} {text}");
+            assert!(
+                found.zip(expected).is_none_or(is_near),
+                "{name} {text}: {found:?}"
+            );
+        };
+        check("x", "10%", Some(30.0));
+        check("height", "50%", Some(200.0));
+        check("r", "10%", Some(0.1 * (125_000.0_f64).sqrt()));
+        check("font-size", "150%", Some(30.0));
+        check("x", "2em", Some(40.0));
+        check("dy", "1ex", Some(10.0));
+        check("x", "1in", Some(96.0));
+        check("x", "auto", None);
     }
 
     #[test]

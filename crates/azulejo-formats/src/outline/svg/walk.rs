@@ -1,21 +1,26 @@
 //! Converts the elements of a document to figures of what they fill and stroke.
 
+use super::clip::Clip;
 use super::path::PathProblems;
 use super::shapes;
-use super::stroke;
-use super::style::{Paint, Style};
+use super::stroke::{self, StrokeProblem};
+use super::style::{OwnStyle, Paint, Style};
 use super::style_sheet::StyleSheet;
-use super::values::{length, numbers, transform};
+use super::values::{LengthUnits, transform};
+use super::viewport;
 use crate::outline::drawing::{Drawing, Filled};
+#[cfg(feature = "fonts")]
+use crate::outline::letters::Letters;
 use crate::outline::pen::Pen;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
-use crate::{Position, ReadError, ReadOptions};
-use azulejo_scene::{Curve, Figure};
+use crate::{Files, Position, ReadError, ReadOptions};
+use azulejo_scene::Figure;
 use glam::{DAffine2, DVec2};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
+use std::rc::Rc;
 
 /// Deepest nesting of `use`; deeper ones are left out, and thereby recursive ones.
 const DEEPEST_USE: u32 = 32;
@@ -24,6 +29,7 @@ const DEEPEST_USE: u32 = 32;
 pub(super) fn read(
     xml: &Document,
     file: &str,
+    files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Drawing, ReadError> {
     let ids = xml
@@ -38,92 +44,124 @@ pub(super) fn read(
         ids: ids.collect::<Vec<_>>().into_iter().rev().collect(),
         budget: Budget::new(options),
         shapes: Vec::new(),
+        clip_depth: 0,
+        #[cfg(feature = "fonts")]
+        letters: Letters::new(files),
     };
+    #[cfg(not(feature = "fonts"))]
+    let _ = files;
     let skipped = walk.sheet.not_applied;
     let message =
         "style sheet rule whose selector is not a single class, id or element: not applied";
     walk.warnings
         .add_many(file, message.to_owned(), skipped, || Position::Whole);
-    let (map, metres_per_unit) = viewport(xml.root_element());
-    walk.all(map)?;
+    let root = viewport::root(xml.root_element());
+    walk.all(vec![PendingElement {
+        element: xml.root_element(),
+        map: root.map,
+        style: Style::default(),
+        depth: 0,
+        view: root.view,
+        clip: None,
+        is_clip: false,
+        size: [None; 2],
+    }])?;
     Ok(Drawing {
         shapes: walk.shapes,
-        metres_per_unit,
+        metres_per_unit: root.metres_per_unit,
         warnings: walk.warnings.finish(file),
     })
 }
 
-/// The transform that turns y up, with the lower left corner of the view at the origin, and the
-/// length of a unit in metres, if the drawing has a physical size.
-pub(super) fn viewport(root: Node) -> (DAffine2, Option<f64>) {
-    const METRES: f64 = 0.0254 / 96.0;
-    let side = |name: &str| root.attribute(name).and_then(length);
-    let (view, _) = numbers(root.attribute("viewBox").unwrap_or_default());
-    let (left, bottom, view_width) = match view[..] {
-        [x, y, width, height] if width > 0.0 => (x, y + height, Some(width)),
-        _ => (0.0, side("height").map_or(0.0, |(height, _)| height), None),
-    };
-    let metres = match (side("width"), view_width) {
-        (Some((width, true)), Some(units)) if width > 0.0 => Some(METRES * width / units),
-        (Some((_, true)), None) => Some(METRES),
-        _ => None,
-    };
-    let map = DAffine2::from_cols_array(&[1.0, 0.0, 0.0, -1.0, -left, bottom]);
-    (map, metres)
-}
-
-struct SvgWalk<'a, 'i> {
-    xml: &'a Document<'i>,
+/// The drawing under construction.
+pub(super) struct SvgWalk<'a, 'i> {
+    pub xml: &'a Document<'i>,
     file: &'a str,
     warnings: Warnings,
-    sheet: StyleSheet,
-    ids: HashMap<&'a str, Node<'a, 'i>>,
+    pub sheet: StyleSheet,
+    pub ids: HashMap<&'a str, Node<'a, 'i>>,
     budget: Budget,
-    shapes: Vec<Filled>,
+    pub shapes: Vec<Filled>,
+    /// How many clip paths are being drawn, one inside the other.
+    pub clip_depth: u32,
+    #[cfg(feature = "fonts")]
+    pub letters: Letters<'a>,
 }
 
 /// An element to be drawn, with its transform and style.
-#[derive(Clone, Copy)]
-struct PendingElement<'a, 'i> {
-    element: Node<'a, 'i>,
-    map: DAffine2,
-    style: Style,
+#[derive(Clone)]
+pub(super) struct PendingElement<'a, 'i> {
+    pub element: Node<'a, 'i>,
+    /// The drawing from its coordinates.
+    pub map: DAffine2,
+    pub style: Style,
     /// Nesting depth of `use`.
-    depth: u32,
+    pub depth: u32,
+    /// The size of the nearest viewport, in its units.
+    pub view: DVec2,
+    /// What it is inside of.
+    pub clip: Option<Rc<Clip>>,
+    /// Whether it clips others: only what it fills counts.
+    pub is_clip: bool,
+    /// The width and height that its `use` asks for.
+    pub size: [Option<&'a str>; 2],
+}
+
+impl PendingElement<'_, '_> {
+    /// What its relative lengths refer to.
+    pub fn units(&self) -> LengthUnits {
+        self.style.units(self.view)
+    }
 }
 
 impl<'a, 'i> SvgWalk<'a, 'i> {
     /// Draws elements in document order, without recursion: nesting may be as deep as a file is long.
-    fn all(&mut self, map: DAffine2) -> Result<(), ReadError> {
-        let mut open = vec![PendingElement {
-            element: self.xml.root_element(),
-            map,
-            style: Style::default(),
-            depth: 0,
-        }];
+    fn all(&mut self, mut open: Vec<PendingElement<'a, 'i>>) -> Result<(), ReadError> {
         while let Some(site) = open.pop() {
-            self.budget
-                .spend(cost(&site))
-                .map_err(|e| e.error(self.file))?;
-            let Some(style) = site.style.of(site.element, &self.sheet) else {
+            self.spend(cost(&site))?;
+            let Some((style, own)) = site.style.clone().of(site.element, &self.sheet, site.view)
+            else {
                 continue;
             };
-            let map = site.map * self.own_transform(site.element);
-            let site = PendingElement { map, style, ..site };
-            self.note_ignored(site.element);
-            match site.element.tag_name().name() {
-                "svg" | "g" | "a" | "switch" | "symbol" => push_children(site, &mut open),
+            let map = site.map * self.own_transform(site.element, &style.units(site.view));
+            self.note_ignored(&own, site.element);
+            let mut site = PendingElement { map, style, ..site };
+            let name = site.element.tag_name().name();
+            let is_shape = matches!(
+                name,
+                "path" | "rect" | "circle" | "ellipse" | "polygon" | "polyline" | "line"
+            );
+            // A shape may be clipped in units of its own outline.
+            if let Some(property) = own.clip.as_ref().filter(|_| !is_shape) {
+                site.clip = self.clip(&site, property, None)?;
+            }
+            match name {
+                _ if is_shape => self.draw(site, own.clip.as_deref())?,
                 "use" => self.follow(site, &mut open),
-                "path" | "rect" | "circle" | "ellipse" | "polygon" | "polyline" | "line" => {
-                    self.draw(site)?;
-                }
+                #[cfg(feature = "fonts")]
+                "text" => self.text(&site)?,
+                "svg" | "g" | "a" | "switch" if site.is_clip => self.left_out(name, site.element),
+                "svg" if site.element == self.xml.root_element() => push_children(site, &mut open),
+                "svg" => self.enter(site, own.overflows, &mut open),
+                // Only what is used of it is shown.
+                "symbol" if site.depth > 0 => self.enter(site, own.overflows, &mut open),
+                "symbol" => {}
+                "g" | "a" => push_children(site, &mut open),
+                "switch" => open.extend(chosen(site)),
                 name => self.left_out(name, site.element),
             }
         }
         Ok(())
     }
 
-    fn warn(&mut self, message: impl Into<String>, element: Node) {
+    /// Draws the children of an element.
+    pub fn children(&mut self, site: PendingElement<'a, 'i>) -> Result<(), ReadError> {
+        let mut open = Vec::new();
+        push_children(site, &mut open);
+        self.all(open)
+    }
+
+    pub fn warn(&mut self, message: impl Into<String>, element: Node) {
         let xml = self.xml;
         self.warnings.add(self.file, message.into(), || {
             let start = xml.text_pos_at(element.range().start);
@@ -131,8 +169,16 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         });
     }
 
-    /// The element's own transform, and its x and y for elements that have them.
-    fn own_transform(&mut self, element: Node) -> DAffine2 {
+    /// Counts what is drawn.
+    ///
+    /// # Errors
+    /// It is more than the options allow.
+    pub fn spend(&mut self, elements: u64) -> Result<(), ReadError> {
+        self.budget.spend(elements).map_err(|e| e.error(self.file))
+    }
+
+    /// The element's own transform, and its x and y if it is a `use`.
+    fn own_transform(&mut self, element: Node, units: &LengthUnits) -> DAffine2 {
         let map = match element.attribute("transform").map(transform) {
             None => DAffine2::IDENTITY,
             Some(Some(map)) => map,
@@ -141,60 +187,65 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
                 DAffine2::IDENTITY
             }
         };
-        let is_placed = match element.tag_name().name() {
-            "use" => true,
-            "svg" => element != self.xml.root_element(),
-            _ => false,
-        };
-        let value = |name: &str| {
-            if is_placed {
-                element
-                    .attribute(name)
-                    .and_then(length)
-                    .map_or(0.0, |(v, _)| v)
-            } else {
-                0.0
-            }
-        };
-        map * DAffine2::from_translation(DVec2::new(value("x"), value("y")))
+        if element.tag_name().name() != "use" {
+            return map;
+        }
+        let [x, y] = ["x", "y"].map(|name| units.of(element, name).unwrap_or(0.0));
+        map * DAffine2::from_translation(DVec2::new(x, y))
     }
 
-    /// Warns about attributes of an element that are not applied.
-    fn note_ignored(&mut self, element: Node) {
-        for name in ["clip-path", "mask", "filter"] {
-            if element.attribute(name).is_some_and(|v| v.trim() != "none") {
-                self.warn(format!("{name}: not applied"), element);
-            }
+    /// Warns about properties of an element that are not applied.
+    fn note_ignored(&mut self, own: &OwnStyle, element: Node) {
+        for name in &own.ignored {
+            self.warn(format!("{name}: not applied"), element);
         }
-        let is_inner = element != self.xml.root_element();
-        if is_inner && element.attribute("viewBox").is_some() {
-            self.warn("viewBox of an inner element: not applied", element);
+    }
+
+    /// Enters an inner viewport, which shows nothing outside of itself.
+    fn enter(
+        &mut self,
+        mut site: PendingElement<'a, 'i>,
+        overflows: bool,
+        open: &mut Vec<PendingElement<'a, 'i>>,
+    ) {
+        let Some(inner) = viewport::inner(site.element, site.size, &site.units()) else {
+            return;
+        };
+        if !overflows {
+            site.clip = Some(Clip::window(inner.window, &site.map, site.clip));
         }
+        site.map *= inner.map;
+        site.view = inner.view;
+        site.size = [None; 2];
+        push_children(site, open);
     }
 
     fn follow(&mut self, site: PendingElement<'a, 'i>, open: &mut Vec<PendingElement<'a, 'i>>) {
-        const XLINK: &str = "http://www.w3.org/1999/xlink";
         let element = site.element;
-        let link = element
-            .attribute("href")
-            .or(element.attribute((XLINK, "href")));
-        let target = link
-            .and_then(|l| l.trim().strip_prefix('#'))
-            .and_then(|id| self.ids.get(id));
-        match target {
+        match self.linked(element) {
             Some(_) if site.depth == DEEPEST_USE => {
                 self.warn(
                     format!("use nested more than {DEEPEST_USE} deep: left out"),
                     element,
                 );
             }
-            Some(&target) => open.push(PendingElement {
+            Some(target) => open.push(PendingElement {
                 element: target,
                 depth: site.depth + 1,
+                size: ["width", "height"].map(|side| element.attribute(side)),
                 ..site
             }),
             None => self.warn("use of an element that does not exist: left out", element),
         }
+    }
+
+    /// The element that another refers to.
+    pub fn linked(&self, element: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
+        const XLINK: &str = "http://www.w3.org/1999/xlink";
+        let link = element.attribute("href");
+        let link = link.or(element.attribute((XLINK, "href")))?;
+        let id = link.trim().strip_prefix('#')?;
+        self.ids.get(id).copied()
     }
 
     /// Warns about elements that are not supported.
@@ -225,57 +276,80 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
     }
 
     /// Adds what a shape fills, and then its stroke.
-    fn draw(&mut self, site: PendingElement) -> Result<(), ReadError> {
+    fn draw(
+        &mut self,
+        mut site: PendingElement<'a, 'i>,
+        clip: Option<&str>,
+    ) -> Result<(), ReadError> {
         let element = site.element;
-        let stroke = site.style.stroke;
-        let pen_of_stroke = stroke.pen();
+        let (fills, strokes) = site.paints();
         let is_line = element.tag_name().name() == "line";
-        let fills = site.style.fill != Paint::None && !is_line;
-        if !site.style.is_visible || !(fills || pen_of_stroke.is_some()) {
+        let fills = fills && !is_line;
+        if !fills && !strokes {
             return Ok(());
         }
         // Draw in the element's own coordinates, and spend by the curves, which each `use` repeats.
+        let units = site.units();
         let mut pen = Pen::default();
         let outcome = if is_line {
             Some(PathProblems::default())
         } else {
-            shapes::draw(element, &mut pen)
+            shapes::draw(element, &units, &mut pen)
         };
         let Some(outcome) = outcome else {
             self.warn("shape with a length in an unknown unit: left out", element);
             return Ok(());
         };
         self.note(outcome, fills, element);
-        let figure = pen.finish(site.style.rule);
-        let stroked = pen_of_stroke.and_then(|pen| stroke::stroked(element, &figure, &pen));
+        let figure = pen.finish(site.rule());
+        if let Some(property) = clip {
+            let bounds = figure.bounds();
+            site.clip = self.clip(&site, property, Some(bounds))?;
+        }
+        let stroked = strokes.then(|| self.stroked(&figure, &site)).flatten();
         if fills {
             self.add(figure, site.style.fill, &site)?;
         }
-        if let Some(stroked) = stroked {
-            if stroke.is_dashed {
-                self.warn("stroke-dasharray: drawn without gaps", element);
-            }
-            self.add(stroked, stroke.paint, &site)?;
+        match stroked {
+            Some(stroked) => self.add(stroked, site.style.stroke.paint, &site),
+            None => Ok(()),
         }
-        Ok(())
+    }
+
+    /// The stroke of a figure in the coordinates of an element.
+    pub fn stroked(&mut self, figure: &Figure, site: &PendingElement) -> Option<Figure> {
+        let (element, style) = (site.element, &site.style.stroke);
+        let pen = style.pen()?;
+        match stroke::stroked(element, figure, style, &pen, &site.units()) {
+            Ok(stroked) => Some(stroked),
+            Err(StrokeProblem::NoCurve) => None,
+            Err(StrokeProblem::Vanishes) => {
+                self.warn("stroke too thin to be seen: left out", element);
+                None
+            }
+            Err(StrokeProblem::TooManyDashes) => {
+                let message = "stroke-dasharray of too many dashes: stroke left out";
+                self.warn(message, element);
+                None
+            }
+        }
     }
 
     /// Adds a figure in the coordinates of an element.
-    fn add(
+    pub fn add(
         &mut self,
         mut figure: Figure,
         paint: Paint,
         site: &PendingElement,
     ) -> Result<(), ReadError> {
         let element = site.element;
-        self.budget
-            .spend(figure.curve_count() as u64)
-            .map_err(|e| e.error(self.file))?;
+        let clip_cost = site.clip.as_ref().map_or(0, |clip| clip.cost());
+        self.spend(figure.curve_count() as u64 + clip_cost)?;
         if !self.budget.keeps() {
             return Ok(());
         }
         // Even where its coordinates are finite, transforms can make a shape overflow.
-        transform_figure(&mut figure, &site.map);
+        figure.move_points(|p| site.map.transform_point2(p));
         if figure.contours.is_empty() {
             return Ok(());
         }
@@ -283,12 +357,18 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             self.warn("shape whose transforms overflow: left out", element);
             return Ok(());
         }
+        if let Some(clip) = &site.clip {
+            figure = clip.clipped(figure);
+        }
+        if figure.contours.is_empty() {
+            return Ok(());
+        }
         // A gradient or a pattern fills the same figure, but without a colour that could be kept.
         let color = match paint {
             Paint::Color(color) => Some(color),
             Paint::None | Paint::Other => None,
         };
-        if color.is_none() {
+        if color.is_none() && !site.is_clip {
             self.warn("paint that is not a single colour: not kept", element);
         }
         let name = element.attribute("id").unwrap_or_default();
@@ -314,27 +394,58 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
     }
 }
 
+impl PendingElement<'_, '_> {
+    /// Whether it is filled, and whether it is stroked.
+    pub fn paints(&self) -> (bool, bool) {
+        let style = &self.style;
+        let (fills, strokes) = if self.is_clip {
+            (true, false)
+        } else {
+            (style.fill != Paint::None, style.stroke.pen().is_some())
+        };
+        (fills && style.is_visible, strokes && style.is_visible)
+    }
+
+    /// The rule by which it is filled, or clips.
+    pub fn rule(&self) -> azulejo_scene::FillRule {
+        if self.is_clip {
+            self.style.clip_rule
+        } else {
+            self.style.rule
+        }
+    }
+}
+
 /// What drawing an element takes from the budget: each `use` of it parses its attributes again.
 fn cost(site: &PendingElement) -> u64 {
-    let attributes = site.element.attributes().filter(|_| site.depth > 0);
+    let repeats = site.depth > 0 || site.is_clip;
+    let attributes = site.element.attributes().filter(|_| repeats);
     1 + attributes.map(|a| a.value().len() as u64).sum::<u64>()
 }
 
 /// Pushes the last child first, so that the first one is popped first.
 fn push_children<'a, 'i>(site: PendingElement<'a, 'i>, open: &mut Vec<PendingElement<'a, 'i>>) {
     let children = site.element.children().rev().filter(Node::is_element);
-    open.extend(children.map(|element| PendingElement { element, ..site }));
+    open.extend(children.map(|element| PendingElement {
+        element,
+        ..site.clone()
+    }));
 }
 
-fn transform_figure(figure: &mut Figure, map: &DAffine2) {
-    let map_point = |p: &mut DVec2| *p = map.transform_point2(*p);
-    let curves = figure.contours.iter_mut().flat_map(|c| &mut c.curves);
-    curves.for_each(|curve| match curve {
-        Curve::Line { start } => map_point(start),
-        Curve::Cubic {
-            start,
-            control1,
-            control2,
-        } => [start, control1, control2].into_iter().for_each(map_point),
-    });
+/// The first child of a `switch` that needs nothing that is not here: SVG 2, 5.8.
+fn chosen<'a, 'i>(site: PendingElement<'a, 'i>) -> Option<PendingElement<'a, 'i>> {
+    let needs =
+        |child: &Node, name: &str| child.attribute(name).is_some_and(|v| !v.trim().is_empty());
+    let speaks = |child: &Node| {
+        let languages = child.attribute("systemLanguage").unwrap_or("en");
+        languages
+            .split(',')
+            .any(|language| language.trim().starts_with("en"))
+    };
+    let mut children = site.element.children().filter(Node::is_element);
+    let child = children.find(|c| !needs(c, "requiredExtensions") && speaks(c))?;
+    Some(PendingElement {
+        element: child,
+        ..site
+    })
 }

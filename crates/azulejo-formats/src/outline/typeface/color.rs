@@ -1,11 +1,12 @@
 //! Glyphs of several colours: the layers of OpenType's COLR tables, of both versions.
 //!
 //! Source: OpenType 1.9.1, *COLR – Color Table* and *CPAL – Color Palette Table*; the first palette is used. Layers are
-//! opaque and of one colour each, as they become solids: see [`ColorLoss`].
+//! opaque and of one colour each, as they become solids: see [`ColorLoss`]. No colour reflects more than 90%.
 
 use super::convert::map_points;
 use super::face::{SettingError, Typeface};
 use crate::picture::srgb::linear_from_srgb_f64;
+use azulejo_scene::figure::Rectangle;
 use azulejo_scene::{Figure, Rgb};
 use glam::{DAffine2, DVec2};
 use read_fonts::TableProvider;
@@ -20,6 +21,19 @@ const MOST_CURVES: usize = 1 << 17;
 /// Stands for the colour of the text in palettes.
 const FOREGROUND: u16 = 0xffff;
 
+/// Largest reflectance: the white of a screen would return all light, for ever between two such surfaces.
+const WHITEST: f64 = 0.9;
+
+/// What is less opaque than this is left out: a shade that is painted over a drawing would hide it.
+const OPAQUE: f64 = 0.5;
+
+/// Points by which the base of a layer is found, and how far inside of it they are, ems.
+const POINTS: usize = 64;
+const INSIDE: f64 = 1e-3;
+
+/// Most tests of a point with a curve for one glyph, about a tenth of a second's work.
+const MOST_TESTS: usize = 4_000_000;
+
 /// One layer of a glyph.
 #[derive(Clone, Debug)]
 pub(super) struct GlyphLayer {
@@ -27,6 +41,8 @@ pub(super) struct GlyphLayer {
     pub figure: Arc<Figure>,
     /// Its colour, linear; `None` if it is that of the text.
     pub color: Option<Rgb>,
+    /// The layer on which it lies; `None` if it reaches beyond all layers below.
+    pub base: Option<u32>,
     /// What was lost of its paint.
     pub losses: Vec<ColorLoss>,
 }
@@ -36,7 +52,7 @@ pub(super) struct GlyphLayer {
 pub enum ColorLoss {
     /// Gradients have their mean colour.
     Gradient,
-    /// What is partly transparent is opaque.
+    /// What is partly transparent is opaque, what is mostly transparent is left out.
     Transparency,
     /// Outlines that are clipped by others are whole.
     Clip,
@@ -50,7 +66,9 @@ impl fmt::Display for ColorLoss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             ColorLoss::Gradient => "gradients have their mean colour",
-            ColorLoss::Transparency => "what is partly transparent is opaque",
+            ColorLoss::Transparency => {
+                "what is partly transparent is opaque, or left out if it is mostly transparent"
+            }
             ColorLoss::Clip => "outlines that are clipped by others are whole",
             ColorLoss::Blending => "layers that are blended with others are painted over them",
             ColorLoss::Svg => {
@@ -66,6 +84,7 @@ impl GlyphLayer {
         GlyphLayer {
             figure,
             color: None,
+            base: None,
             losses: Vec::new(),
         }
     }
@@ -90,6 +109,7 @@ impl Typeface {
             clips: Vec::new(),
             blending: Vec::new(),
             layers: Vec::new(),
+            left_out: false,
             curves: 0,
             error: None,
         };
@@ -100,9 +120,48 @@ impl Typeface {
                 "{} (colours: {e})",
                 self.name_of(glyph)
             ))),
-            (Ok(()), None) => Ok(painter.layers),
+            (Ok(()), None) => {
+                let mut layers = painter.layers;
+                find_bases(&mut layers);
+                if let Some(last) = layers.last_mut().filter(|_| painter.left_out) {
+                    last.losses.push(ColorLoss::Transparency);
+                }
+                Ok(layers)
+            }
         }
     }
+}
+
+/// Finds on which layer each one lies: of those that are on top at its points, the lowest.
+fn find_bases(layers: &mut [GlyphLayer]) {
+    let bounds: Vec<Rectangle> = layers.iter().map(|l| l.figure.bounds()).collect();
+    let mut left = MOST_TESTS;
+    for k in 1..layers.len() {
+        let (below, above) = layers.split_at_mut(k);
+        let mut top = |point: DVec2| {
+            (0..k).rev().find(|&j| {
+                let figure = &below[j].figure;
+                let is_near = point.cmpge(bounds[j].min).all() && point.cmple(bounds[j].max).all();
+                left = left.saturating_sub(if is_near { figure.curve_count() } else { 0 });
+                is_near && left > 0 && figure.contains(point)
+            })
+        };
+        let tops = inner_points(&above[0].figure).map(&mut top);
+        // Nothing is below a point where nothing is on top.
+        let base = tops.reduce(Option::min).flatten();
+        above[0].base = base.map(|j| j as u32);
+    }
+}
+
+/// Points a little inside of the outline of a figure.
+fn inner_points(figure: &Figure) -> impl Iterator<Item = DVec2> + '_ {
+    let step = figure.curve_count().div_ceil(POINTS).max(1);
+    figure.segments().step_by(step).filter_map(|segment| {
+        let aside = INSIDE * segment.derivative(0.5).try_normalize()?.perp();
+        let middle = segment.at(0.5);
+        let sides = [middle + aside, middle - aside];
+        sides.into_iter().find(|side| figure.contains(*side))
+    })
 }
 
 /// Collects what is filled.
@@ -116,6 +175,8 @@ struct LayerPainter<'a> {
     /// Whether each of the open groups is blended.
     blending: Vec<bool>,
     layers: Vec<GlyphLayer>,
+    /// Whether a layer was left out, as it is mostly transparent.
+    left_out: bool,
     /// Curves drawn so far.
     curves: usize,
     error: Option<SettingError>,
@@ -158,7 +219,8 @@ impl LayerPainter<'_> {
             Some(own) => {
                 let parts = [own.red, own.green, own.blue];
                 let linear = parts.map(|part| linear_from_srgb_f64(f64::from(part) / 255.0));
-                (Some(linear.into()), alpha * f64::from(own.alpha) / 255.0)
+                let color = Rgb::from(linear).map(|part| part.min(WHITEST));
+                (Some(color), alpha * f64::from(own.alpha) / 255.0)
             }
             None => (None, alpha),
         }
@@ -256,6 +318,10 @@ impl PaintSink for LayerPainter<'_> {
         if alpha < 1.0 {
             losses.push(ColorLoss::Transparency);
         }
+        if alpha < OPAQUE {
+            self.left_out = true;
+            return;
+        }
         if self.blending.contains(&true) {
             losses.push(ColorLoss::Blending);
         }
@@ -276,6 +342,7 @@ impl PaintSink for LayerPainter<'_> {
             self.layers.push(GlyphLayer {
                 figure: Arc::clone(figure),
                 color,
+                base: None,
                 losses,
             });
         }
@@ -287,5 +354,38 @@ impl PaintSink for LayerPainter<'_> {
 
     fn pop_layer(&mut self) {
         self.blending.pop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_lie_on_what_is_on_top_below_all_of_them() {
+        let square = |x: f64, y: f64, side: f64| {
+            let corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)];
+            GlyphLayer::plain(Arc::new(Figure::polygon(corners.map(DVec2::from))))
+        };
+        let bases = |mut layers: Vec<GlyphLayer>| -> Vec<Option<u32>> {
+            find_bases(&mut layers);
+            layers.iter().map(|l| l.base).collect()
+        };
+        let face = square(0.0, 0.0, 1.0);
+        let eye = square(0.2, 0.6, 0.2);
+        assert_eq!(bases(vec![]), []);
+        let pupil = square(0.25, 0.65, 0.1);
+        let painted = vec![face.clone(), eye.clone(), pupil];
+        assert_eq!(bases(painted), [None, Some(0), Some(1)]);
+        // Half on the eye and half on the face, with an edge in common, and half on nothing.
+        let lid = square(0.2, 0.7, 0.2);
+        assert_eq!(
+            bases(vec![face.clone(), eye, lid]),
+            [None, Some(0), Some(0)]
+        );
+        let hat = square(0.2, 0.9, 0.4);
+        assert_eq!(bases(vec![face.clone(), hat]), [None, None]);
+        // The same outline again is on itself.
+        assert_eq!(bases(vec![face.clone(), face]), [None, Some(0)]);
     }
 }

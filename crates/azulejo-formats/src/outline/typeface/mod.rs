@@ -10,6 +10,7 @@ mod color;
 mod convert;
 mod face;
 mod features;
+mod metrics;
 mod names;
 mod overlap;
 mod runs;

@@ -165,6 +165,7 @@ impl<'a> Setting<'a> {
                         axis: DVec2::new(size, 0.0),
                         color: drawn.color.or(color),
                         layer,
+                        base: drawn.base,
                     });
                 }
             }

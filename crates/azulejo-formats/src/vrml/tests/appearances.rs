@@ -3,8 +3,8 @@
 use super::*;
 use crate::surface::phong::{Angle, Highlight};
 use azulejo_scene::{
-    Attribute, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, Rgb, Sidedness,
-    WrapMode,
+    Attribute, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, PictureChannel,
+    ReliefKind, Rgb, Sidedness, WrapMode,
 };
 use glam::DVec2;
 
@@ -70,6 +70,48 @@ fn materials() {
         (unlit.emission, unlit.diffuse),
         (Rgb::new(0.5, 0.0, 0.0), Rgb::BLACK)
     );
+}
+
+/// X3D 4: metalness and roughness are the blue and the green channel, and the factors alone say nothing.
+#[test]
+fn pictures_of_finish_and_relief() {
+    let pixels = "PixelTexture { image 2 1 3 0x00ff00 0x0080ff }";
+    let physical = format!(
+        "material PhysicalMaterial {{ baseColor 0.9 0.8 0.7 roughness 0.5 metallicRoughnessTexture {pixels} \
+         normalTexture {pixels} normalScale 2 }}"
+    );
+    let (scene, warnings) = look(&physical, "");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let material = &scene.materials[0];
+    let finish = material.finish.expect("it varies");
+    let channel = |p: Option<azulejo_scene::NumberPicture>| p.map(|p| p.channel);
+    assert_eq!(channel(finish.metallic_picture), Some(PictureChannel::Blue));
+    assert_eq!(
+        channel(finish.roughness_picture),
+        Some(PictureChannel::Green)
+    );
+    assert_eq!((finish.metallic, finish.roughness), (1.0, 0.5));
+    let kind = ReliefKind::Normals { scale: 2.0 };
+    assert_eq!(material.relief.map(|r| r.kind), Some(kind));
+    // The model is that of the means: half a metal.
+    let model = material.brdf.as_ref().map(|b| b.description().to_string());
+    let model = model.expect("glossy");
+    assert!(
+        model.contains("metallic = 0.4999") && model.contains("roughness = 0.3754"),
+        "{model}"
+    );
+    let Shape::Mesh(mesh) = &scene.objects[0].shape else {
+        panic!("a mesh")
+    };
+    assert!(mesh.uvs.is_some(), "pictures need coordinates");
+
+    // Without the picture it is no metal.
+    let missing =
+        "material PhysicalMaterial { metallicRoughnessTexture ImageTexture { url \"lost.png\" } }";
+    let (scene, warnings) = look(missing, "");
+    assert!(scene.materials[0].mirror.is_black() && !scene.materials[0].diffuse.is_black());
+    let is_said = |w: &String| w.contains("metallicRoughnessTexture without a picture");
+    assert!(warnings.iter().any(is_said), "{warnings:?}");
 }
 
 #[test]

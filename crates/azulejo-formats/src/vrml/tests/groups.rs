@@ -255,7 +255,7 @@ fn what_is_skipped_is_named() {
         ":2:81: node TimeSensor: skipped (3 times)",
         ":3:10: node Script: skipped",
         ":6:10: node New: skipped",
-        ":7:27: node Text: skipped",
+        ":7:27: text \"hello\": no font to set it in",
         ":7:53: Billboard: kept in its original orientation",
     ];
     check_lossy(&text, &[": Cuboid, -1 -1 -1 to 1 1 1"], &warnings);

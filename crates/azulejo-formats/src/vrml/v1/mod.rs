@@ -15,6 +15,8 @@ mod solids;
 mod state;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "fonts")]
+mod text;
 mod walk;
 
 use super::builder::{VrmlPlacement, VrmlSceneBuilder, VrmlSource};

@@ -92,6 +92,8 @@ pub(super) enum V1NodeKind {
     Texture2,
     Texture2Transform,
     TextureCoordinate2,
+    /// Inventor 2.1: coordinates, normals and texture coordinates of the one shape that it is inside.
+    VertexProperty,
     ShapeHints,
     Transform,
     Translation,
@@ -108,12 +110,12 @@ pub(super) enum V1NodeKind {
     DirectionalLight,
     PerspectiveCamera,
     Info,
-    /// Lines, points and text: shapes without a surface.
+    /// Lines and points: shapes without a surface.
     NoSurface,
     /// A camera without perspective.
     OrthographicCamera,
-    /// Nodes that only affect shapes that are not read.
-    Silent,
+    FontStyle,
+    AsciiText,
     /// Not a node of VRML 1.0. Its children are read as in a [`V1NodeKind::Separator`].
     Unknown,
 }
@@ -141,6 +143,7 @@ impl V1NodeKind {
                 | V1NodeKind::Sphere
                 | V1NodeKind::Cylinder
                 | V1NodeKind::Cone
+                | V1NodeKind::AsciiText
                 | V1NodeKind::Inline
         )
     }
@@ -195,6 +198,11 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         TEXTURE_TRANSFORM,
     ),
     ("TextureCoordinate2", V1NodeKind::TextureCoordinate2, PAIRS),
+    (
+        "VertexProperty",
+        V1NodeKind::VertexProperty,
+        VERTEX_PROPERTY,
+    ),
     ("ShapeHints", V1NodeKind::ShapeHints, HINTS),
     ("Transform", V1NodeKind::Transform, TRANSFORM),
     ("Translation", V1NodeKind::Translation, TRANSLATION),
@@ -216,10 +224,10 @@ const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
         ORTHOGRAPHIC,
     ),
     ("Info", V1NodeKind::Info, INFO),
-    ("AsciiText", V1NodeKind::NoSurface, NO_SURFACE),
+    ("AsciiText", V1NodeKind::AsciiText, ASCII_TEXT),
     ("IndexedLineSet", V1NodeKind::NoSurface, NO_SURFACE),
     ("PointSet", V1NodeKind::NoSurface, NO_SURFACE),
-    ("FontStyle", V1NodeKind::Silent, FONT),
+    ("FontStyle", V1NodeKind::FontStyle, FONT),
 ];
 
 const ANCHOR: &[V1FieldSpec] = &[(V1FieldType::Words, "name description map")];
@@ -288,7 +296,10 @@ const NO_SURFACE: &[V1FieldSpec] = &[
         V1FieldType::Integers,
         "coordIndex materialIndex normalIndex textureCoordIndex",
     ),
-    (NUMBER, "startIndex numPoints spacing"),
+    (NUMBER, "startIndex numPoints"),
+];
+const ASCII_TEXT: &[V1FieldSpec] = &[
+    (NUMBER, "spacing"),
     (V1FieldType::Words, "string justification"),
     (V1FieldType::Numbers, "width"),
 ];
@@ -297,6 +308,11 @@ const SWITCH: &[V1FieldSpec] = &[(NUMBER, "whichChild")];
 const POINTS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "point")];
 const NORMALS: &[V1FieldSpec] = &[(V1FieldType::Vectors, "vector")];
 const PAIRS: &[V1FieldSpec] = &[(V1FieldType::Vectors2, "point")];
+const VERTEX_PROPERTY: &[V1FieldSpec] = &[
+    (V1FieldType::Vectors, "vertex normal"),
+    (V1FieldType::Vectors2, "texCoord"),
+    (V1FieldType::Words, "normalBinding materialBinding"),
+];
 const TRANSLATION: &[V1FieldSpec] = &[(TRIPLE, "translation")];
 const ROTATION: &[V1FieldSpec] = &[(V1FieldType::Exactly(4), "rotation")];
 const SCALE: &[V1FieldSpec] = &[(TRIPLE, "scaleFactor")];

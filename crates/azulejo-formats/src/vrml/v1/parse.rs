@@ -178,9 +178,14 @@ impl<'a> V1Parser<'a, '_, '_> {
                 "its content is read as in a Separator"
             };
             self.warn(node.at, format!("unknown node {name}: {what}"));
-        } else if !node.kind.is_group() && !node.children.is_empty() {
+        } else if !node.kind.is_group() && node.children.iter().any(|c| !self.is_property(*c)) {
             self.warn(node.at, format!("nodes inside {name}: skipped"));
         }
+    }
+
+    /// Whether a node holds the vertices of the shape that it is inside.
+    fn is_property(&self, node: NodeId) -> bool {
+        self.nodes[node as usize].kind == V1NodeKind::VertexProperty
     }
 
     /// Reads fields and nodes up to the `}`.
@@ -231,7 +236,9 @@ impl<'a> V1Parser<'a, '_, '_> {
                     .find(|k| *k != V1NodeKind::Unknown)
                     .unwrap_or(node.kind);
             }
-        } else if word == b"alternateRep" && node.kind == V1NodeKind::Unknown {
+        } else if (word == b"alternateRep" && node.kind == V1NodeKind::Unknown)
+            || (word == b"vertexProperty" && node.kind == V1NodeKind::IndexedFaceSet)
+        {
             // The value is a node, which the next iteration reads.
         } else {
             self.skip_field(at, word, node);

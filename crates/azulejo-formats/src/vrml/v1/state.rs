@@ -24,6 +24,8 @@ pub(super) struct TraversalState<'d> {
     pub material_binding: V1Binding,
     /// What each of the normals belongs to.
     pub normal_binding: V1Binding,
+    /// The current FontStyle.
+    pub font: Option<&'d V1Node<'d>>,
     /// The current texture.
     pub texture: Option<TextureId>,
     /// The current shape hints.
@@ -43,6 +45,7 @@ impl TraversalState<'_> {
             material: None,
             material_binding: V1Binding::Default,
             normal_binding: V1Binding::Default,
+            font: None,
             texture: None,
             hints: ShapeHints {
                 clockwise: false,

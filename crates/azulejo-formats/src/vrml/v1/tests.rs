@@ -246,6 +246,27 @@ fn transformations() {
     );
 }
 
+/// Inventor 2.1 puts the vertices of a shape into the shape.
+#[test]
+fn vertices_of_a_shape_itself() {
+    let own = "vertexProperty DEF p VertexProperty { vertex [ 0 0 0, 2 0 0, 2 2 0 ] \
+               normal [ 0 0 1, 0 1 0, 1 0 0 ] texCoord [ 0 0, 1 0, 1 1 ] normalBinding PER_VERTEX_INDEXED \
+               materialBinding OVERALL }";
+    let around = "Coordinate3 { point [ 0 0 5, 1 0 5, 1 1 5 ] }";
+    let body = format!(
+        "{around} IndexedFaceSet {{ {own} coordIndex [ 0 1 2 -1 ] }} IndexedFaceSet {{ coordIndex [ 0 1 2 -1 ] }} \
+         IndexedFaceSet {{ vertexProperty USE p coordIndex [ 2 1 0 -1 ] }}"
+    );
+    let own = ": 1 faces from 0 0 0 to 2 2 0";
+    check(&body, &[own, ": 1 faces from 0 0 5 to 1 1 5", own]);
+    let normals = mesh(&loaded(&body), 0).normals.clone().expect("its own");
+    assert_eq!(normals.values[1], DVec3::Y);
+    // What is not read is named.
+    let colored = "IndexedFaceSet { vertexProperty VertexProperty { vertex [ 0 0 0, 2 0 0, 2 2 0 ] orderedRGBA 0xff0000ff } \
+                   coordIndex [ 0 1 2 -1 ] }";
+    check_warning(colored, "VertexProperty.orderedRGBA is ignored", 1);
+}
+
 #[test]
 fn face_sets() {
     check(SQUARES, &["squares: 2 faces from 0 0 0 to 2 1 0"]);
@@ -604,7 +625,7 @@ fn unknown_nodes_and_fields() {
     check("Cube { Sphere {} }", "nodes inside Cube");
     check(
         "AsciiText { string [ \"a\" ] justification LEFT } FontStyle {} Cube {}",
-        "AsciiText is not supported",
+        "text \"a\": no font",
     );
     check(
         "PointSet {} IndexedLineSet { coordIndex [ 0 1 ] } Cube {}",

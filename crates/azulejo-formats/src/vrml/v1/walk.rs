@@ -110,10 +110,22 @@ impl<'d> V1Traversal<'d, '_, '_> {
             _ if node.kind.is_shape() && self.is_invisible() => {
                 self.warn(node, "shape with transparency 1: invisible, skipped");
             }
-            V1NodeKind::IndexedFaceSet => self.face_set(node)?,
+            V1NodeKind::IndexedFaceSet => {
+                let around = self.state;
+                for &child in &node.children {
+                    let property = &self.document.nodes[child as usize];
+                    if property.kind == V1NodeKind::VertexProperty {
+                        self.vertex_property(property);
+                    }
+                }
+                self.face_set(node)?;
+                self.state = around;
+            }
             V1NodeKind::Cube | V1NodeKind::Sphere | V1NodeKind::Cylinder | V1NodeKind::Cone => {
                 self.solid(node)?
             }
+            #[cfg(feature = "fonts")]
+            V1NodeKind::AsciiText => self.text(node)?,
             V1NodeKind::PointLight | V1NodeKind::SpotLight | V1NodeKind::DirectionalLight => {
                 self.light(node)
             }
@@ -123,7 +135,6 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 let name = text(node.type_name);
                 self.warn(node, format!("{name} is not supported: skipped"));
             }
-            V1NodeKind::Silent => {}
             _ => self.property(node),
         }
         Ok(())
@@ -141,6 +152,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::Material => state.material = Some(node),
             V1NodeKind::MaterialBinding => self.state.material_binding = self.part(node),
             V1NodeKind::NormalBinding => self.state.normal_binding = self.part(node),
+            V1NodeKind::FontStyle => state.font = Some(node),
             V1NodeKind::Texture2 => self.state.texture = self.texture(node),
             V1NodeKind::Texture2Transform => state.uv_matrix *= uv_transform(node),
             V1NodeKind::ShapeHints => state.hints = ShapeHints::of(node, self.inventor),
@@ -164,8 +176,30 @@ impl<'d> V1Traversal<'d, '_, '_> {
         }
     }
 
+    /// Applies the coordinates and normals of a shape itself, which replace the current ones.
+    fn vertex_property(&mut self, node: &'d V1Node<'d>) {
+        let normal_binding = match node.word("normalBinding") {
+            "" => V1Binding::VertexIndexed,
+            word => self.binding(node, word),
+        };
+        let material_binding = match node.word("materialBinding") {
+            "" => V1Binding::Overall,
+            word => self.binding(node, word),
+        };
+        let state = &mut self.state;
+        state.points = node.vectors("vertex").unwrap_or(state.points);
+        if let Some(normals) = node.vectors("normal") {
+            (state.normals, state.normal_binding) = (normals, normal_binding);
+        }
+        state.uvs = node.vectors2("texCoord").unwrap_or(state.uvs);
+        state.material_binding = material_binding;
+    }
+
     fn part(&mut self, node: &V1Node) -> V1Binding {
-        let word = node.word("value");
+        self.binding(node, node.word("value"))
+    }
+
+    fn binding(&mut self, node: &V1Node, word: &str) -> V1Binding {
         V1Binding::named(word).unwrap_or_else(|| {
             let shown = shortened(word);
             self.warn(node, format!("unknown binding {shown}: DEFAULT is used"));
