@@ -1,7 +1,7 @@
 //! Bevels as polygons: a flat figure, divided along lines at which its bevel bends, whose points have heights.
 //!
-//! The points lie on the surface itself: on parallel lines of the sides, at the steps of the profile, clipped where other
-//! sides are nearer, and on the medial axis where the figure is narrower than its bevel. The latter is found with
+//! The points lie on the surface itself: on parallel lines of the sides, at the steps of the profile, clipped where
+//! other sides are nearer, and on the medial axis where the figure is narrower than its bevel. The latter is found with
 //! shrinking balls: Ma, Bae and Choi, *3D medial axis point approximation using nearest neighbors and the
 //! normal field*, The Visual Computer 28, 2012.
 
@@ -22,6 +22,9 @@ const NEAR_END: f64 = 0.02;
 const CORNER: f64 = 0.9;
 /// Lengths below this share of the inset are none: more than the rounding of the flat figure.
 const SAME: f64 = 1e-6;
+/// How much nearer other sides may be than a line that is clipped: so little that lines from two sides still end in one
+/// place.
+const CLIPPED: f64 = 1e-9;
 
 /// The front of a bevelled prism, as a graph over its figure.
 pub(super) struct BevelledFigure {
@@ -155,7 +158,7 @@ impl<'a> Terraces<'a> {
         if a == b {
             return;
         }
-        let nearer = distance * (1.0 - SAME);
+        let nearer = distance * (1.0 - CLIPPED);
         let mut covered = Vec::new();
         self.rim.along(line.ends, distance, |other| {
             if !line.of.contains(&(other as usize)) {

@@ -3,8 +3,8 @@
 //! Inside the prism without its bevel, the bevelled one is where f = s − δ ≥ 0: the distance from the border of
 //! the figure is at least the setback of the bevel at this height. Along a line s is semiconcave:
 //! s − C t² / 2 is concave, where C is the largest curvature with which parallel curves of the border bulge into the
-//! inside ([`Rim`]), and −δ is concave. So the values and slopes of f at two points bound it between them from above and
-//! from below, and a stretch is divided until each part has no zero of f, or a single one between
+//! inside ([`Rim`]), and −δ is concave. So the values and slopes of f at two points bound it between them from above
+//! and from below, and a stretch is divided until each part has no zero of f, or a single one between
 //! different signs, which Newton's method then finds. No polygon stands in for the surface.
 //!
 //! Cannarsa and Sinestrari, *Semiconcave Functions, Hamilton–Jacobi Equations, and Optimal Control*
@@ -341,7 +341,7 @@ impl<'a> BevelSearch<'a> {
         if farthest < a.setback.min(b.setback) {
             return true;
         }
-        // f is below a parabola through each end, of positive curvature: below 0 as far as the middle if it is so there.
+        // f is below a parabola through each end, of positive curvature: below 0 up to the middle if it is so there.
         let half = 0.5 * length;
         let bend = 0.5 * self.curvature(a, b) * half * half;
         a.value + a.slope * half + bend < 0.0 && b.value - b.slope * half + bend < 0.0

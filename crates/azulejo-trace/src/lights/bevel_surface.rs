@@ -1,7 +1,7 @@
 //! The surface of bevels, for lamps in the form of letters.
 //!
-//! A bevel is sampled along its curves and along its profile, and about reflex corners by the angle. Points to which another
-//! part of the border is nearer are not on it.
+//! A bevel is sampled along its curves and along its profile, and about reflex corners by the angle. Points to which
+//! another part of the border is nearer are not on it.
 
 use super::prism_emitters::PIECES;
 use azulejo_scene::rim::{Rim, RimPiece};
@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 /// Distances that differ by less than this share are equal.
 const SAME: f64 = 1e-6;
 
-/// The bevels of a prism in strips: those of each piece of the border, then those about reflex corners, at the front and
-/// at the back.
+/// The bevels of a prism in strips: those of each piece of the border, then those about reflex corners, at the front
+/// and at the back.
 #[derive(Clone, Debug)]
 pub(super) struct BevelSurface<'a> {
     prism: &'a Prism,
@@ -83,7 +83,8 @@ impl<'a> BevelSurface<'a> {
         self.rim.nearest(p, setback).is_none()
     }
 
-    /// A point of a strip as if there were no others: at a share along its curve or around its corner, and along the profile.
+    /// A point of a strip as if there were no others: at a share along its curve or around its corner, and along the
+    /// profile.
     fn strip(&self, strip: usize, [along, share]: [f64; 2]) -> Option<StripPoint> {
         let (end, within) = (strip / self.strips_each(), strip % self.strips_each());
         let [(across, over_across), (rise, over_rise)] = self.bevel.profile.point(share);

@@ -107,8 +107,8 @@ fn border(chords: &Figure) -> Vec<[DVec2; 2]> {
         .collect()
 }
 
-/// All surfaces along random rays come in and go out by turns, lie where the definition changes its sign, face outwards, and
-/// none of them is missing.
+/// All surfaces along random rays come in and go out by turns, lie where the definition changes its sign, face
+/// outwards, and none of them is missing.
 fn check(name: &str, figure: &Figure, map: DAffine3, bevel: Bevel) {
     let tracer = tracer(vec![bevelled(figure, map, bevel)]);
     let definition = Definition::new(figure, map, bevel);
