@@ -312,8 +312,8 @@ const BLANK: f64 = 0.5;
 
 impl Font {
     /// Lays out one line as RTRACE does: glyph after glyph, `spacing` extra font units between
-    /// them, no kerning. `/name/` selects the glyph of that name; a blank is as wide as the glyph that the encoding names
-    /// for it, otherwise 0.5.
+    /// them, no kerning. `/name/` selects the glyph of that name; a blank is as wide as the glyph that the encoding
+    /// names for it, otherwise 0.5.
     ///
     /// # Errors
     /// [`TextError`]: a character or a name without a glyph.
@@ -357,8 +357,8 @@ impl Font {
         Ok(line)
     }
 
-    /// The glyph at the start of a text, and how many bytes of the text it stands for; `None` at its end. A blank has no
-    /// outline.
+    /// The glyph at the start of a text, and how many bytes of the text it stands for; `None` at its end. A blank has
+    /// no outline.
     ///
     /// # Errors
     /// As [`lay_out`](Font::lay_out).

@@ -43,8 +43,8 @@ pub struct TextArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Font")]
 pub struct TypefaceArgs {
-    /// Font files: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb, .pfa,
-    /// .t1, with the .afm beside it), or RTRACE's .ppf. What the first lacks is taken from the next
+    /// Font files: TrueType, OpenType (.ttf, .otf, .ttc#2 for the third face), WOFF (.woff, .woff2), Type 1 (.pfb,
+    /// .pfa, .t1, with the .afm beside it), or RTRACE's .ppf. What the first lacks is taken from the next
     #[arg(long, visible_alias = "ppf", value_name = "FILE,...", required = true,
           value_hint = ValueHint::FilePath)]
     pub font: Vec<PathBuf>,

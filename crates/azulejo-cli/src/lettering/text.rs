@@ -17,8 +17,8 @@ use std::path::Path;
 /// Largest length of a text; letters share their outlines, but each has its own prism.
 const LONGEST: usize = 1 << 20;
 
-/// By how much the front of each layer of a letter lies before that below it, as a share of the depth, and how far all of
-/// them may reach.
+/// By how much the front of each layer of a letter lies before that below it, as a share of the depth, and how far all
+/// of them may reach.
 const STEP: f64 = 0.05;
 const HIGHEST: f64 = 0.5;
 

@@ -1,7 +1,7 @@
 //! Text along a curve.
 //!
-//! Letters are not bent: each is turned so that its base line touches the curve below the middle of the letter, as SVG 2
-//! defines it (section 11.8.3, *Text layout on a path*).
+//! Letters are not bent: each is turned so that its base line touches the curve below the middle of the letter, as SVG
+//! 2 defines it (section 11.8.3, *Text layout on a path*).
 
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Align, Line, PlacedGlyph};

@@ -28,8 +28,8 @@ impl PairKerning {
 }
 
 impl Typeface {
-    /// Takes the kerning of a font of Type 1 from its metrics (.afm); returns the number of its pairs. `name` is used in
-    /// messages. Pairs of glyphs that the font does not have are left out.
+    /// Takes the kerning of a font of Type 1 from its metrics (.afm); returns the number of its pairs. `name` is used
+    /// in messages. Pairs of glyphs that the font does not have are left out.
     ///
     /// # Errors
     /// Text that is no AFM, and a distance that is no number or beyond all measure, with its line.

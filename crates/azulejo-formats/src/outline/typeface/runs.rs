@@ -35,7 +35,8 @@ impl BidiParagraph {
         self.base.is_rtl()
     }
 
-    /// The runs of one of its lines from left to right, where `text` is the paragraph; sizes change at the `cuts`, which are sorted.
+    /// The runs of one of its lines from left to right, where `text` is the paragraph; sizes change at the
+    /// `cuts`, which are sorted.
     pub fn runs(&self, text: &str, line: Range<usize>, cuts: &[usize]) -> Vec<Run> {
         let levels = self.levels_of(text, &line);
         let stretches = levels.chunk_by(|a, b| a == b);

@@ -5,7 +5,8 @@ use flate2::{Decompress, FlushDecompress, Status};
 use std::borrow::Cow;
 use std::error::Error;
 
-/// Largest size of an unpacked font; the same limit as that of WOFF2's decoder. The largest fonts of Chinese have 30 MB.
+/// Largest size of an unpacked font; the same limit as that of WOFF2's decoder. The largest fonts of Chinese have
+/// 30 MB.
 const LARGEST: usize = 128 << 20;
 
 /// Unpacks a web font; other files stay as they are.
