@@ -150,8 +150,8 @@ mod tests {
         let mut material = Material::diffuse("", Rgb::grey(0.8));
         let made = Gloss::default().highlight(&mut material, Highlight::half(0.0, Rgb::WHITE));
         assert!(made.is_err_and(|m| m.contains("more light than it receives")));
-        assert!((material.diffuse.r - 0.8 / 1.8).abs() < 0.01);
-        assert!(material.brdf.unwrap().albedo(DVec3::Z).r < 1.0 + 1e-3);
+        assert!((material.diffuse.r - 0.9 * 0.8 / 1.8).abs() < 0.01);
+        assert!(material.brdf.unwrap().albedo(DVec3::Z).r < 0.9 + 1e-3);
     }
 
     #[test]
