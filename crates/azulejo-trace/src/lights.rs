@@ -422,10 +422,11 @@ mod tests {
             tracer.closest(&[ray], &mut hits);
             let pdf = lights.pdf(&surfaces, &ray, &hits[0]);
             let object = surfaces.item(hits[0].item).object as usize;
-            // By the cosine, as the density has a pole where the ray grazes a sphere.
+            // By the cosine, as the density has a pole where the ray grazes a sphere or the tight curve of a bevel: there a
+            // hit that is off by rounding has another normal.
             let difference = (pdf.recip() - sample.pdf.recip()).abs();
             assert!(
-                difference < 1e-3 / pdf + 5e-5,
+                difference < 1e-3 / pdf + 3e-4,
                 "object {object}: {pdf} and {}",
                 sample.pdf
             );
