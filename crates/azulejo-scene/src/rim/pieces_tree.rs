@@ -51,19 +51,37 @@ impl PiecesTree {
 
     /// Visits the leaves within `reach` of a point, which the visitor may shorten.
     pub fn around(&self, point: DVec2, mut reach: f64, mut visit: impl FnMut(u32, &mut f64)) {
+        self.walk(|node| {
+            let is_near = node.bounds.distance_squared(point) <= reach * reach;
+            if is_near && node.is_leaf() {
+                (node.first..node.end).for_each(|k| visit(k, &mut reach));
+            }
+            is_near
+        });
+    }
+
+    /// Visits the leaves whose rectangle, enlarged by `reach`, meets a straight line.
+    pub fn along(&self, line: [DVec2; 2], reach: f64, mut visit: impl FnMut(u32)) {
+        self.walk(|node| {
+            let is_met = node.bounds.is_met(line, reach);
+            if is_met && node.is_leaf() {
+                (node.first..node.end).for_each(&mut visit);
+            }
+            is_met
+        });
+    }
+
+    /// Goes from the root into the children of all nodes that are entered.
+    fn walk(&self, mut enters: impl FnMut(&PiecesNode) -> bool) {
         let mut node = 0;
         let mut waiting = [0; 40];
         let mut count = 0;
         while let Some(here) = self.nodes.get(node) {
-            let is_near = here.bounds.distance_squared(point) <= reach * reach;
-            if is_near && here.second != 0 {
+            if enters(here) && !here.is_leaf() {
                 waiting[count] = here.second as usize;
                 count += 1;
                 node += 1;
                 continue;
-            }
-            if is_near {
-                (here.first..here.end).for_each(|k| visit(k, &mut reach));
             }
             if count == 0 {
                 return;
@@ -72,28 +90,10 @@ impl PiecesTree {
             node = waiting[count];
         }
     }
+}
 
-    /// Visits the leaves whose rectangle, enlarged by `reach`, meets a straight line.
-    pub fn along(&self, line: [DVec2; 2], reach: f64, mut visit: impl FnMut(u32)) {
-        let mut node = 0;
-        let mut waiting = [0; 40];
-        let mut count = 0;
-        while let Some(here) = self.nodes.get(node) {
-            let is_near = here.bounds.is_met(line, reach);
-            if is_near && here.second != 0 {
-                waiting[count] = here.second as usize;
-                count += 1;
-                node += 1;
-                continue;
-            }
-            if is_near {
-                (here.first..here.end).for_each(&mut visit);
-            }
-            if count == 0 {
-                return;
-            }
-            count -= 1;
-            node = waiting[count];
-        }
+impl PiecesNode {
+    fn is_leaf(&self) -> bool {
+        self.second == 0
     }
 }

@@ -6,17 +6,17 @@ use crate::{Memory, ReadOptions};
 use glam::DVec2;
 use std::f64::consts::PI;
 
+/// Reads a whole file without errors.
+fn read_text(text: &str) -> Drawing {
+    let options = ReadOptions::default();
+    read_figures(text.as_bytes(), "a.dxf", &Memory::new(), &options).unwrap()
+}
+
 fn drawing(entities: &str) -> Drawing {
     let text = format!(
         "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
     );
-    read_figures(
-        text.as_bytes(),
-        "a.dxf",
-        &Memory::new(),
-        &ReadOptions::default(),
-    )
-    .unwrap()
+    read_text(&text)
 }
 
 fn light(flags: u32, vertices: &[(f64, f64, f64)]) -> String {
@@ -223,13 +223,7 @@ fn blocks_are_put_in_their_places() {
         0\nBLOCK\n2\nself\n0\nINSERT\n2\nSELF\n0\nENDBLK\n0\nENDSEC\n";
     let read = |entities: &str| {
         let text = format!("{block}0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n");
-        read_figures(
-            text.as_bytes(),
-            "a.dxf",
-            &Memory::new(),
-            &ReadOptions::default(),
-        )
-        .unwrap()
+        read_text(&text)
     };
     let placed =
         read("0\nINSERT\n8\ncut\n2\nhalf\n10\n5\n20\n5\n41\n2\n42\n-1\n50\n90\n70\n3\n44\n10\n");

@@ -4,16 +4,16 @@ use crate::outline::drawing::Filled;
 use azulejo_scene::{Figure, FillRule, Rgb};
 use glam::DVec2;
 
+/// Reads a whole file without errors.
+fn read_text(text: &str) -> Drawing {
+    let options = ReadOptions::default();
+    read(text.as_bytes(), "a.svg", &Memory::new(), &options).unwrap()
+}
+
 fn drawing(content: &str) -> Drawing {
     let text =
         format!("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 100 100'>{content}</svg>");
-    read(
-        text.as_bytes(),
-        "a.svg",
-        &Memory::new(),
-        &ReadOptions::default(),
-    )
-    .unwrap()
+    read_text(&text)
 }
 
 /// The only shape of a drawing without warnings.
@@ -70,13 +70,7 @@ fn y_points_up_from_the_lower_left() {
         (DVec2::new(10.0, 0.0), DVec2::new(15.0, 20.0))
     );
     let text = "<svg height='50' width='9'><rect y='40' width='1' height='10'/></svg>";
-    let drawing = read(
-        text.as_bytes(),
-        "a.svg",
-        &Memory::new(),
-        &ReadOptions::default(),
-    )
-    .unwrap();
+    let drawing = read_text(text);
     assert_eq!(drawing.shapes[0].figure.bounds().min, DVec2::ZERO);
 }
 
@@ -84,13 +78,7 @@ fn y_points_up_from_the_lower_left() {
 fn units_are_known_where_the_drawing_has_a_size() {
     let check = |attributes: &str, metres: Option<f64>| {
         let text = format!("<svg {attributes}/>");
-        let drawing = read(
-            text.as_bytes(),
-            "a.svg",
-            &Memory::new(),
-            &ReadOptions::default(),
-        )
-        .unwrap();
+        let drawing = read_text(&text);
         let close = |(a, b): (f64, f64)| (a - b).abs() < 1e-12;
         assert_eq!(
             drawing.metres_per_unit.is_some(),
