@@ -6,4 +6,4 @@
 mod tests;
 mod write;
 
-pub use write::{losses, write};
+pub use write::{losses, write, write_within};
