@@ -1,5 +1,6 @@
 //! Writes scenes as 3MF.
 
+use super::UNITS;
 use crate::picture::srgb::srgb_from_linear;
 use crate::surface::closed::closed_meshes;
 use crate::surface::losses::{LossList, is_more_than_colour};
@@ -22,16 +23,6 @@ const RELATIONSHIPS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\
     <Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
     Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
-
-/// The units of 3MF by their length in metres.
-const UNITS: [(&str, f64); 6] = [
-    ("micron", 1e-6),
-    ("millimeter", 1e-3),
-    ("centimeter", 1e-2),
-    ("inch", 0.0254),
-    ("foot", 0.3048),
-    ("meter", 1.0),
-];
 
 /// Id of the list of materials; objects follow.
 const MATERIALS: usize = 1;
@@ -79,10 +70,10 @@ pub fn write_within(scene: &Scene, tolerance: Option<f64>, out: &mut dyn Write) 
     out.flush()
 }
 
-/// The unit of the file and its length in metres: that of the scene, or metres, as azulejo
-/// assumes where none is known.
+/// The unit of the file and its length in metres: that of the scene, or millimetres where none is known, as slicers
+/// take STL and OBJ.
 fn unit(scene: &Scene) -> (&'static str, f64) {
-    let metres = scene.units.metres_per_unit.unwrap_or(1.0);
+    let metres = scene.units.metres_per_unit.unwrap_or(1e-3);
     let same = |u: &&(&str, f64)| (u.1 / metres - 1.0).abs() < 1e-9;
     *UNITS.iter().find(same).unwrap_or(&UNITS[5])
 }
@@ -113,7 +104,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         .irradiance()
         .single_precision(", in programs that read them")
         .once(is_odd, "the unit, converted to metres")
-        .once(known.is_none(), "an unknown unit, written as metres")
+        .once(known.is_none(), "an unknown unit, written as millimetres")
         .finish()
 }
 
