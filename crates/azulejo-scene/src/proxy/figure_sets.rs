@@ -4,11 +4,10 @@
 //! special case. The border of what is inside is a chain of pieces of chords; those of one curve become that part of it.
 
 use super::flat_figure::{Delaunay, FlatFigure, Strips, key, point};
-use super::uncrossed::uncrossed;
+use super::uncrossed::add_edges;
 use crate::figure::{Rectangle, Segment};
 use crate::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
-use spade::handles::FixedVertexHandle;
 use spade::{Point2, Triangulation};
 use std::collections::HashMap;
 
@@ -172,20 +171,12 @@ impl Chords {
         self.contours.push(corners);
     }
 
-    /// A triangulation that has all chords as edges, divided where they cross. One that still crosses others, which only
-    /// figures beyond all measure have, is left out.
+    /// A triangulation that has all chords as edges, divided where they cross.
     fn triangulated(&self) -> Delaunay {
-        let edges = uncrossed(self.chords.iter().map(|chord| chord.ends).collect(), GRID);
+        let edges: Vec<_> = self.chords.iter().map(|chord| chord.ends).collect();
         let corners = edges.iter().flatten().map(|p| Point2::new(p.x, p.y));
         let mut mesh = Delaunay::bulk_load(corners.collect()).unwrap_or_default();
-        let vertices = mesh.vertices().map(|v| (key(point(v.position())), v.fix()));
-        let vertices: HashMap<_, FixedVertexHandle> = vertices.collect();
-        for [from, to] in edges {
-            let ends = [from, to].map(|p| vertices.get(&key(p)).copied());
-            if let [Some(from), Some(to)] = ends {
-                mesh.try_add_constraint(from, to);
-            }
-        }
+        add_edges(&mut mesh, edges, GRID);
         mesh
     }
 
