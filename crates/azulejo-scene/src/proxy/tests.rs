@@ -502,7 +502,11 @@ fn insides_are_exact() {
     check(&ball, p(1.0, 3.999_999, 3.0), p(1.0, 4.000_001, 3.0));
     check(&cone, p(0.0, 0.749_999, 0.5), p(0.0, 0.750_001, 0.5));
     let mesh = Exact::new(vec![ball.clone()]).tessellate(0.01);
-    check(&Solid::Mesh(mesh), p(1.0, 3.9, 3.0), p(1.0, 4.1, 3.0));
+    check(
+        &Solid::Mesh(Box::new(mesh)),
+        p(1.0, 3.9, 3.0),
+        p(1.0, 4.1, 3.0),
+    );
     let dented = csg(Operation::Difference, vec![ball], vec![cone]);
     check(&dented, p(1.0, 2.0, 3.0), p(0.1, 0.5, 0.9));
 }
