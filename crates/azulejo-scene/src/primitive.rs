@@ -16,7 +16,7 @@ pub struct Primitive {
     /// Its one material.
     pub material: MaterialId,
     /// Irradiance on the surface, once the scene is solved.
-    pub light: Option<SurfaceLight>,
+    pub light: Option<Box<SurfaceLight>>,
 }
 
 /// The unit primitives. Their front is the outside. All are closed but the tube and the square.
