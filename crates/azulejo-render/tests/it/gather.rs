@@ -130,7 +130,7 @@ fn primitives_are_gathered_where_a_cell_is_uneven() {
         error: Vec::new(),
     };
     let mut look = |values| {
-        sheet.light = Some(light(values));
+        sheet.light = Some(Box::new(light(values)));
         let mut scene = scene.clone();
         primitive(&mut scene, sheet.clone());
         add_bulb(&mut scene, 2.0);
