@@ -31,10 +31,10 @@ pub(super) struct ModelPart {
 /// An object of a part.
 pub(super) struct PartObject {
     pub name: String,
-    pub content: Content,
+    pub content: PartContent,
 }
 
-pub(super) enum Content {
+pub(super) enum PartContent {
     Mesh(Box<SharedMesh>),
     Components(Vec<Placement>),
 }
@@ -184,14 +184,14 @@ impl<'r, 'a> PartReader<'r, 'a> {
         };
         let content = if let Some(mesh) = child("mesh") {
             let mesh = self.mesh(node, mesh, groups, palette)?;
-            Content::Mesh(Box::new(SharedMesh::new(mesh)))
+            PartContent::Mesh(Box::new(SharedMesh::new(mesh)))
         } else {
             let mut list = Vec::new();
             let components = child("components").into_iter().flat_map(|c| c.children());
             for component in components.filter(|n| n.tag_name().name() == "component") {
                 list.push(self.placement(component)?);
             }
-            Content::Components(list)
+            PartContent::Components(list)
         };
         Ok(PartObject { name, content })
     }
@@ -337,7 +337,7 @@ struct MeshReader<'g> {
 }
 
 /// What a triangle looks like.
-struct Look {
+struct TriangleLook {
     material: MaterialId,
     colors: [Rgb; 3],
     uvs: Option<[DVec2; 3]>,
@@ -397,14 +397,14 @@ impl MeshReader<'_> {
         node: Node,
         reader: &mut PartReader,
         palette: &mut Palette,
-    ) -> Result<Look, ReadError> {
+    ) -> Result<TriangleLook, ReadError> {
         let own = reader.index(node, "pid")?;
         let first = reader.index(node, "p1")?;
         let (group, first) = match (own, first) {
             (_, None) => (self.usual[0], self.usual[1]),
             (own, first) => (own.or(self.usual[0]), first),
         };
-        let plain = |material| Look {
+        let plain = |material| TriangleLook {
             material,
             colors: [Rgb::WHITE; 3],
             uvs: None,
@@ -433,7 +433,7 @@ impl MeshReader<'_> {
                 if colors == [colors[0]; 3] {
                     plain(palette.painted(colors[0]))
                 } else {
-                    Look {
+                    TriangleLook {
                         colors,
                         ..plain(palette.white())
                     }
@@ -442,7 +442,7 @@ impl MeshReader<'_> {
             Some(PropertyGroup::Texture(material, uvs))
                 if indices.iter().all(|k| *k < uvs.len()) =>
             {
-                Look {
+                TriangleLook {
                     uvs: Some(indices.map(|k| uvs[k])),
                     ..plain(*material)
                 }

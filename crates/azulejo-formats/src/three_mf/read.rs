@@ -1,7 +1,7 @@
 //! Reads packages.
 
 use super::package::Package;
-use super::part::{Content, ModelPart, PartReader, Placement};
+use super::part::{ModelPart, PartContent, PartReader, Placement};
 use super::properties::Palette;
 use crate::reading::options::Budget;
 use crate::reading::text::{shortened, text};
@@ -33,7 +33,7 @@ pub fn read(
     let mut warnings = Warnings::default();
     let mut package = Package::new(bytes, name, options)?;
     let root = root_part(&mut package, name)?;
-    let mut builder = Builder {
+    let mut builder = PackageBuilder {
         package,
         name,
         root: Rc::from(root),
@@ -73,7 +73,7 @@ fn root_part(package: &mut Package, file: &str) -> Result<String, ReadError> {
 }
 
 /// A scene under construction.
-struct Builder<'a, 'w> {
+struct PackageBuilder<'a, 'w> {
     package: Package<'a>,
     name: &'a str,
     root: Rc<str>,
@@ -85,7 +85,7 @@ struct Builder<'a, 'w> {
     path: Vec<(Rc<str>, u32)>,
 }
 
-impl Builder<'_, '_> {
+impl PackageBuilder<'_, '_> {
     fn scene(&mut self) -> Result<Scene, ReadError> {
         let root = Rc::clone(&self.root);
         let part = self.part(&root)?;
@@ -157,7 +157,7 @@ impl Builder<'_, '_> {
         let map = *parent * placement.map;
         let name = format!("{around}{}", object.name);
         match &object.content {
-            Content::Mesh(shared) => {
+            PartContent::Mesh(shared) => {
                 let mesh = shared.mesh();
                 self.spend((mesh.positions.len() + mesh.faces.corners.len()) as u64)?;
                 if !self.budget.keeps() || mesh.faces.is_empty() {
@@ -183,7 +183,7 @@ impl Builder<'_, '_> {
                 };
                 self.palette.scene.objects.push(Object::new(name, shape));
             }
-            Content::Components(list) => {
+            PartContent::Components(list) => {
                 self.path.push(key);
                 for component in list {
                     self.place(&part_name, component, &map, &format!("{name}/"))?;
