@@ -44,7 +44,8 @@ pub struct ConvertArgs {
 pub struct PolygonArgs {
     /// Largest distance of polygons from the exact shapes that they replace, in scene units [default: a thousandth of
     /// the size of a shape]
-    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true,
+          help_heading = "Polygons")]
     pub tolerance: Option<f64>,
 }
 
