@@ -131,7 +131,7 @@ fn mattes_cover_what_is_seen() {
             };
             let pixels = glyphs.iter().filter(is_it).count() as f32;
             assert!(
-                (covered / pixels - 1.0).abs() < 0.1,
+                (covered / pixels - 1.0).abs() < 0.25,
                 "{layer} {k} {covered} {pixels}"
             );
         }
