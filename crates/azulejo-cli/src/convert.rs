@@ -32,9 +32,21 @@ pub struct ConvertArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,
     #[command(flatten)]
+    pub polygons: PolygonArgs,
+    #[command(flatten)]
     pub clock: ClockArgs,
     #[command(flatten)]
     pub input: InputArgs,
+}
+
+/// The polygons of exact shapes.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct PolygonArgs {
+    /// Largest distance of polygons from the exact shapes that they replace, in scene units [default: a thousandth of
+    /// the size of a shape]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true,
+          help_heading = "Polygons")]
+    pub tolerance: Option<f64>,
 }
 
 /// Examples below the help.
@@ -51,6 +63,7 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> Result<Report, Failure>
     } else {
         ModelOutput::check(&args.output)?
     }
+    .with_tolerance(args.polygons.tolerance)?
     .with_triangles(args.triangles);
     let digits = checked_digits(args.digits, &output)?;
     session.claim_stdout(output.is_stdout())?;

@@ -153,6 +153,9 @@ impl Session {
             let (name, losses) = (output.format().name, losses.join(", "));
             self.note(&format!("{name} does not keep everything: {losses}"));
         }
+        if let Some(open) = output.open_objects(scene) {
+            self.note(&open);
+        }
         Ok(())
     }
 

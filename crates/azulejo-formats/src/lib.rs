@@ -62,4 +62,5 @@ pub use reading::error::{Loaded, Position, ReadError, Warning};
 pub use reading::files::{FileError, Files, Folder, Memory};
 pub use reading::fonts::{FontFile, FontRequest};
 pub use reading::options::{Lod, ReadOptions, VertexColors};
-pub use surface::tessellate::divide_into_triangles;
+pub use surface::closed::open_objects;
+pub use surface::tessellate::{divide_into_triangles, tessellate};

@@ -13,7 +13,7 @@ use crate::{
 use crate::{
     abaqus, cityjson, dxf, energyplus, gltf, gmsh, grf, mgf, nastran, obj, off, openflight,
 };
-use crate::{openfoam, photometry, ply, scn, sff, stl, studio3ds, view3d, vrml, vtk};
+use crate::{openfoam, photometry, ply, scn, sff, stl, studio3ds, three_mf, view3d, vrml, vtk};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -57,6 +57,7 @@ impl Format {
             Format::CityJson => ("CityJSON", cityjson::read),
             Format::EnergyPlus => ("EnergyPlus", energyplus::read),
             Format::Photometry => ("photometric file (IES LM-63, EULUMDAT)", photometry::read),
+            Format::ThreeMf => ("3MF", three_mf::read),
         }
     }
 }

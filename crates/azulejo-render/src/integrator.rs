@@ -19,7 +19,7 @@ use azulejo_trace::{
     REPLICATES, Termination,
 };
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
@@ -46,6 +46,8 @@ pub(crate) struct Integrator<'a> {
     max_depth: u32,
     /// Whether direct light is told from indirect light in stored irradiance.
     pub splits: bool,
+    /// Whether irradiance is shown instead of radiance.
+    pub shows_irradiance: bool,
     /// Most radiance that the indirect paths of one ray add.
     clamp: Option<f64>,
 }
@@ -103,6 +105,7 @@ impl<'a> Integrator<'a> {
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
             splits: false,
+            shows_irradiance: false,
             clamp: options.clamp,
         }
     }
@@ -284,6 +287,10 @@ impl<'a> CameraPath<'_, 'a> {
     /// Radiance along the first segment, which ends at `hit`, and along all that follow from it,
     /// without the deferred gathers.
     fn radiance(&mut self, first: Segment, hit: &KernelHit) -> RayRadiance {
+        if self.integrator.shows_irradiance {
+            self.show_irradiance(&first, hit);
+            return self.found;
+        }
         let (first, fog) = self.through_fog(first, hit);
         self.found.direct += fog;
         self.shade(&first, hit);
@@ -319,6 +326,16 @@ impl<'a> CameraPath<'_, 'a> {
         };
         let weight = first.weight * clear;
         (Segment { weight, ..first }, first.weight * added)
+    }
+
+    /// Adds the irradiance of a surface instead of what it reflects.
+    fn show_irradiance(&mut self, first: &Segment, found: &KernelHit) {
+        let (hit, front) = first.leg.hit(self.integrator.scene.surfaces(), found);
+        if !hit.is_hit() {
+            return;
+        }
+        let ray = first.leg.ray;
+        self.reflect_irradiance(first, &DiffuseHit { ray, hit, front }, Rgb::grey(PI));
     }
 
     /// Adds what a segment contributes; its continuations become pending.

@@ -18,6 +18,7 @@ mod first_view;
 mod integrator;
 mod interpolate;
 mod layers;
+mod mattes;
 mod measured;
 mod options;
 mod pass;
@@ -36,9 +37,13 @@ pub use diffuse_reflectance::DiffuseReflectance;
 pub use exposure::{auto_exposure_of_surfaces, black_share_of_surfaces};
 pub use first_view::first_view;
 pub use layers::{NO_DEPTH, PictureLayers, picture_layers};
+pub use mattes::{Matte, Mattes, mattes};
 pub use measured::{MeasuredImage, relative_rmse};
 pub use options::{FinalGather, SecondPass};
-pub use pass::{radiance, render, render_measured, render_with_errors, render_within};
+pub use pass::{
+    NO_IRRADIANCE, radiance, render, render_irradiance, render_measured, render_with_errors,
+    render_within,
+};
 pub use reference::{ReferencePass, reference, reference_radiance};
 pub use room::Room;
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

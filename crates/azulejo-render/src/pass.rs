@@ -113,6 +113,49 @@ pub fn render_measured(
     measure(integrator, camera, options, progress)
 }
 
+/// Irradiance, in the red of pixels that see no surface.
+pub const NO_IRRADIANCE: f32 = -1.0;
+
+/// Irradiance at the surfaces that `camera` sees first, W/m² (lx in photometric scenes), averaged over each pixel as by
+/// [`render`]; [`NO_IRRADIANCE`] in all channels where its middle sees none.
+///
+/// On the side that is seen, whatever it reflects: mirrors, glass and lamps included. As in [`render`] it is that of the
+/// vertices, or gathered by [`gather`](SecondPass::gather).
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_irradiance(
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<Image, Cancelled> {
+    let mut integrator = Integrator::new(scene, tracer, options);
+    integrator.shows_irradiance = true;
+    let mut image = measure(integrator, camera, options, progress)?.image;
+    let (width, height) = options.size;
+    let lens = Lens::new(camera, f64::from(width) / f64::from(height));
+    let film = Film {
+        width,
+        height,
+        seed: 0,
+    };
+    let middles = (0..width * height).map(|k| film.pixel(k).middle());
+    let rays: Vec<KernelRay> = middles.map(|at| tracer.kernel_ray(&lens.ray(at))).collect();
+    let mut hits = Vec::new();
+    tracer.closest(&rays, &mut hits);
+    for (pixel, hit) in image.pixels.iter_mut().zip(&hits) {
+        if !hit.is_hit() {
+            *pixel = [NO_IRRADIANCE; 3];
+        }
+    }
+    Ok(image)
+}
+
 /// Renders all tiles.
 fn measure(
     integrator: Integrator,

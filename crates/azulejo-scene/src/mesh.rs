@@ -278,14 +278,28 @@ impl Mesh {
         self.is_closed_by(|_| true)
     }
 
-    /// The same of the faces alone whose material `counts`.
+    /// The number of edges, by the positions of their ends, with an odd number of faces.
+    pub fn open_edges(&self) -> usize {
+        let uses = self.edge_uses(|_| true);
+        uses.values().filter(|n| *n % 2 == 1).count()
+    }
+
+    /// The same as [`is_closed`](Mesh::is_closed) of the faces alone whose material `counts`.
     pub fn is_closed_by(&self, counts: impl Fn(MaterialId) -> bool) -> bool {
+        self.edge_uses(counts).values().all(|n| n % 2 == 0)
+    }
+
+    /// The number of faces at each edge, by the positions of its ends.
+    fn edge_uses(
+        &self,
+        counts: impl Fn(MaterialId) -> bool,
+    ) -> HashMap<([u64; 3], [u64; 3]), usize> {
         let key = |v: u32| {
             self.positions[v as usize]
                 .to_array()
                 .map(|x| (x + 0.0).to_bits())
         };
-        let mut uses: HashMap<_, usize> = HashMap::new();
+        let mut uses = HashMap::new();
         for (corners, &material) in self.faces.iter().zip(&self.face_materials) {
             if !counts(material) {
                 continue;
@@ -298,7 +312,7 @@ impl Mesh {
                 }
             }
         }
-        uses.values().all(|n| n % 2 == 0)
+        uses
     }
 
     /// Sum of the faces' areas.

@@ -204,7 +204,7 @@ fn layered(
     }
     let [width, height] = page.size;
     let mut file = Vec::new();
-    let written = exr::write_channels((width, height), channels, LAYERS, &mut file);
+    let written = exr::write_channels((width, height), channels, LAYERS, &[], &mut file);
     written.map_err(Failure::failed)?;
     Ok(file)
 }

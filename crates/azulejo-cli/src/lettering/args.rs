@@ -1,6 +1,7 @@
 //! Arguments of `text`, `font` and `extrude`.
 
-use super::values::{self, Characters, Edge};
+use super::values::{self, Characters, Edge, Flux};
+use crate::convert::PolygonArgs;
 use crate::values::{number, vector};
 use azulejo_formats::outline::typeface::{AxisValue, FontFeature};
 use azulejo_scene::{Align, Rgb};
@@ -23,10 +24,12 @@ pub struct TextArgs {
     pub file: Option<PathBuf>,
     #[command(flatten)]
     pub typeface: TypefaceArgs,
-    /// Output file: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply get polygons; `-`
-    /// writes GRF to standard output
+    /// Output file: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply get polygons, .stl and .3mf
+    /// closed ones; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub polygons: PolygonArgs,
     #[command(flatten)]
     pub lines: LinesArgs,
     #[command(flatten)]
@@ -171,9 +174,13 @@ pub struct SurfaceArgs {
     /// Specular reflectance
     #[arg(long, value_name = "COLOR", value_parser = values::reflectance)]
     pub mirror: Option<Rgb>,
-    /// Emitted radiance, W/(sr·m²)
+    /// Emitted radiance, W/(sr·m²); with --flux, its colour
     #[arg(long, value_name = "COLOR", value_parser = values::radiance)]
     pub emission: Option<Rgb>,
+    /// Luminous flux: of the whole, 1200lm, or per metre of its strokes, 800lm/m, whose length is half of that of the
+    /// outlines. All sides shine evenly, and the scene is photometric
+    #[arg(long, value_name = "FLUX", value_parser = values::flux)]
+    pub flux: Option<Flux>,
     /// Name of the object and its material [default: the text, or the file]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
@@ -260,9 +267,11 @@ pub struct ExtrudeArgs {
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
-    /// get polygons; `-` writes GRF to standard output
+    /// get polygons, .stl and .3mf closed ones; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub polygons: PolygonArgs,
     /// Depth of the solid, in scene units
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
@@ -296,6 +305,8 @@ Examples:
   azulejo text \"שלום 123 abc\" --font Latin.ttf,Hebrew.ttf --features smcp -o mixed.glb
   azulejo text --file poem.txt --font Serif.woff2 --width 12 --align justify -o poem.grf
   azulejo text \"Sale {size=2 color=#c00|50%}\" --font Sans.ttf --variation wght=700 -o sale.glb
+  azulejo text OPEN --font Sans.ttf --depth 0.02 --flux 800lm/m --emission '#ff4020' -o neon.grf
+  azulejo text Azulejo --font Sans.ttf --depth 8 --size 60 --tolerance 0.02 -o azulejo.3mf
   azulejo text \"around the world\" --font Sans.ttf --path circle.svg --align center -o ring.grf";
 
 pub const FONT_EXAMPLES: &str = "\

@@ -25,7 +25,7 @@ const MOST_TESTS: usize = 50_000_000;
 
 /// Runs `extrude`.
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = ModelOutput::check(&args.output)?;
+    let output = ModelOutput::check(&args.output)?.with_tolerance(args.polygons.tolerance)?;
     session.claim_stdout(output.is_stdout())?;
     let path = args.drawing.display().to_string();
     let bytes = read_bytes(&args.drawing)?;
@@ -56,7 +56,10 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     let (materials, prisms) = extruded(drawing, args, &name)?;
     let mut scene = solid::scene(&name, materials, prisms)?;
     scene.units.metres_per_unit = metres.map(|m| m / args.scale).filter(|m| m.is_normal());
-    solid::write(&scene, &output, &args.output, session)
+    let light = args.surface.shine(&mut scene)?;
+    let mut report = solid::write(&scene, &output, &args.output, session)?;
+    light.iter().for_each(|light| light.describe(&mut report));
+    Ok(report)
 }
 
 /// The font of the drawing's texts: the one that is named, which must be one, or those of the system.

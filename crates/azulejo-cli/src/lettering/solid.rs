@@ -1,14 +1,15 @@
 //! Conversion of flat outlines to a scene with one object of prisms.
 
 use super::args::{EdgeArgs, FrameArgs, SurfaceArgs};
-use super::values::Edge;
+use super::values::{Edge, Flux};
 use crate::failure::Failure;
-use crate::report::{self, Report, count};
+use crate::report::{self, Report, count, number, short};
 use crate::session::Session;
 use azulejo::models::ModelOutput;
 use azulejo_scene::{
     Bevel, BevelEnds, Exact, Material, Object, Prism, Rgb, Scene, Shape, Solid, TextFrame,
 };
+use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,15 +33,79 @@ impl FrameArgs {
 impl SurfaceArgs {
     /// The material; `color` is the default.
     pub fn material(&self, name: &str, color: Rgb) -> Material {
-        let shines = self.mirror.is_some() || self.emission.is_some();
+        let shines = self.mirror.is_some() || self.emission.is_some() || self.flux.is_some();
         let otherwise = if shines { Rgb::BLACK } else { color };
         Material {
             name: name.to_owned(),
             diffuse: self.color.unwrap_or(otherwise),
             mirror: self.mirror.unwrap_or(Rgb::BLACK),
-            emission: self.emission.unwrap_or(Rgb::BLACK),
+            emission: self.emission.unwrap_or(match self.flux {
+                Some(_) => Rgb::WHITE,
+                None => Rgb::BLACK,
+            }),
             ..Material::default()
         }
+    }
+}
+
+/// What the flux of letters means for them.
+#[derive(Debug)]
+pub struct LetterLight {
+    /// Of the whole, lm.
+    flux: f64,
+    /// Luminance, cd/m².
+    luminance: f64,
+    /// Length of the strokes, m.
+    length: f64,
+}
+
+impl LetterLight {
+    /// Adds a line of words.
+    pub fn describe(&self, report: &mut Report) {
+        let [flux, luminance, length] = [self.flux, self.luminance, self.length].map(short);
+        let words = format!("{flux} lm, {luminance} cd/m² on all sides; {length} m of strokes");
+        report.fact("flux", number(self.flux), "light", words);
+        report.value("luminance", number(self.luminance));
+        report.value("stroke_metres", number(self.length));
+    }
+}
+
+impl SurfaceArgs {
+    /// Gives the materials of a scene of solids their luminance, if they have a flux: Φ = πLA, since all of their
+    /// surface is Lambertian.
+    pub fn shine(&self, scene: &mut Scene) -> Result<Option<LetterLight>, Failure> {
+        let Some(flux) = self.flux else {
+            return Ok(None);
+        };
+        let metres = scene.units.metres();
+        let (mut area, mut length) = (0.0, 0.0);
+        for object in &scene.objects {
+            if let Shape::Exact(exact) = &object.shape {
+                let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
+                let error = CHORD_ERROR * sizes.fold(0.0, f64::max);
+                area += exact.areas(error).values().sum::<f64>() * metres * metres;
+                length += 0.5 * exact.outline_length(error) * metres;
+            }
+        }
+        let flux = match flux {
+            Flux::Whole(flux) => flux,
+            Flux::PerMetre(flux) => flux * length,
+        };
+        let luminance = flux / (PI * area);
+        for material in &mut scene.materials {
+            let color = material.emission;
+            if color.luminance() <= 0.0 {
+                let message = "--emission: black, expected the colour of the light of --flux";
+                return Err(Failure::misuse(message));
+            }
+            material.emission = color * (luminance / color.luminance());
+        }
+        scene.units.photometric = true;
+        Ok(Some(LetterLight {
+            flux,
+            luminance,
+            length,
+        }))
     }
 }
 
@@ -99,6 +164,9 @@ pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result
         ))),
     }
 }
+
+/// Chord error by which areas and lengths are measured, relative to the size of a solid.
+const CHORD_ERROR: f64 = 1e-5;
 
 /// Writes the scene and reports its content.
 pub fn write(

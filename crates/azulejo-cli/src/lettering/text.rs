@@ -24,7 +24,7 @@ const HIGHEST: f64 = 0.5;
 
 /// Runs `text`.
 pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = ModelOutput::check(&args.output)?;
+    let output = ModelOutput::check(&args.output)?.with_tolerance(args.polygons.tolerance)?;
     session.claim_stdout(output.is_stdout())?;
     let text = StyledText::parse(&text(args)?, values::reflectance).map_err(Failure::failed)?;
     let fonts = Fonts::read(&args.typeface, session)?;
@@ -37,8 +37,10 @@ pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
         .clone()
         .unwrap_or_else(|| title(&text.text));
     let (materials, prisms) = extruded(&glyphs, &frame, depth, args, &name)?;
-    let scene = solid::scene(&name, materials, prisms)?;
+    let mut scene = solid::scene(&name, materials, prisms)?;
+    let light = args.surface.shine(&mut scene)?;
     let mut report = solid::write(&scene, &output, &args.output, session)?;
+    light.iter().for_each(|light| light.describe(&mut report));
     report.value("fonts", fonts.instances.clone());
     for instance in fonts.instances {
         report.line("variable font", instance);

@@ -44,6 +44,27 @@ pub fn edge(text: &str) -> Result<Edge, String> {
     })
 }
 
+/// A luminous flux.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flux {
+    /// lm, of the whole.
+    Whole(f64),
+    /// lm per metre of the strokes.
+    PerMetre(f64),
+}
+
+/// `1200lm`, or `800lm/m`.
+pub fn flux(text: &str) -> Result<Flux, String> {
+    let (value, kind): (_, fn(f64) -> Flux) = match text.strip_suffix("lm/m") {
+        Some(value) => (value, Flux::PerMetre),
+        None => match text.strip_suffix("lm") {
+            Some(value) => (value, Flux::Whole),
+            None => return Err(format!("\"{text}\", expected as in 1200lm or 800lm/m")),
+        },
+    };
+    Ok(kind(positive(value.trim_end())?))
+}
+
 /// An angle in degrees between −90 and 90, exclusive.
 pub fn slope(text: &str) -> Result<f64, String> {
     match number(text)? {
@@ -227,6 +248,13 @@ mod tests {
                 "1:2",
             ],
         );
+    }
+
+    #[test]
+    fn flux_is_of_the_whole_or_per_metre() {
+        check(flux, "1200lm", Flux::Whole(1200.0));
+        check(flux, "0.5 lm/m", Flux::PerMetre(0.5));
+        refuse(flux, &["", "lm", "800", "0lm", "-1lm/m", "3W", "1lm/ft"]);
     }
 
     #[test]

@@ -72,11 +72,12 @@ pub struct ImageArgs {
     #[arg(long, value_name = "RADIANCE", value_parser = values::positive)]
     pub clamp: Option<f64>,
     /// Additional layers (AOVs) of an .exr, for compositing: all, or a list of albedo, normal,
-    /// depth, object, material, glyph, direct, indirect, error
+    /// depth, object, material, glyph, direct, indirect, error; and cryptomatte
     ///
     /// Channels are albedo.R/G/B, N.X/Y/Z, Z, objectId, materialId, glyphId, direct.R/G/B,
     /// indirect.R/G/B and error.R/G/B, the standard error. Ids count from 1, 0 is none; a glyph is a
-    /// letter of a text.
+    /// letter of a text. Cryptomatte has CryptoObject00.r/g/b/a to 02 of objects and letters, and as many of
+    /// CryptoAsset, whole objects, and CryptoMaterial, with their names in the file's attributes.
     #[arg(long, value_name = "all|LIST", value_enum, value_delimiter = ',')]
     pub layers: Option<Vec<LayerName>>,
     /// Denoise after rendering, guided by the standard errors; reports how much changed, and the
@@ -127,6 +128,8 @@ pub enum LayerName {
     Indirect,
     /// Standard error
     Error,
+    /// Cryptomatte: coverage by name of objects, letters and materials; not among `all`
+    Cryptomatte,
 }
 
 impl LayerName {
@@ -151,14 +154,16 @@ pub enum RenderStyle {
     Physical,
     /// An SFF or SCN scene as RTRACE rendered it
     Rtrace,
+    /// Light that arrives at surfaces, lx or W/m²: a .png in false colours, an .exr or .hdr of its values
+    Illuminance,
 }
 
 /// Options of RTRACE's look; the letters in parentheses are its own switches.
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "RTRACE")]
 pub struct RtraceArgs {
-    /// Physically based light, or an SFF or SCN scene as RTRACE rendered it; the other options
-    /// below require `rtrace`
+    /// Physically based light, the illuminance of surfaces in false colours, or an SFF or SCN scene as RTRACE rendered
+    /// it; the other options below require `rtrace`
     #[arg(long, value_name = "LOOK", value_enum, default_value_t = RenderStyle::Physical)]
     pub look: RenderStyle,
     /// Reflection model (m): 0 Phong, 1 Strauss [default: 1]

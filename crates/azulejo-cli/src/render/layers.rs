@@ -1,8 +1,9 @@
 //! `render --layers`: a picture of many layers, for compositors.
 
 use super::args::LayerName;
+use azulejo_formats::picture::cryptomatte;
 use azulejo_formats::picture::exr::{ChannelValues, NamedChannel};
-use azulejo_render::{MeasuredImage, PictureLayers};
+use azulejo_render::{Matte, Mattes, MeasuredImage, PictureLayers};
 use azulejo_scene::Image;
 
 /// What the file says of its channels.
@@ -16,6 +17,27 @@ const COMMENTS: &str = "Linear radiance, W/(sr m2). Z is the distance from the p
 pub fn chosen(names: &[LayerName]) -> Vec<LayerName> {
     let is_chosen = |name: &LayerName| names.contains(name) || names.contains(&LayerName::All);
     LayerName::EACH.into_iter().filter(is_chosen).collect()
+}
+
+/// Adds the channels of mattes, and what the file has to say of them.
+pub fn add_mattes(
+    mattes: &Mattes,
+    channels: &mut Vec<NamedChannel>,
+    texts: &mut Vec<(String, String)>,
+) {
+    let Mattes {
+        objects,
+        assets,
+        materials,
+    } = mattes;
+    for (layer, Matte { names, ranks }) in [
+        ("CryptoObject", objects),
+        ("CryptoAsset", assets),
+        ("CryptoMaterial", materials),
+    ] {
+        channels.extend(cryptomatte::channels(layer, names, ranks));
+        texts.extend(cryptomatte::attributes(layer, names));
+    }
 }
 
 /// Whether any of the requested layers needs direct light apart from the rest.
@@ -43,7 +65,7 @@ pub fn channels(
     let mut channels = colors("", "RGB", image);
     for name in chosen(names) {
         channels.extend(match name {
-            LayerName::All => Vec::new(),
+            LayerName::All | LayerName::Cryptomatte => Vec::new(),
             LayerName::Albedo => colors("albedo.", "RGB", &seen.albedo),
             LayerName::Normal => colors("N.", "XYZ", &seen.normal),
             LayerName::Depth => vec![channel("Z", ChannelValues::Float(seen.depth.clone()))],

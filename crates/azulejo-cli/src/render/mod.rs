@@ -2,20 +2,22 @@
 
 pub mod args;
 mod cost;
+mod illuminance;
 mod layers;
 mod rtrace;
 mod views;
 
+use crate::drawing::palette::{self, IndexedImage};
 use crate::failure::Failure;
 use crate::report::{Report, bytes, count, number, percent, short};
 use crate::session::Session;
 use crate::{input, pass, values};
-use args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
+use args::{ImageArgs, LayerName, RenderArgs, RenderStyle, ToneName};
 use azulejo::output::Output;
 use azulejo::surroundings::is_studio_part;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
-use azulejo_scene::{Image, Object, Scene};
+use azulejo_scene::{Camera, Image, Object, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
 use views::PictureView;
@@ -62,6 +64,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let format = format_of(&args.output)?;
     check_layers(args, format)?;
     rtrace::check(args)?;
+    illuminance::check(args)?;
     let output = Output::check(&args.output)?;
     let errors = args.picture.error_image.as_deref().map(errors_of);
     let errors = errors.transpose()?;
@@ -111,6 +114,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     }
     for view in &views {
         let shown = (&scene, &tracer, &view.camera);
+        if args.look.look == RenderStyle::Illuminance {
+            write_illuminance(shown, &options, (view, format), session, &mut report)?;
+            continue;
+        }
         let measured = cost::render(&args.picture, &options, shown, session, &mut report)?;
         let lit = (&scene, &tracer);
         deliver(&measured, lit, (view, format), args, session, &mut report)?;
@@ -203,12 +210,20 @@ fn deliver(
         return write(image, target, args, session, report);
     };
     refuse_overflow(image)?;
-    let channels = layers::channels(image, measured, &seen, names);
+    let mut channels = layers::channels(image, measured, &seen, names);
     let comments = layers::comments(measured, picture.clamp.is_some());
+    let mut texts = Vec::new();
+    let has_mattes = names.contains(&LayerName::Cryptomatte);
+    if has_mattes {
+        let mattes = session.with_progress(|progress| {
+            azulejo_render::mattes(scene, tracer, &view.camera, size, samples, progress)
+        })?;
+        layers::add_mattes(&mattes, &mut channels, &mut texts);
+    }
     view.output.write(session.progress(), |out| {
-        exr::write_channels(size, channels, &comments, out)
+        exr::write_channels(size, channels, &comments, &texts, out)
     })?;
-    let names = layers::chosen(names).len();
+    let names = layers::chosen(names).len() + usize::from(has_mattes);
     report.fact("layers", names, "layers", count(names));
     state_output(size, &view.path, report);
     Ok(())
@@ -384,6 +399,51 @@ fn write_linear(
         ImageFormat::Hdr => hdr::write(image, out),
         _ => exr::write(image, out),
     })?;
+    Ok(())
+}
+
+/// Renders what arrives at the surfaces of a view, and writes it.
+fn write_illuminance(
+    (scene, tracer, camera): (&Scene, &Tracer, &Camera),
+    options: &SecondPass,
+    (view, format): (&PictureView, ImageFormat),
+    session: &Session,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let mut image = session.with_progress(|progress| {
+        azulejo_render::render_irradiance(scene, tracer, camera, options, progress)
+    })?;
+    refuse_overflow(&image)?;
+    let is_photometric = scene.units.photometric;
+    let [what, unit] = if is_photometric {
+        ["illuminance", "lx"]
+    } else {
+        ["irradiance", "W/m²"]
+    };
+    let Some((picture, end)) = illuminance::picture(&image, is_photometric) else {
+        return Err(Failure::misuse(
+            "--size: no pixels, or too many for a picture with a scale",
+        ));
+    };
+    match format {
+        ImageFormat::Png => {
+            let IndexedImage { palette, indices } = palette::reduce(&picture);
+            let size = (picture.width, picture.height);
+            view.output.write(session.progress(), |out| {
+                png::write_indexed(size.0, size.1, &palette, &indices, out)
+            })?;
+        }
+        ImageFormat::Exr | ImageFormat::Hdr => {
+            image
+                .pixels
+                .iter_mut()
+                .for_each(|pixel| *pixel = pixel.map(|v| v.max(0.0)));
+            write_linear(&image, format, &view.output, session)?;
+        }
+    }
+    let words = format!("{what}, scale to {} {unit}", short(end));
+    report.fact("scale_end", number(end), "shown", words);
+    state_output((image.width, image.height), &view.path, report);
     Ok(())
 }
 

@@ -15,7 +15,7 @@ const SIZE: (u32, u32) = (256, 256);
 
 /// Refuses options that do not apply to the chosen look.
 pub fn check(args: &RenderArgs) -> Result<(), Failure> {
-    if args.look.look == RenderStyle::Physical {
+    if args.look.look != RenderStyle::Rtrace {
         return match args.look.given() {
             Some(name) => Err(Failure::misuse(format_args!(
                 "--{name} requires --look rtrace"

@@ -1,6 +1,7 @@
 //! Layers of pictures, and the filter, on the command line.
 
 use crate::support::{Folder, project};
+use azulejo_formats::picture::cryptomatte;
 use azulejo_formats::picture::exr::{self, ChannelValues, NamedChannel};
 
 fn floats<'c>(channels: &'c [NamedChannel], name: &str) -> &'c [f32] {
@@ -73,6 +74,68 @@ fn letters_are_told_apart() {
     glyphs.sort_unstable();
     glyphs.dedup();
     assert_eq!(glyphs, [0, 1, 2, 3]);
+}
+
+/// Coverage by Cryptomatte is that of the ids, and its ids are those of the names in the file's attributes.
+#[test]
+fn mattes_cover_what_is_seen() {
+    let folder = folder();
+    let line = "render word.grf --studio --rays 16 --spp 16 --size 60x40 --layers cryptomatte,object,glyph";
+    folder.ok(&format!("{line} -o w.exr"));
+    let file = folder.read("w.exr");
+    folder.ok(&format!("{line} -o again.exr --threads 1"));
+    assert!(folder.read("again.exr") == file, "the same bytes");
+    let (_, channels) = exr::read_channels(&file).unwrap();
+    let attributes = String::from_utf8_lossy(&file).into_owned();
+    for (layer, names) in [
+        ("CryptoObject", vec!["LUZ/1", "LUZ/2", "LUZ/3"]),
+        ("CryptoAsset", vec!["LUZ"]),
+        ("CryptoMaterial", vec!["LUZ"]),
+    ] {
+        let ids: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
+        for (name, id) in names.iter().zip(&ids) {
+            let said = format!("\"{name}\":\"{:08x}\"", id.to_bits());
+            assert!(attributes.contains(&said), "{layer} {said}");
+        }
+        let pair = |rank: usize| {
+            let [id, coverage] = [["r", "g"], ["b", "a"]][rank % 2];
+            let of = |letter: &str| floats(&channels, &format!("{layer}{:02}.{letter}", rank / 2));
+            (of(id), of(coverage))
+        };
+        let mut sums = vec![0.0; 60 * 40];
+        let mut seen = vec![0.0; ids.len()];
+        for rank in 0..6 {
+            let (of_id, coverage) = pair(rank);
+            for ((sum, id), covered) in sums.iter_mut().zip(of_id).zip(coverage) {
+                *sum += covered;
+                if let Some(k) = ids.iter().position(|known| known == id) {
+                    seen[k] += covered;
+                }
+            }
+        }
+        assert!(sums.iter().all(|s| *s < 1.0 + 1e-6), "{layer}");
+        let seen_at_all = indices(&channels, "objectId").iter().filter(|id| **id > 0);
+        let (total, count) = (sums.iter().sum::<f32>(), seen_at_all.count() as f32);
+        assert!(
+            (total / count - 1.0).abs() < 0.05,
+            "{layer} {total} {count}"
+        );
+        let glyphs = indices(&channels, "glyphId");
+        for (k, covered) in seen.iter().enumerate() {
+            let is_it = |g: &&u32| {
+                if ids.len() == 1 {
+                    **g > 0
+                } else {
+                    **g == k as u32 + 1
+                }
+            };
+            let pixels = glyphs.iter().filter(is_it).count() as f32;
+            assert!(
+                (covered / pixels - 1.0).abs() < 0.25,
+                "{layer} {k} {covered} {pixels}"
+            );
+        }
+    }
 }
 
 #[test]

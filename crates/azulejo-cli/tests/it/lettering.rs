@@ -2,7 +2,11 @@
 
 use crate::support::{Folder, project};
 use crate::tiny_font;
+use azulejo_formats::picture::exr;
+use azulejo_scene::Rgb;
+use glam::DVec3;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 const SERIF: &str = "serif.ppf";
 
@@ -578,4 +582,157 @@ fn layers_rise_over_what_they_are_painted_on() {
     let image = azulejo_formats::picture::decode(&folder.read("r.exr")).unwrap();
     let [r, g, b] = image.pixels[220];
     assert!(b > 5.0 * r.max(g), "{r} {g} {b}");
+}
+
+/// Volume of the triangles of a binary STL.
+fn stl_volume(bytes: &[u8]) -> f64 {
+    let number = |b: &[u8]| f64::from(f32::from_le_bytes(b.try_into().unwrap()));
+    let volume = |facet: &[u8]| {
+        let x: Vec<f64> = facet[12..48].chunks(4).map(number).collect();
+        let [a, b, c] = [0, 3, 6].map(|k| DVec3::new(x[k], x[k + 1], x[k + 2]));
+        a.dot(b.cross(c)) / 6.0
+    };
+    bytes[84..].chunks_exact(50).map(volume).sum()
+}
+
+/// The rest of closed solids is tested with their writers.
+#[test]
+fn printed_letters_have_a_tolerance() {
+    let folder = folder();
+    let volume = |tolerance: &str| {
+        let line = format!("text S& --ppf {SERIF} --size 20 --depth 3 {tolerance} -o a.stl");
+        folder.ok(&line);
+        stl_volume(&folder.read("a.stl"))
+    };
+    let [coarse, middle, fine] =
+        ["0.2", "0.02", "0.0005"].map(|t| volume(&format!("--tolerance {t}")));
+    assert!(
+        (coarse - fine).abs() > 3.0 * (middle - fine).abs(),
+        "{coarse} {middle} {fine}"
+    );
+    assert!((middle / fine - 1.0).abs() < 2e-3);
+    folder.ok(&format!(
+        "text S& --ppf {SERIF} --size 20 --tolerance 0.02 -o a.3mf"
+    ));
+    assert_eq!(folder.json("info a.3mf")["objects"], json!(1));
+    let line = format!("text S& --ppf {SERIF} --tolerance");
+    folder.fails(&format!("{line} 0.1 -o a.grf"), 2, "GRF keeps exact shapes");
+    folder.fails(&format!("{line} 0 -o a.stl"), 2, "above 0");
+    folder.fails(&format!("{line} 1e-9 -o a.stl"), 1, "expected at least");
+    // Other formats have as many polygons.
+    let faces = |tolerance: &str| {
+        folder.ok(&format!("{line} {tolerance} -o a.obj"));
+        folder.json("info a.obj")["triangles"].as_u64().unwrap()
+    };
+    assert!(faces("0.0001") > 2 * faces("0.01"));
+}
+
+#[test]
+fn open_meshes_are_converted_and_named() {
+    let folder = Folder::with_room();
+    folder.write("sheet.obj", "o sheet\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for name in ["a.stl", "a.3mf"] {
+        let run = folder.ok(&format!("convert sheet.obj -o {name}"));
+        let expected = "1 of 1 objects are not closed, so that slicers may refuse them: \"sheet\" (3 open edges)";
+        assert!(run.err.contains(expected), "{}", run.err);
+        assert_eq!(folder.json(&format!("info {name}"))["triangles"], json!(1));
+    }
+}
+
+/// A convex letter in a black box of 4 m: what arrives at its six walls, in pictures that each of them fills, is its flux.
+#[test]
+fn all_of_the_flux_of_a_letter_arrives() {
+    let folder = folder();
+    let report = folder.json(
+        "text A --font tiny.ttf --size 1 --depth 0.3 --at -0.3,-0.35,0.15 --flux 1000lm --emission 1,0.4,0.1 -o a.grf",
+    );
+    let flux = |value: &Value| value.as_f64().unwrap();
+    assert_eq!(flux(&report["flux"]), 1000.0);
+    // A triangle of base 0.6 and height 0.7.
+    let outline = 0.6 + 2.0 * 0.3f64.hypot(0.7);
+    let area = 0.6 * 0.7 + 0.3 * outline;
+    let luminance = flux(&report["luminance"]);
+    assert!(
+        (luminance * area * PI / 1000.0 - 1.0).abs() < 1e-6,
+        "{luminance} {area}"
+    );
+    assert!((flux(&report["stroke_metres"]) - 0.5 * outline).abs() < 1e-6);
+    let power = folder.json("info a.grf")["lights"]["area_power"].clone();
+    let power = Rgb::new(flux(&power[0]), flux(&power[1]), flux(&power[2])).luminance();
+    assert!((power / 1000.0 - 1.0).abs() < 5e-3, "{power}");
+    folder.write("box.mtl", "newmtl black\nKd 0 0 0\n");
+    let mut walls = String::from("mtllib box.mtl\nusemtl black\n");
+    for k in 0..8 {
+        let at = |bit: u32| if k >> bit & 1 == 1 { 2 } else { -2 };
+        walls += &format!("v {} {} {}\n", at(0), at(1), at(2));
+    }
+    walls += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("box.obj", walls.replace("f 1 3 4 2", "o walls\nf 1 3 4 2"));
+    folder.ok("solve a.grf box.obj -o lit.grf --error 1%");
+    // From 1 m before a wall of 4 m.
+    let fov = 2.0 * 2f64.atan().to_degrees();
+    let mut sum = 0.0;
+    for (eye, at) in [
+        ("1,0,0", "2,0,0"),
+        ("-1,0,0", "-2,0,0"),
+        ("0,1,0", "0.0001,2,0"),
+        ("0,-1,0", "0.0001,-2,0"),
+        ("0,0,1", "0,0,2"),
+        ("0,0,-1", "0,0,-2"),
+    ] {
+        folder.ok(&format!(
+            "render lit.grf --from {eye} --at {at} --fov {fov} --size 32x32 --spp 4 --gather 16 --look illuminance -o w.exr"
+        ));
+        let image = exr::read(&folder.read("w.exr")).unwrap();
+        let lux = image
+            .pixels
+            .iter()
+            .map(|p| Rgb::from(p.map(f64::from)).luminance());
+        sum += 16.0 * lux.sum::<f64>() / 1024.0;
+    }
+    assert!((sum / 1000.0 - 1.0).abs() < 5e-3, "{sum} lm");
+}
+
+/// Rings and strokes have the length along which they run.
+#[test]
+fn flux_may_be_of_a_metre_of_strokes() {
+    let folder = folder();
+    folder.write(
+        "ring.svg",
+        "<svg xmlns='http://www.w3.org/2000/svg' fill='none' stroke='#000'><circle cx='0' cy='0' r='10' stroke-width='0.5'/></svg>",
+    );
+    let report =
+        folder.json("extrude ring.svg --scale 0.1 --depth 0.05 --flux 500lm/m -o ring.grf");
+    let [length, flux] = ["stroke_metres", "flux"].map(|key| report[key].as_f64().unwrap());
+    assert!((length / (2.0 * PI) - 1.0).abs() < 1e-4, "{length}");
+    assert!((flux / (500.0 * length) - 1.0).abs() < 1e-9, "{flux}");
+    assert_eq!(folder.json("info ring.grf")["photometric"], json!(true));
+    folder.fails(
+        "extrude ring.svg --depth 1 --flux 3W -o a.grf",
+        2,
+        "1200lm or 800lm/m",
+    );
+    folder.fails(
+        "extrude ring.svg --depth 1 --flux 3lm --emission 0 -o a.grf",
+        2,
+        "colour of the light",
+    );
+}
+
+#[test]
+fn illuminance_has_a_scale() {
+    let folder = Folder::with_room();
+    let line = "render room.obj --rays 64 --size 64x48 --spp 2 --look illuminance";
+    let report = folder.json(&format!("{line} -o e.png"));
+    assert!(report["scale_end"].as_f64().unwrap() > 0.0);
+    let picture = azulejo_formats::read_picture(&folder.read("e.png")).unwrap();
+    assert!(
+        picture.width == 64 && picture.height > 48,
+        "with a scale below"
+    );
+    folder.fails(
+        &format!("{line} -o e.png --exposure 1"),
+        2,
+        "--exposure does not apply",
+    );
 }

@@ -7,7 +7,7 @@ use clap::{Arg, Command};
 /// Each command with its most options, without those of every command.
 const BUDGETS: [(&str, usize); 25] = [
     ("info", 30),
-    ("convert", 31),
+    ("convert", 32),
     ("solve", 49),
     ("bake", 76),
     ("render", 76),
@@ -17,10 +17,10 @@ const BUDGETS: [(&str, usize); 25] = [
     ("exchange", 51),
     ("experiment", 4),
     ("validate", 6),
-    ("text", 22),
+    ("text", 24),
     ("font convert", 3),
     ("font sheet", 3),
-    ("extrude", 14),
+    ("extrude", 16),
     ("brdf list", 0),
     ("brdf eval", 2),
     ("brdf plot", 5),

@@ -213,7 +213,7 @@ pub fn write(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
         values: ChannelValues::Float(image.pixels.iter().map(|pixel| pixel[k]).collect()),
     };
     let channels = (0..3).map(channel).collect();
-    write_channels((image.width, image.height), channels, "", out)
+    write_channels((image.width, image.height), channels, "", &[], out)
 }
 
 /// Largest value of half precision.
@@ -238,7 +238,7 @@ pub fn write_half(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
     };
     let channels = AnyChannels::sort((0..3).map(channel).collect());
     let size = (image.width as usize, image.height as usize);
-    write_layer(size, channels, "", out)
+    write_layer(size, channels, "", &[], out)
 }
 
 /// The values of one channel, row by row from the top.
@@ -259,7 +259,8 @@ pub struct NamedChannel {
     pub values: ChannelValues,
 }
 
-/// Writes a picture of any channels, with lossless compression, and `comments` for readers.
+/// Writes a picture of any channels, with lossless compression, `comments` for readers, and further `texts` by their
+/// names, which have at most 31 characters. All of them are of ASCII.
 ///
 /// # Errors
 /// Errors of `out`, a picture without pixels, and channels of equal names.
@@ -270,6 +271,7 @@ pub fn write_channels(
     (width, height): (u32, u32),
     channels: Vec<NamedChannel>,
     comments: &str,
+    texts: &[(String, String)],
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
     let size = (width as usize, height as usize);
@@ -282,13 +284,14 @@ pub fn write_channels(
         AnyChannel::new(channel.name.as_str(), samples)
     };
     let channels = AnyChannels::sort(channels.into_iter().map(channel).collect());
-    write_layer(size, channels, comments, out)
+    write_layer(size, channels, comments, texts, out)
 }
 
 fn write_layer(
     size: (usize, usize),
     channels: AnyChannels<FlatSamples>,
     comments: &str,
+    texts: &[(String, String)],
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
     let encoding = Encoding {
@@ -298,6 +301,7 @@ fn write_layer(
     };
     let attributes = LayerAttributes {
         comments: Text::new_or_none(comments).filter(|_| !comments.is_empty()),
+        other: texts.iter().filter_map(text_attribute).collect(),
         ..LayerAttributes::default()
     };
     let layer = Layer::new(size, attributes, encoding, channels);
@@ -311,7 +315,48 @@ fn write_layer(
             Error::Io(e) => e,
             other => io::Error::new(io::ErrorKind::InvalidInput, other.to_string()),
         })?;
-    out.write_all(file.get_ref())
+    let mut file = file.into_inner();
+    if !texts.is_empty() {
+        sort_attributes(&mut file);
+    }
+    out.write_all(&file)
+}
+
+fn text_attribute((name, value): &(String, String)) -> Option<(Text, AttributeValue)> {
+    let value = AttributeValue::Text(Text::new_or_none(value)?);
+    Some((Text::new_or_none(name)?, value))
+}
+
+/// Sorts the attributes of a file's one header by name: the library has them in the random order of its map, and equal
+/// pictures shall be equal files.
+fn sort_attributes(file: &mut [u8]) {
+    // Magic number and version precede the header.
+    const START: usize = 8;
+    let mut parts: Vec<Vec<u8>> = Vec::new();
+    let mut at = START;
+    let ends = |from: usize| {
+        file[from..]
+            .iter()
+            .position(|b| *b == 0)
+            .map(|n| from + n + 1)
+    };
+    while file.get(at).is_some_and(|b| *b != 0) {
+        // Name and type end with a zero each; the length of the value follows.
+        let Some(length_at) = ends(at).and_then(ends) else {
+            return;
+        };
+        let Some(&length) = file[length_at..].first_chunk::<4>() else {
+            return;
+        };
+        let end = length_at + 4 + u32::from_le_bytes(length) as usize;
+        let Some(part) = file.get(at..end) else {
+            return;
+        };
+        parts.push(part.to_vec());
+        at = end;
+    }
+    parts.sort();
+    file[START..at].copy_from_slice(&parts.concat());
 }
 
 #[cfg(test)]
@@ -368,7 +413,7 @@ mod tests {
             channel("B", ChannelValues::Float(vec![0.0, 1e10])),
         ];
         let mut file = Vec::new();
-        write_channels((2, 1), channels, "what they are", &mut file).unwrap();
+        write_channels((2, 1), channels, "what they are", &[], &mut file).unwrap();
         assert_eq!(
             read(&file).unwrap().pixels,
             [[0.5, 0.25, 0.0], [1.5, -1.0, 1e10]]
@@ -434,7 +479,7 @@ mod tests {
         };
         let mut file = Vec::new();
         let channels = channels.iter().map(channel).collect();
-        write_channels((1, 1), channels, "", &mut file).unwrap();
+        write_channels((1, 1), channels, "", &[], &mut file).unwrap();
         file
     }
 

@@ -4,6 +4,7 @@
 mod blocks;
 pub mod bmp;
 mod budget;
+pub mod cryptomatte;
 pub mod dds;
 pub(crate) mod error;
 pub mod exr;

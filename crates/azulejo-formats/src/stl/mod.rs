@@ -9,7 +9,7 @@ mod binary;
 mod tests;
 mod write;
 
-pub use write::{losses, write};
+pub use write::{losses, write, write_within};
 
 use crate::reading::options::check_length;
 use crate::reading::text::decoded;

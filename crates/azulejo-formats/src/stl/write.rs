@@ -1,26 +1,36 @@
 //! Writes scenes as binary STL.
 
+use crate::surface::closed::closed_meshes;
 use crate::surface::losses::LossList;
-use crate::surface::tessellate::mesh_of;
 use azulejo_scene::{Rgb, Scene, Units, Up};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};
 
-/// Writes all faces as triangles of one solid, with z up, as programs expect.
-///
-/// Coordinates are in single precision. [`losses`] describes what the format cannot represent.
+/// [`write_within`] with polygons that deviate from exact shapes by at most a thousandth of a solid's size.
 ///
 /// # Errors
-/// Those of `out`; coordinates beyond single precision, and more than 2³² triangles.
+/// As [`write_within`].
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    write_within(scene, None, out)
+}
+
+/// Writes all faces as triangles of one solid, with z up, as programs expect.
+///
+/// Coordinates are in single precision. [`losses`] describes what the format cannot represent. Polygons of exact solids
+/// deviate from them by at most `tolerance` scene units, > 0, without it by a thousandth of their size, and are closed
+/// where equal positions are merged: each edge has two triangles, of opposite directions. Meshes are as they are.
+///
+/// # Errors
+/// Those of `out`; solids that cannot be closed, with their object; coordinates beyond single precision, and more than
+/// 2³² triangles.
+pub fn write_within(scene: &Scene, tolerance: Option<f64>, out: &mut dyn Write) -> io::Result<()> {
     let turned = scene.clone().adapted(Units {
         up: Up::Z,
         ..scene.units
     });
     let mut facets: Vec<[DVec3; 3]> = Vec::new();
     let mut triangles = Vec::new();
-    for object in &turned.objects {
-        let mesh = mesh_of(object);
+    for mesh in closed_meshes(&turned, tolerance)? {
         for face in 0..mesh.faces.len() {
             triangles.clear();
             mesh.triangulate_into(face, &mut triangles);

@@ -2,6 +2,7 @@
 //! the vertices, normals and polygons of meshes, also of volumes.
 
 pub(crate) mod boundary;
+pub(crate) mod closed;
 pub(crate) mod cut;
 pub(crate) mod finite;
 pub(crate) mod gloss;

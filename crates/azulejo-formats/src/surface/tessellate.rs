@@ -9,16 +9,51 @@ const CHORD_ERROR: f64 = 1e-3;
 /// The polygons of an object: its own, or the tessellation of an exact shape, whose
 /// irradiance is left out.
 pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
+    mesh_within(object, None)
+}
+
+/// [`mesh_of`] with chords that deviate from exact shapes by at most `tolerance` world units, > 0; without it by a
+/// thousandth of the size of a solid.
+pub(crate) fn mesh_within(object: &Object, tolerance: Option<f64>) -> Cow<'_, Mesh> {
     match &object.shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
         Shape::Instance(instance) => Cow::Owned(instance.to_mesh()),
-        Shape::Primitive(primitive) => Cow::Owned(primitive.tessellate(&grids(primitive))),
-        Shape::Exact(exact) => {
-            let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
-            // The size of a letter, not of its whole line.
-            let largest = sizes.fold(0.0, f64::max);
-            Cow::Owned(exact.tessellate(CHORD_ERROR * largest))
+        Shape::Primitive(primitive) => {
+            let grids = match tolerance {
+                Some(tolerance) => primitive.grids(tolerance, f64::INFINITY),
+                None => grids(primitive),
+            };
+            Cow::Owned(primitive.tessellate(&grids))
         }
+        Shape::Exact(exact) => {
+            let tolerance = tolerance.unwrap_or_else(|| chord_error(exact));
+            Cow::Owned(exact.tessellate(tolerance))
+        }
+    }
+}
+
+/// The chord error of solids without a given tolerance.
+pub(crate) fn chord_error(exact: &Exact) -> f64 {
+    let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
+    // The size of a letter, not of its whole line.
+    CHORD_ERROR * sizes.fold(0.0, f64::max)
+}
+
+/// Replaces exact shapes by polygons whose chords deviate from them by at most `tolerance` scene units, > 0. Those with
+/// irradiance keep the polygons that carry it.
+pub fn tessellate(scene: &mut Scene, tolerance: f64) {
+    for object in &mut scene.objects {
+        let is_lit = match &object.shape {
+            Shape::Mesh(_) | Shape::Instance(_) => continue,
+            Shape::Primitive(_) => light_of(object).is_some(),
+            Shape::Exact(exact) => exact.proxy.is_some(),
+        };
+        let mesh = if is_lit {
+            lit_mesh_of(object)
+        } else {
+            mesh_within(object, Some(tolerance))
+        };
+        object.shape = Shape::Mesh(mesh.into_owned());
     }
 }
 

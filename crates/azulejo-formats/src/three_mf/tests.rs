@@ -171,7 +171,7 @@ fn y_up_is_turned_and_odd_units_are_converted() {
     assert_eq!(highest.fold(0.0, f64::max), 1.5, "y has become z");
     assert!(losses(&scene).contains(&"the unit, converted to metres".to_owned()));
     scene.units.metres_per_unit = None;
-    assert!(losses(&scene).contains(&"an unknown unit, written as metres".to_owned()));
+    assert!(losses(&scene).contains(&"an unknown unit, written as millimetres".to_owned()));
 }
 
 #[test]

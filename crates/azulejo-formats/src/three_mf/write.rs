@@ -1,9 +1,12 @@
 //! Writes scenes as 3MF.
 
+use super::UNITS;
 use crate::picture::srgb::srgb_from_linear;
+use crate::surface::closed::closed_meshes;
 use crate::surface::losses::{LossList, is_more_than_colour};
 use crate::surface::tessellate::mesh_of;
-use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Units, Up};
+use azulejo_scene::{Material, MaterialId, Mesh, Rgb, Scene, Units, Up};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 use std::io::{self, BufWriter, Cursor, Write};
@@ -21,34 +24,36 @@ const RELATIONSHIPS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
     Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
 
-/// The units of 3MF by their length in metres.
-const UNITS: [(&str, f64); 6] = [
-    ("micron", 1e-6),
-    ("millimeter", 1e-3),
-    ("centimeter", 1e-2),
-    ("inch", 0.0254),
-    ("foot", 0.3048),
-    ("meter", 1.0),
-];
-
 /// Id of the list of materials; objects follow.
 const MATERIALS: usize = 1;
 
+/// [`write_within`] with polygons that deviate from exact shapes by at most a thousandth of a solid's size.
+///
+/// # Errors
+/// As [`write_within`].
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    write_within(scene, None, out)
+}
+
 /// Writes each object as a mesh of triangles with a material for each, all in one build, with z up.
 ///
-/// Coordinates read back to the same values; if the format does not have the unit of the scene, they are
+/// Coordinates of meshes read back to the same values; if the format does not have the unit of the scene, they are
 /// converted to metres. Objects that enclose a volume are models, all others surfaces.
+/// Polygons of exact solids deviate from them by at most `tolerance` scene units, > 0, without it by a thousandth of
+/// their size, and are closed also where equal positions are merged: each edge has two triangles, of opposite directions.
 /// [`losses`] describes what the format cannot represent.
 ///
 /// # Errors
-/// Those of `out`; packages of 4 GiB and more.
-pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+/// Those of `out`; solids that cannot be closed, with their object; packages of 4 GiB and more.
+pub fn write_within(scene: &Scene, tolerance: Option<f64>, out: &mut dyn Write) -> io::Result<()> {
     let (unit, metres) = unit(scene);
+    let tolerance = tolerance.map(|t| t * scene.units.metres_per_unit.unwrap_or(metres) / metres);
     let scene = scene.clone().adapted(Units {
         up: Up::Z,
         metres_per_unit: scene.units.metres_per_unit.map(|_| metres),
         ..scene.units
     });
+    let meshes = closed_meshes(&scene, tolerance)?;
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
     // In memory, because the size of a part precedes it.
     let mut package = ZipWriter::new(Cursor::new(Vec::new()));
@@ -58,17 +63,17 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     package.write_all(RELATIONSHIPS.as_bytes())?;
     package.start_file("3D/3dmodel.model", options)?;
     let mut part = BufWriter::new(&mut package);
-    model(&scene, unit, &mut part)?;
+    model(&scene, &meshes, unit, &mut part)?;
     part.flush()?;
     drop(part);
     out.write_all(package.finish()?.get_ref())?;
     out.flush()
 }
 
-/// The unit of the file and its length in metres: that of the scene, or metres, as azulejo
-/// assumes where none is known.
+/// The unit of the file and its length in metres: that of the scene, or millimetres where none is known, as slicers
+/// take STL and OBJ.
 fn unit(scene: &Scene) -> (&'static str, f64) {
-    let metres = scene.units.metres_per_unit.unwrap_or(1.0);
+    let metres = scene.units.metres_per_unit.unwrap_or(1e-3);
     let same = |u: &&(&str, f64)| (u.1 / metres - 1.0).abs() < 1e-9;
     *UNITS.iter().find(same).unwrap_or(&UNITS[5])
 }
@@ -99,11 +104,11 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         .irradiance()
         .single_precision(", in programs that read them")
         .once(is_odd, "the unit, converted to metres")
-        .once(known.is_none(), "an unknown unit, written as metres")
+        .once(known.is_none(), "an unknown unit, written as millimetres")
         .finish()
 }
 
-fn model(scene: &Scene, unit: &str, out: &mut dyn Write) -> io::Result<()> {
+fn model(scene: &Scene, meshes: &[Cow<Mesh>], unit: &str, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"{unit}\" xml:lang=\"en-US\" \
@@ -114,9 +119,9 @@ fn model(scene: &Scene, unit: &str, out: &mut dyn Write) -> io::Result<()> {
         materials(&scene.materials, out)?;
     }
     let mut items = Vec::new();
-    for object in &scene.objects {
+    for (object, mesh) in scene.objects.iter().zip(meshes) {
         let id = MATERIALS + 1 + items.len();
-        if mesh_object(object, id, out)? {
+        if mesh_object(&object.name, mesh, id, out)? {
             items.push(id);
         }
     }
@@ -161,9 +166,8 @@ fn triangles(mesh: &Mesh) -> Vec<([u32; 3], MaterialId)> {
 }
 
 /// Writes an object; `false` if nothing of it is left.
-fn mesh_object(object: &Object, id: usize, out: &mut dyn Write) -> io::Result<bool> {
-    let mesh = mesh_of(object);
-    let triangles = triangles(&mesh);
+fn mesh_object(name: &str, mesh: &Mesh, id: usize, out: &mut dyn Write) -> io::Result<bool> {
+    let triangles = triangles(mesh);
     let Some(&(_, usual)) = triangles.first() else {
         return Ok(false);
     };
@@ -177,7 +181,7 @@ fn mesh_object(object: &Object, id: usize, out: &mut dyn Write) -> io::Result<bo
         });
     }
     let kind = if mesh.is_closed() { "model" } else { "surface" };
-    let name = XmlText(&object.name);
+    let name = XmlText(name);
     writeln!(
         out,
         "<object id=\"{id}\" type=\"{kind}\" name=\"{name}\" pid=\"{MATERIALS}\" \

@@ -8,6 +8,7 @@ mod mgf_instances;
 mod obj;
 mod openflight;
 mod sff;
+mod solids;
 mod solvers;
 mod table_1;
 #[cfg(feature = "fonts")]

@@ -1,6 +1,6 @@
 //! Areas of exact shapes, without a mesh of all their prisms.
 
-use super::facet::{FlatFigureCache, facets};
+use super::facet::{FlatFigureCache, facets, outline_length};
 use super::mesh_of;
 use crate::math::area_vector;
 use crate::{Bevel, Exact, Figure, Leaf, MaterialId, Prism, Solid};
@@ -36,8 +36,31 @@ impl Exact {
     }
 }
 
+impl Exact {
+    /// The length of the outlines of all prisms, where contours overlap that of their union, along chords that deviate
+    /// by at most `chord_error` > 0, world units.
+    pub fn outline_length(&self, chord_error: f64) -> f64 {
+        let mut known: HashMap<PrismKey, f64> = HashMap::new();
+        let mut flats = FlatFigureCache::default();
+        let leaves = self.leaves().into_iter();
+        let lengths = leaves.map(|leaf| match leaf {
+            Leaf::Prism(prism) => *known
+                .entry(prism_key(prism))
+                .or_insert_with(|| outline_length(prism, chord_error, &mut flats)),
+            Leaf::Primitive(_) | Leaf::Patch(_) | Leaf::Mesh(_) => 0.0,
+        });
+        lengths.sum()
+    }
+}
+
 /// A prism without its position: the figure, the bevel, and the bits of the map's axes.
 type PrismKey = (*const Figure, Option<*const Bevel>, [u64; 9]);
+
+fn prism_key(prism: &Prism) -> PrismKey {
+    let axes = prism.world_from_figure.matrix3.to_cols_array();
+    let bevel = prism.bevel.as_ref().map(Arc::as_ptr);
+    (Arc::as_ptr(&prism.figure), bevel, axes.map(f64::to_bits))
+}
 
 /// The areas found so far.
 struct AreaTally<'a> {
@@ -64,11 +87,8 @@ impl<'a> AreaTally<'a> {
     }
 
     fn prism(&mut self, prism: &Prism) -> f64 {
-        let axes = prism.world_from_figure.matrix3.to_cols_array();
-        let bevel = prism.bevel.as_ref().map(Arc::as_ptr);
-        let key = (Arc::as_ptr(&prism.figure), bevel, axes.map(f64::to_bits));
         let (error, flats) = (self.chord_error, &mut self.flats);
-        *self.prisms.entry(key).or_insert_with(|| {
+        *self.prisms.entry(prism_key(prism)).or_insert_with(|| {
             // At the origin, so that the area does not depend on which prism came first.
             let mut at_origin = prism.clone();
             at_origin.world_from_figure.translation = DVec3::ZERO;

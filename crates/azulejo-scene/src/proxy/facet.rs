@@ -188,15 +188,33 @@ fn patch_normal(patch: &BicubicPatch, u: f64, v: f64) -> DVec3 {
     normal.normalize_or(DVec3::Z)
 }
 
-fn prism_facets(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
-    let map = &prism.world_from_figure;
-    let m = map.matrix3;
+/// The chord error of a prism's figure, in its units, and how many world units these are at most; `None` without size.
+fn figure_tolerance(prism: &Prism, chord_error: f64) -> Option<[f64; 2]> {
+    let m = prism.world_from_figure.matrix3;
     let stretch = m.x_axis.length().hypot(m.y_axis.length());
     let size = prism.figure.bounds().size().length();
     let tolerance = (chord_error / stretch).clamp(FINEST * size, COARSEST * size);
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
+    (tolerance > 0.0 && tolerance.is_finite()).then_some([tolerance, stretch])
+}
+
+/// The length of a prism's outline in the world.
+pub(super) fn outline_length(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> f64 {
+    let Some([tolerance, _]) = figure_tolerance(prism, chord_error) else {
+        return 0.0;
+    };
+    let flat = &flats.get(&prism.figure, tolerance).flat;
+    let side = |&[a, b]: &[u32; 2]| {
+        let way = flat.points[b as usize] - flat.points[a as usize];
+        (prism.world_from_figure.matrix3 * way.extend(0.0)).length()
+    };
+    flat.border.iter().map(side).sum()
+}
+
+fn prism_facets(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
+    let m = prism.world_from_figure.matrix3;
+    let Some([tolerance, stretch]) = figure_tolerance(prism, chord_error) else {
         return Vec::new();
-    }
+    };
     let prepared = flats.get(&prism.figure, tolerance);
     let mut builder = PrismFacets::new(prism);
     match &prism.bevel {

@@ -56,6 +56,30 @@ impl Exact {
         }
         mesh_of(self.solids.iter(), chord_error, size)
     }
+
+    /// A mesh for each solid, as [`tessellate`](Exact::tessellate), but never coarser than requested. `None` if one has
+    /// more than `most` faces.
+    pub fn tessellate_each(&self, chord_error: f64, most: usize) -> Option<Vec<Mesh>> {
+        let mut flats = FlatFigureCache::default();
+        let mut meshes = Vec::with_capacity(self.solids.len());
+        for solid in &self.solids {
+            let size = solid.bounds().diagonal();
+            if !(size > 0.0 && size.is_finite() && chord_error > 0.0) {
+                meshes.push(Mesh::default());
+                continue;
+            }
+            let mut mesher = ProxyMesher {
+                chord_error,
+                builder: ProxyMeshBuilder::new(SAME * size),
+                flats,
+                most,
+            };
+            mesher.add(solid)?;
+            meshes.push(mesher.builder.finish());
+            flats = mesher.flats;
+        }
+        Some(meshes)
+    }
 }
 
 /// The polygons of solids, with a chord error so large that there are not too many. `size` is that

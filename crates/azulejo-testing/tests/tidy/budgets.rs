@@ -7,17 +7,17 @@ use std::path::Path;
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
 const BUDGETS: [(&str, usize); 14] = [
-    ("azulejo", 5800),
+    ("azulejo", 5870),
     ("azulejo-bake", 5600),
-    ("azulejo-cli", 24_720),
+    ("azulejo-cli", 25_060),
     ("azulejo-exchange", 8350),
     ("azulejo-factors", 18_340),
-    ("azulejo-formats", 70_440),
+    ("azulejo-formats", 72_080),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 3100),
     ("azulejo-radiosity", 7960),
-    ("azulejo-render", 5300),
-    ("azulejo-scene", 17_140),
+    ("azulejo-render", 5560),
+    ("azulejo-scene", 17_220),
     ("azulejo-testing", 540),
     ("azulejo-trace", 13_950),
     ("azulejo-workbench", 27_400),

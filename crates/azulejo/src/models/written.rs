@@ -6,7 +6,7 @@ use super::written_formats::{
     ModelWriter, NamedFiles, PLAIN_GRF, WrittenFormat, by_extension, extensions, is_gzip,
 };
 use crate::output::{self, Draft, Output, OutputError};
-use azulejo_formats::divide_into_triangles;
+use azulejo_formats::{divide_into_triangles, open_objects, tessellate};
 use azulejo_scene::{Mesh, Object, Scene};
 use azulejo_trace::Progress;
 use flate2::Compression;
@@ -31,6 +31,13 @@ pub enum WriteFailure {
     },
     /// Only GRF has a plain form.
     NotPlain(PathBuf),
+    /// The format keeps exact shapes, so that there is no tolerance for polygons.
+    NoPolygons {
+        /// The path.
+        path: PathBuf,
+        /// The name of the format.
+        format: &'static str,
+    },
     /// The files could not be written, or the work was cancelled.
     Output(OutputError),
 }
@@ -54,6 +61,13 @@ impl fmt::Display for WriteFailure {
                 write!(
                     f,
                     "{path}: only GRF has a plain form, expected .grf or .grf.gz"
+                )
+            }
+            WriteFailure::NoPolygons { path, format } => {
+                let (path, others) = (path.display(), extensions(|f| !f.keeps_outlines()));
+                write!(
+                    f,
+                    "{path}: {format} keeps exact shapes and needs no tolerance, expected {others}"
                 )
             }
             WriteFailure::Output(error) => error.fmt(f),
@@ -100,6 +114,8 @@ pub struct ModelOutput {
     model: Output,
     /// Whether polygons are divided into triangles; without it, where most readers want them.
     triangles: Option<bool>,
+    /// The chord error of polygons for exact shapes, scene units; without it, a thousandth of their size.
+    tolerance: Option<f64>,
 }
 
 impl ModelOutput {
@@ -118,6 +134,7 @@ impl ModelOutput {
             format,
             model: Output::check(path)?,
             triangles: None,
+            tolerance: None,
         })
     }
 
@@ -155,6 +172,40 @@ impl ModelOutput {
     /// The same with polygons divided into triangles, or not; PLY is divided by default.
     pub fn with_triangles(self, triangles: Option<bool>) -> ModelOutput {
         ModelOutput { triangles, ..self }
+    }
+
+    /// The same with polygons whose chords deviate from exact shapes by at most `tolerance` scene units, > 0.
+    ///
+    /// # Errors
+    /// [`WriteFailure::NoPolygons`].
+    pub fn with_tolerance(self, tolerance: Option<f64>) -> Result<ModelOutput, WriteFailure> {
+        if tolerance.is_some() && self.format.keeps_outlines() {
+            return Err(WriteFailure::NoPolygons {
+                path: self.model.path().to_owned(),
+                format: self.format.name,
+            });
+        }
+        Ok(ModelOutput { tolerance, ..self })
+    }
+
+    /// Says which objects of a scene are not closed, if the format is for printers; `None` if all are.
+    pub fn open_objects(&self, scene: &Scene) -> Option<String> {
+        const NAMED: usize = 5;
+        if !self.format.is_for_printers() {
+            return None;
+        }
+        let open = open_objects(scene);
+        let name = |(name, edges): &(&str, usize)| format!("\"{name}\" ({edges} open edges)");
+        let names: Vec<String> = open.iter().take(NAMED).map(name).collect();
+        let more = if open.len() > NAMED { ", ..." } else { "" };
+        (!open.is_empty()).then(|| {
+            format!(
+                "{} of {} objects are not closed, so that slicers may refuse them: {}{more}",
+                open.len(),
+                scene.objects.len(),
+                names.join(", ")
+            )
+        })
     }
 
     /// The chosen format.
@@ -196,6 +247,10 @@ impl ModelOutput {
         let mut scene = Cow::Borrowed(scene);
         self.smooth(&mut scene);
         let mut losses = self.format.losses(&scene);
+        let by_writer = self.format.is_for_printers();
+        if let Some(tolerance) = self.tolerance.filter(|_| !by_writer) {
+            tessellate(scene.to_mut(), tolerance);
+        }
         self.divide(&mut scene);
         let scene = &*scene;
         let keeps = self.format.keeps_surface_pictures();
@@ -216,6 +271,12 @@ impl ModelOutput {
             }
             ModelWriter::One(write) => {
                 let packed = |out: &mut dyn Write| self.packed(out, |out| write(scene, out));
+                self.model.write(progress, packed)?;
+            }
+            ModelWriter::Solid(write) => {
+                let tolerance = self.tolerance;
+                let packed =
+                    |out: &mut dyn Write| self.packed(out, |out| write(scene, tolerance, out));
                 self.model.write(progress, packed)?;
             }
             ModelWriter::Several(write) => self.write_several(*write, scene, progress)?,
@@ -407,8 +468,7 @@ mod tests {
     fn an_empty_scene_reads_again() {
         use crate::models::{Reading, read};
         let folder = folder("empty");
-        // 3MF is not read.
-        for format in FORMATS.iter().filter(|f| f.extension != "3mf") {
+        for format in &FORMATS {
             let path = folder.join(format!("empty.{}", format.extension));
             write(&Scene::default(), &path, &Progress::new()).unwrap();
             let again = read(&path, &Reading::default(), &Progress::new());

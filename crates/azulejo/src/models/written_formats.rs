@@ -1,6 +1,6 @@
 //! The formats that models are written in.
 
-use ModelWriter::{One, Pictured, Several, Two};
+use ModelWriter::{One, Pictured, Several, Solid, Two};
 use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, three_mf, view3d, vrml};
 use azulejo_scene::{Material, Scene};
 use std::io::{self, Write};
@@ -32,6 +32,8 @@ pub(super) enum ModelWriter {
     ),
     /// A file and others to which it refers, whose names start with its own.
     Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
+    /// One file of closed polygons, whose chords deviate by so much from exact solids.
+    Solid(fn(&Scene, Option<f64>, &mut dyn Write) -> io::Result<()>),
     /// A file that refers to images, relative to its folder.
     Pictured(fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>),
 }
@@ -62,9 +64,14 @@ pub static FORMATS: [WrittenFormat; 12] = [
     format("View3D", "vs3", One(view3d::write), view3d::losses),
     format("VRML97", "wrl", Pictured(vrml::write), vrml::losses),
     format("X3D", "x3d", Pictured(vrml::write_x3d), vrml::losses),
-    format("STL", "stl", One(stl::write), stl::losses).single(),
+    format("STL", "stl", Solid(stl::write_within), stl::losses).single(),
     format("DXF", "dxf", One(dxf::write), dxf::losses),
-    format("3MF", "3mf", One(three_mf::write), three_mf::losses),
+    format(
+        "3MF",
+        "3mf",
+        Solid(three_mf::write_within),
+        three_mf::losses,
+    ),
 ];
 
 /// A format that keeps no light and has numbers of 64 bits.
@@ -126,9 +133,19 @@ impl WrittenFormat {
         !matches!(self.extension, "obj" | "ply" | "dxf")
     }
 
+    /// Whether all exact shapes stay what they are.
+    pub(super) fn keeps_outlines(&self) -> bool {
+        matches!(self.name, "GRF" | "SFF")
+    }
+
+    /// Whether it is for printers, which need closed surfaces.
+    pub(super) fn is_for_printers(&self) -> bool {
+        matches!(self.writer, Solid(_))
+    }
+
     /// Whether a model is one file, which may be compressed.
     fn is_alone(&self) -> bool {
-        matches!(self.writer, One(_) | Pictured(_))
+        matches!(self.writer, One(_) | Pictured(_) | Solid(_))
     }
 
     /// What of a scene the format cannot represent, as text; empty if nothing is lost.

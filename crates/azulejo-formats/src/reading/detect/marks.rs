@@ -17,10 +17,8 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"#?RADIANCE", Err("a Radiance picture")),
         (b"IESNA", Ok(Photometry)),
         (b"IES:LM-63", Ok(Photometry)),
-        (
-            b"PK\x03\x04",
-            Err("a zip archive, or 3MF, which is written only; unpack it first"),
-        ),
+        // Other archives than packages are told by what is in them.
+        (b"PK\x03\x04", Ok(ThreeMf)),
         (b"%PDF", Err("a PDF document")),
         (b"BLENDER", Err("a Blender file; export it as glTF")),
         (b"Kaydara FBX", Err("an FBX model; export it as glTF")),

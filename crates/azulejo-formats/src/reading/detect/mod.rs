@@ -64,6 +64,8 @@ pub enum Format {
     EnergyPlus,
     /// Photometric files of luminaires: IES LM-63 and EULUMDAT.
     Photometry,
+    /// 3D Manufacturing Format.
+    ThreeMf,
 }
 
 /// The error for bytes in none of the supported formats.
@@ -82,7 +84,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, CityJSON, DXF, EnergyPlus, EULUMDAT, glTF, gmsh, GRF, IES, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, 3MF, Abaqus, CityJSON, DXF, EnergyPlus, EULUMDAT, glTF, gmsh, GRF, IES, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///

@@ -7,10 +7,10 @@ use crate::library::slug;
 use crate::ui::panel_context::PanelContext;
 
 /// Extensions of readable models, for the file dialog; the format is detected from the content.
-const MODELS: [&str; 34] = [
+const MODELS: [&str; 35] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
-    "sff", "scn", "grf", "vs3", "msh", "off", "vtk", "vtu", "vtp", "bdf", "nas", "dat", "fem",
-    "blk", "inp", "foam", "json", "jsonl", "idf", "epjson", "gz",
+    "3mf", "sff", "scn", "grf", "vs3", "msh", "off", "vtk", "vtu", "vtp", "bdf", "nas", "dat",
+    "fem", "blk", "inp", "foam", "json", "jsonl", "idf", "epjson", "gz",
 ];
 
 /// The extension added to a name without one.
