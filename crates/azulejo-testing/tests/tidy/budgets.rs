@@ -19,7 +19,7 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-render", 5560),
     ("azulejo-scene", 17_220),
     ("azulejo-testing", 540),
-    ("azulejo-trace", 13_950),
+    ("azulejo-trace", 14_090),
     ("azulejo-workbench", 27_400),
 ];
 
