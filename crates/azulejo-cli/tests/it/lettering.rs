@@ -5,7 +5,7 @@ use crate::tiny_font;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 use serde_json::{Value, json};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 const SERIF: &str = "serif.ppf";
 
@@ -537,7 +537,7 @@ fn edges_are_cut_off_or_rounded() {
     }
     folder.ok("extrude plate.svg --depth 2 --bevel 0.5:both -o round.grf");
     // Quarter cylinders, whose ends are mitred.
-    let round = 4.0 * (3.0 * 0.25 * std::f64::consts::PI + 2.0 * 0.25);
+    let round = 4.0 * (3.0 * 0.25 * PI + 2.0 * 0.25);
     close(area("round.grf"), 16.0 + 2.0 * (round + 9.0));
     let lost = folder.ok("convert round.grf -o round.sff").err;
     assert!(lost.contains("1 shapes whose bevels are omitted"), "{lost}");
@@ -562,7 +562,7 @@ fn layers_rise_over_what_they_are_painted_on() {
     folder.ok("extrude badge.svg --depth 2 --layers inlay -o flush.grf");
     let report = folder.json("info flush.grf");
     check(bounds(&report), [0.0, 0.0, -2.0, 10.0, 10.0, 0.0]);
-    let around = 4.0 * 10.0 + 2.0 * std::f64::consts::TAU * (3.0 + 1.0);
+    let around = 4.0 * 10.0 + 2.0 * TAU * (3.0 + 1.0);
     let area = report["object_list"][0]["area"].as_f64().unwrap();
     let expected = 2.0 * 100.0 + 2.0 * around;
     assert!((area / expected - 1.0).abs() < 1e-3, "{area} {expected}");
