@@ -1,4 +1,4 @@
-//! Any bytes as a drawing in SVG or DXF: its figures must make a valid scene.
+//! Any bytes as a drawing in SVG or DXF: its figures must make a valid scene, and polygons.
 #![no_main]
 
 use azulejo_formats::outline::Filled;
@@ -21,6 +21,14 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(drawing) = read_drawing(bytes, "fuzz", &font(), &options) else {
         return;
     };
+    for shape in drawing
+        .shapes
+        .iter()
+        .filter(|s| s.figure.curve_count() < 1000)
+    {
+        let size = shape.figure.bounds().size().max_element();
+        shape.figure.tiling(1e-3 * size);
+    }
     let mut scene = Scene::default();
     scene.add_material(Material::default());
     let prism = |shape: Filled| {

@@ -36,6 +36,8 @@ pub(crate) struct Integrator<'a> {
     scene: RenderScene<'a>,
     /// Where irradiance is gathered.
     pub gather: FinalGather,
+    /// See [`SecondPass::evenness`](crate::SecondPass::evenness).
+    evenness: f64,
     /// Whether the scene carries irradiance.
     is_solved: bool,
     /// Whether it has a lightmap, of which surfaces without one get light.
@@ -95,6 +97,7 @@ impl<'a> Integrator<'a> {
         Integrator {
             scene: RenderScene::new(scene, tracer),
             gather: options.gather,
+            evenness: options.evenness,
             is_solved: scene.is_solved(),
             has_lightmap: scene.has_lightmap(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
@@ -383,7 +386,9 @@ impl<'a> CameraPath<'_, 'a> {
         let solved = (shows_patches || may_be_baked).then(look_up);
         if let Some(solved) = solved.filter(|s| shows_patches || s.is_baked()) {
             let may_gather = matches!(self.integrator.gather, FinalGather::Uneven(_));
-            let is_uneven = may_gather && segment.is_sharp() && solved.is_uneven(at.front);
+            let is_uneven = may_gather
+                && segment.is_sharp()
+                && solved.is_uneven(at.front, self.integrator.evenness);
             match solved.irradiance(at.front) {
                 Some(irradiance) if !is_uneven => {
                     self.read_irradiance(segment, at, irradiance, weight);

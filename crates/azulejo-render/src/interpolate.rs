@@ -10,9 +10,6 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The irradiance of corners may differ by this share of the largest.
-const UNEVEN: f64 = 0.5;
-
 /// Interpolates the values of vertices at the hits of a tracer.
 pub(crate) struct Interpolator<'a> {
     scene: &'a Scene,
@@ -406,24 +403,26 @@ impl IrradianceLookup<'_> {
         }
     }
 
-    /// Whether the irradiance of the corners differs so much, beyond their standard errors, that the
-    /// light between them is not known: it may change at a line, and it may not change at all where
+    /// Whether the irradiance of the corners differs by more than `share` of the largest, beyond their standard errors, so
+    /// that the light between them is not known: it may change at a line, and it may not change at all where
     /// a corner alone is lit through a gap.
-    pub fn is_uneven(&self, front: bool) -> bool {
+    pub fn is_uneven(&self, front: bool, share: f64) -> bool {
         match (&self.source, front) {
             (IrradianceSource::Mesh(placed, weights), true) => weights.is_uneven(
                 placed.mesh,
                 &|v| placed.irradiance.get(v).copied(),
                 placed.irradiance_error,
+                share,
             ),
             (IrradianceSource::Exact(Some((mesh, weights))), true) => weights.is_uneven(
                 mesh,
                 &|v| mesh.irradiance.get(v).copied(),
                 &mesh.irradiance_error,
+                share,
             ),
             (IrradianceSource::Mesh(placed, weights), false) => placed.back.is_some_and(|back| {
                 let value = |v: usize| back.irradiance.get(v).copied().flatten();
-                weights.is_uneven(placed.mesh, &value, &back.error)
+                weights.is_uneven(placed.mesh, &value, &back.error, share)
             }),
             (IrradianceSource::Primitive(p, part, u, v), true) => {
                 let light = p.light.as_ref();
@@ -432,7 +431,7 @@ impl IrradianceLookup<'_> {
                         let error = light.error.get(k).copied().unwrap_or_default();
                         (light.irradiance[k].mean(), error.mean())
                     });
-                    differ(values)
+                    differ(values, share)
                 })
             }
             // Texels are as fine as whoever baked them wanted.
@@ -493,6 +492,7 @@ impl Weights {
         mesh: &Mesh,
         value: &impl Fn(usize) -> Option<Rgb>,
         errors: &[Rgb],
+        share: f64,
     ) -> bool {
         let corners = self.corners.iter();
         let known = corners.filter_map(|&c| {
@@ -500,7 +500,7 @@ impl Weights {
             let error = errors.get(vertex).copied().unwrap_or_default();
             Some((value(vertex)?.mean(), error.mean()))
         });
-        differ(known)
+        differ(known, share)
     }
 
     /// The mean of the irradiance on the backs of vertices, if all of them have any.
@@ -534,14 +534,14 @@ impl Weights {
     }
 }
 
-/// Whether the largest of some values exceeds the least by more than the share [`UNEVEN`] of itself
-/// and three of their standard errors.
-fn differ(values: impl IntoIterator<Item = (f64, f64)>) -> bool {
+/// Whether the largest of some values exceeds the least by more than a share of itself and three of their standard
+/// errors.
+fn differ(values: impl IntoIterator<Item = (f64, f64)>, share: f64) -> bool {
     let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     let (least, most, error) = values.into_iter().fold(start, |(a, b, e), (value, error)| {
         (a.min(value), b.max(value), e.max(error))
     });
-    most - least > UNEVEN * most + 3.0 * error
+    most - least > share * most + 3.0 * error
 }
 
 /// Bilinear coordinates `(s, t)`, in 0..=1, of the point

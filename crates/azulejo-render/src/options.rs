@@ -9,6 +9,10 @@ pub struct SecondPass {
     pub samples_per_pixel: u32,
     /// Where irradiance is gathered instead of interpolated between vertices.
     pub gather: FinalGather,
+    /// By which share of the largest the irradiance of a face's corners may differ, beyond their errors, before
+    /// [`FinalGather::Uneven`] gathers between them; > 0. A small model in a large scene has few patches, between
+    /// which more may happen than in those of a room.
+    pub evenness: f64,
     /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
     pub seed: u64,
     /// A safety cap on mirrors and boundaries along one path, for closed rooms of perfect
@@ -63,6 +67,7 @@ impl Default for SecondPass {
             size: (512, 512),
             samples_per_pixel: 16,
             gather: FinalGather::Unknown,
+            evenness: 0.5,
             seed: 0,
             max_depth: 1000,
             clamp: None,

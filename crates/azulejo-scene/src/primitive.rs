@@ -16,7 +16,7 @@ pub struct Primitive {
     /// Its one material.
     pub material: MaterialId,
     /// Irradiance on the surface, once the scene is solved.
-    pub light: Option<SurfaceLight>,
+    pub light: Option<Box<SurfaceLight>>,
 }
 
 /// The unit primitives. Their front is the outside. All are closed but the tube and the square.
@@ -144,7 +144,10 @@ impl PrimitiveKind {
     /// Object-space position and the derivatives by `u` and `v`, ordered so that
     /// `du × dv` points outside.
     fn point(&self, part: usize, u: f64, v: f64) -> (DVec3, DVec3, DVec3) {
-        let (sin, cos) = (TAU * u).sin_cos();
+        // Flat parts need no angle.
+        let is_flat = matches!(self, PrimitiveKind::Cuboid | PrimitiveKind::Square);
+        let angle = if is_flat { 0.0 } else { TAU * u };
+        let (sin, cos) = angle.sin_cos();
         let ring = |r: f64, z: f64| DVec3::new(r * cos, r * sin, z);
         let d_ring = |r: f64| DVec3::new(-TAU * r * sin, TAU * r * cos, 0.0);
         let side = |top: f64| {
@@ -180,12 +183,12 @@ impl PrimitiveKind {
     /// Object-space normal of the outside, any length, exact also at poles and apexes.
     fn normal(&self, part: usize, u: f64, v: f64) -> DVec3 {
         let (p, du, dv) = self.point(part, u, v);
-        let (sin, cos) = (TAU * u).sin_cos();
         match (*self, part) {
             (PrimitiveKind::Sphere, _) => p,
             (PrimitiveKind::Cylinder, 1) | (PrimitiveKind::Cone { .. }, 1) => -DVec3::Z,
             (PrimitiveKind::Cylinder, 2) | (PrimitiveKind::Cone { .. }, 2) => DVec3::Z,
             (PrimitiveKind::Cone { top }, 0) | (PrimitiveKind::Tube { top }, _) => {
+                let (sin, cos) = (TAU * u).sin_cos();
                 DVec3::new(cos, sin, 1.0 - top)
             }
             _ => du.cross(dv),
@@ -195,8 +198,9 @@ impl PrimitiveKind {
     /// Part and `(u, v)` of an object-space point on (or, by rounding, near) the surface.
     pub fn locate(&self, p: DVec3) -> (usize, f64, f64) {
         let azimuth = || p.y.atan2(p.x).rem_euclid(TAU) / TAU;
-        let radius = p.x.hypot(p.y);
+        let radius = || p.x.hypot(p.y);
         let turned = |top: f64| -> (usize, f64, f64) {
+            let radius = radius();
             // The distances to the side and to the two caps: the point belongs to the nearest.
             let side = (radius - (1.0 + (top - 1.0) * p.z)).abs();
             let (bottom, upper) = (
@@ -216,7 +220,7 @@ impl PrimitiveKind {
             }
         };
         match *self {
-            PrimitiveKind::Sphere => (0, azimuth(), 0.5 + p.z.atan2(radius) / PI),
+            PrimitiveKind::Sphere => (0, azimuth(), 0.5 + p.z.atan2(radius()) / PI),
             PrimitiveKind::Cylinder => turned(1.0),
             PrimitiveKind::Cone { top } => turned(top),
             PrimitiveKind::Tube { .. } => (0, azimuth(), p.z.clamp(0.0, 1.0)),

@@ -359,7 +359,7 @@ impl Scene {
 fn store_irradiance(shape: &mut Shape, light: ObjectIrradiance) {
     match (shape, light) {
         (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => exact.proxy = Some(proxy),
-        (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
+        (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(Box::new(light)),
         (shape @ (Shape::Mesh(_) | Shape::Instance(_)), ObjectIrradiance::Refined(mesh)) => {
             *shape = Shape::Mesh(*mesh);
         }

@@ -5,6 +5,10 @@ use crate::{CoordinateRounding, Exact, Mesh, MeshInstance, PlacedMesh, Primitive
 
 /// The geometry of one object.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "nearly all objects are meshes, and a scene has far fewer objects than polygons"
+)]
 pub enum Shape {
     /// Polygons.
     Mesh(Mesh),

@@ -29,8 +29,8 @@ pub enum Solid {
     Prism(Prism),
     /// A bicubic Bézier patch; open.
     Patch(BicubicPatch),
-    /// Polygons, all of one material.
-    Mesh(Mesh),
+    /// Polygons, all of one material. In a box, because a text is a list of a million prisms.
+    Mesh(Box<Mesh>),
     /// Open pieces that together close a volume, as a tube and two discs do.
     Shell(Vec<Solid>),
     /// The result of a set operation.

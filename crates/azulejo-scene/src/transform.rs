@@ -323,11 +323,11 @@ mod tests {
     #[test]
     fn a_mirrored_sheet_keeps_its_front_and_its_light() {
         let mut sheet = Primitive::parallelogram(DVec3::ZERO, 2.0 * DVec3::X, DVec3::Y, 0);
-        sheet.light = Some(SurfaceLight {
+        sheet.light = Some(Box::new(SurfaceLight {
             grids: vec![crate::SurfaceGrid { nu: 2, nv: 1 }],
             irradiance: (0..6).map(|k| Rgb::grey(f64::from(k))).collect(),
             error: Vec::new(),
-        });
+        }));
         let before = sheet.clone();
         sheet.transform(&DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)));
         assert_eq!(sheet.point(0, 0.5, 0.5).normal, DVec3::Z);

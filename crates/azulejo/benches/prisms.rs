@@ -8,7 +8,7 @@
 //!   `text` where that program is installed.
 //! - `memory`: what a process holds that has read the scene and built its tracer.
 //! - `curves`: how many tests of a line with a curve end before its cubic is solved, and how long
-//!   a test takes.
+//!   a test takes: for both pages and all fonts.
 //! - `chords`: rays against polygons that leave the curves by 1e-6, or bevels by 2e-5.
 //! - `parity`: whether rays that enter leave, over all glyphs of all fonts, also with bevels.
 //!
@@ -56,7 +56,13 @@ fn main() {
         Page::NAMES.into_iter().for_each(memory);
     }
     if wants("curves") {
-        pages().iter().for_each(|page| curves::measure(page, quick));
+        for page in pages() {
+            let figures: Vec<_> = page.outlines.into_values().collect();
+            curves::measure(&page.name, &figures, quick);
+        }
+        for (name, figures) in letters::fonts() {
+            curves::measure(&name, &figures, quick);
+        }
     }
     if wants("chords") {
         let figures: Vec<_> = Page::load("s4page").outlines.into_values().collect();

@@ -235,6 +235,24 @@ pub struct FontPart {
     pub characters: Characters,
 }
 
+/// What becomes of shapes that are painted over others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PaintOrder {
+    /// The front of each is higher than that of the one before it by this, > 0, in scene units.
+    Raised(f64),
+    /// Each is cut out of those before it.
+    Inlay,
+}
+
+fn paint_order(text: &str) -> Result<PaintOrder, String> {
+    match text {
+        "inlay" => Ok(PaintOrder::Inlay),
+        _ => values::positive(text)
+            .map(PaintOrder::Raised)
+            .map_err(|why| format!("{why}; expected a length or inlay")),
+    }
+}
+
 /// `extrude`
 #[derive(Debug, Args)]
 pub struct ExtrudeArgs {
@@ -249,9 +267,10 @@ pub struct ExtrudeArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive,
           allow_hyphen_values = true)]
     pub depth: f64,
-    /// Raise the front of each shape by this over that of the one painted before it, in scene units
-    #[arg(long, value_name = "STEP", value_parser = values::positive, allow_hyphen_values = true)]
-    pub layers: Option<f64>,
+    /// Shapes painted over others: raise the front of each by this over that of the one before it, in scene units, or
+    /// inlay: cut each out of those before it, so that all fronts are flush
+    #[arg(long, value_name = "STEP|inlay", value_parser = paint_order, allow_hyphen_values = true)]
+    pub layers: Option<PaintOrder>,
     /// Font of all texts in the drawing: TrueType, OpenType or Type 1 [default: those that it names, of the
     /// system's]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]

@@ -1,6 +1,6 @@
 //! `extrude`: a solid from a drawing.
 
-use super::args::ExtrudeArgs;
+use super::args::{ExtrudeArgs, PaintOrder};
 use super::solid;
 use crate::failure::Failure;
 use crate::report::Report;
@@ -12,7 +12,7 @@ use azulejo_formats::outline::typeface::Typeface;
 use azulejo_formats::outline::{Drawing, Filled};
 use azulejo_formats::{ReadOptions, read_drawing};
 use azulejo_scene::figure::Rectangle;
-use azulejo_scene::{Material, MaterialId, Prism, Rgb};
+use azulejo_scene::{Figure, Material, MaterialId, Prism, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -31,12 +31,16 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     let bytes = read_bytes(&args.drawing)?;
     let fonts = fonts(args)?;
     let read = read_drawing(&bytes, &path, &fonts, &ReadOptions::default());
-    let drawing = read.map_err(Failure::failed)?;
+    let mut drawing = read.map_err(Failure::failed)?;
     drawing.warnings.iter().for_each(|w| session.warn(w));
     if args.layers.is_none() && is_painted_over(&drawing.shapes) {
         session.note(
-            "shapes that are painted over others are inside of them: --layers STEP raises each over those before it",
+            "shapes that are painted over others are inside of them: --layers STEP raises each over those before it, \
+             --layers inlay cuts it out of them",
         );
+    }
+    if args.layers == Some(PaintOrder::Inlay) {
+        inlay(&mut drawing.shapes);
     }
     let stem = args
         .drawing
@@ -90,13 +94,39 @@ fn is_painted_over(shapes: &[Filled]) -> bool {
     })
 }
 
+/// Cuts each shape out of those before it. Shapes of which nothing is left are left out.
+fn inlay(shapes: &mut Vec<Filled>) {
+    let bounds: Vec<Rectangle> = shapes.iter().map(|s| s.figure.bounds()).collect();
+    for k in 0..shapes.len() {
+        let (shape, later) = shapes[k..]
+            .split_first_mut()
+            .expect("k is below the length");
+        let overlaps = |b: &Rectangle| {
+            let (low, high) = (b.min.max(bounds[k].min), b.max.min(bounds[k].max));
+            low.cmplt(high).all()
+        };
+        let above = later.iter().zip(&bounds[k + 1..]);
+        let above: Vec<&Figure> = above
+            .filter(|(_, b)| overlaps(b))
+            .map(|(s, _)| &s.figure)
+            .collect();
+        if !above.is_empty() {
+            shape.figure = shape.figure.difference(&above);
+        }
+    }
+    shapes.retain(|shape| shape.figure.curve_count() > 0);
+}
+
 /// A prism for each figure, and a material for each colour.
 fn extruded(
     drawing: Drawing,
     args: &ExtrudeArgs,
     name: &str,
 ) -> Result<(Vec<Material>, Vec<Prism>), Failure> {
-    let step = args.layers.unwrap_or(0.0);
+    let step = match args.layers {
+        Some(PaintOrder::Raised(step)) => step,
+        Some(PaintOrder::Inlay) | None => 0.0,
+    };
     let front = args.frame.frame(args.scale, args.depth);
     let mut colors: Vec<Rgb> = Vec::new();
     let mut prisms = Vec::new();

@@ -12,6 +12,7 @@ use crate::session::Session;
 use crate::{input, pass, values};
 use args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use azulejo::output::Output;
+use azulejo::surroundings::is_studio_part;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Object, Scene};
@@ -26,6 +27,9 @@ enum ImageFormat {
     Exr,
     Hdr,
 }
+
+/// [`SecondPass::evenness`] of a model in a studio, which is so much larger that few patches are left for the model.
+const EVENNESS_IN_STUDIOS: f64 = 0.2;
 
 /// Bytes that a pixel takes while it is computed, with its layers: measured.
 const PIXEL_BYTES: u64 = 200;
@@ -101,7 +105,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     }
     // The first pass is common to all views; only the second is repeated for each.
     let tracer = lit(&mut scene, args, session, &mut report)?;
-    let options = options(&args.picture, args.first_pass.seed, size);
+    let mut options = options(&args.picture, args.first_pass.seed, size);
+    if scene.objects.iter().any(|o| is_studio_part(&o.name)) {
+        options.evenness = EVENNESS_IN_STUDIOS;
+    }
     for view in &views {
         let shown = (&scene, &tracer, &view.camera);
         let measured = cost::render(&args.picture, &options, shown, session, &mut report)?;

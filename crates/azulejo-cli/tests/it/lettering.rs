@@ -555,6 +555,16 @@ fn layers_rise_over_what_they_are_painted_on() {
     assert!(!raised.err.contains("--layers"), "{}", raised.err);
     let report = folder.json("extrude badge.svg --depth 2 --layers 0.5 -o raised.grf");
     check(bounds(&report), [0.0, 0.0, -2.0, 10.0, 10.0, 1.0]);
+    // Inlaid they are flush, and nothing is in one place twice: fronts and backs have the area of the square.
+    folder.ok("extrude badge.svg --depth 2 --layers inlay -o flush.grf");
+    let report = folder.json("info flush.grf");
+    check(bounds(&report), [0.0, 0.0, -2.0, 10.0, 10.0, 0.0]);
+    let around = 4.0 * 10.0 + 2.0 * std::f64::consts::TAU * (3.0 + 1.0);
+    let area = report["object_list"][0]["area"].as_f64().unwrap();
+    let expected = 2.0 * 100.0 + 2.0 * around;
+    assert!((area / expected - 1.0).abs() < 1e-3, "{area} {expected}");
+    let wrong = "extrude badge.svg --depth 2 --layers inlaid -o no.grf";
+    folder.fails(wrong, 2, "expected a length or inlay");
     // Beside each other they are as they were.
     folder.write(
         "beside.svg",

@@ -334,7 +334,7 @@ pub(super) struct ObjectNotes {
     /// Irradiance of the back, beside `irad`.
     pub back: Option<Box<BackIrradiance>>,
     /// Irradiance on a light or primitive.
-    pub light: Option<SurfaceLight>,
+    pub light: Option<Box<SurfaceLight>>,
     /// Normals per corner, for skins and meshes in solids.
     pub normals: Option<Box<Attribute<DVec3>>>,
     /// The name by which `ext mesh_instance` refers to a mesh, and its own place.

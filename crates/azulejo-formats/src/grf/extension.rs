@@ -560,10 +560,13 @@ impl<'a> GrfParser<'a, '_, '_> {
                 return Err(self.fail(entries.offset, "`ext irad_back`", expected));
             }
             ("surface_light", Some(BlockKind::AreaLight(light))) => {
-                light.notes.light = Some(self.surface_light(entries, PrimitiveKind::Square)?);
+                light.notes.light = Some(Box::new(
+                    self.surface_light(entries, PrimitiveKind::Square)?,
+                ));
             }
             ("surface_light", Some(BlockKind::Primitive(primitive))) => {
-                primitive.notes.light = Some(self.surface_light(entries, primitive.kind)?);
+                primitive.notes.light =
+                    Some(Box::new(self.surface_light(entries, primitive.kind)?));
             }
             _ => {
                 return Err(self.fail(

@@ -749,11 +749,11 @@ fn exact_primitives_bring_their_light() {
     let mut scene = Scene::default();
     let white = scene.add_material(Material::diffuse("white", Rgb::WHITE));
     let mut square = Primitive::parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y, white);
-    square.light = Some(SurfaceLight {
+    square.light = Some(Box::new(SurfaceLight {
         grids: vec![SurfaceGrid { nu: 1, nv: 1 }],
         irradiance: vec![Rgb::grey(0.5); 4],
         error: Vec::new(),
-    });
+    }));
     scene
         .objects
         .push(Object::new("", Shape::Primitive(square)));

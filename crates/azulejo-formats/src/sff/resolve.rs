@@ -202,7 +202,7 @@ impl SffResolver<'_, '_> {
                 return Ok(());
             }
             Some(Solid::Primitive(primitive)) if !is_exact => Shape::Primitive(primitive),
-            Some(Solid::Mesh(mesh)) if !is_exact => Shape::Mesh(mesh),
+            Some(Solid::Mesh(mesh)) if !is_exact => Shape::Mesh(*mesh),
             Some(last) => {
                 solids.push(last);
                 Shape::Exact(Exact::new(solids))
@@ -496,7 +496,7 @@ impl SffResolver<'_, '_> {
             }
         }
         self.corner_surfaces = Some(corners);
-        Ok(vec![Solid::Mesh(mesh)])
+        Ok(vec![Solid::Mesh(Box::new(mesh))])
     }
 
     /// The data of a record, which may be in a separate file.
@@ -717,7 +717,7 @@ fn some_faces(mesh: azulejo_scene::Mesh) -> Vec<Solid> {
     if mesh.faces.is_empty() {
         Vec::new()
     } else {
-        vec![Solid::Mesh(mesh)]
+        vec![Solid::Mesh(Box::new(mesh))]
     }
 }
 

@@ -111,11 +111,11 @@ mod tests {
     fn lit_square() -> Object {
         let mut square = Primitive::parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y, 0);
         let corners = [1.0, 3.0, 1.0, 3.0].map(Rgb::grey).to_vec();
-        square.light = Some(SurfaceLight {
+        square.light = Some(Box::new(SurfaceLight {
             grids: vec![SurfaceGrid { nu: 1, nv: 1 }],
             error: corners.iter().map(|&c| 0.5 * c).collect(),
             irradiance: corners,
-        });
+        }));
         Object::new("square", Shape::Primitive(square))
     }
 
@@ -132,11 +132,11 @@ mod tests {
     fn coarse_light_is_spread_over_a_fine_shape() {
         let mut sphere = Primitive::sphere(DVec3::ZERO, 2.0, 0);
         let grid = SurfaceGrid { nu: 3, nv: 2 };
-        sphere.light = Some(SurfaceLight {
+        sphere.light = Some(Box::new(SurfaceLight {
             grids: vec![grid],
             irradiance: (0..grid.vertices()).map(|i| Rgb::grey(i as f64)).collect(),
             error: Vec::new(),
-        });
+        }));
         sphere.world_from_object *= DAffine3::from_rotation_x(1.0);
         let object = Object::new("sphere", Shape::Primitive(sphere));
         let mesh = lit_mesh_of(&object);

@@ -330,7 +330,7 @@ fn what_is_cut_away_leaves_its_surface_and_its_normals() {
     // The floor of a square hole, where normals are tilted as if it were smooth.
     let mut soft = soft_box(0.75 * DVec3::X);
     soft.transform(&DAffine3::from_translation(DVec3::new(0.1, 0.2, 0.6)));
-    check_hole(Solid::Mesh(soft), 0.8 * 8.0 / (8.0 + 0.25 * 7.9));
+    check_hole(Solid::Mesh(Box::new(soft)), 0.8 * 8.0 / (8.0 + 0.25 * 7.9));
 }
 
 #[test]

@@ -45,11 +45,11 @@ fn grey_primitive(scene: &mut Scene, kind: PrimitiveKind, map: DAffine3) {
     let mut shape = Primitive::new(kind, map, material);
     let grids = shape.grids(0.1, f64::INFINITY);
     let count: usize = grids.iter().map(|g| g.vertices()).sum();
-    shape.light = Some(SurfaceLight {
+    shape.light = Some(Box::new(SurfaceLight {
         grids,
         irradiance: vec![Rgb::grey(PI); count],
         error: Vec::new(),
-    });
+    }));
     primitive(scene, shape);
 }
 

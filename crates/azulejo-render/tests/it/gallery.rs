@@ -97,11 +97,11 @@ fn drum(map: DAffine3, material: u32) -> Primitive {
     let mesh = drum.tessellate(&grids);
     let normals = mesh.normals.expect("tessellations have normals").values;
     let at = mesh.positions.iter().zip(normals);
-    drum.light = Some(SurfaceLight {
+    drum.light = Some(Box::new(SurfaceLight {
         grids,
         irradiance: at.map(|(&p, n)| irradiance(p, n)).collect(),
         error: Vec::new(),
-    });
+    }));
     drum
 }
 

@@ -165,11 +165,11 @@ fn an_even_sky_shows_the_albedo() {
         if let azulejo_scene::Shape::Primitive(p) = &mut scene.objects[0].shape {
             let grids = p.grids(1.0, f64::INFINITY);
             let count: usize = grids.iter().map(|g| g.vertices()).sum();
-            p.light = Some(azulejo_scene::SurfaceLight {
+            p.light = Some(Box::new(azulejo_scene::SurfaceLight {
                 grids,
                 irradiance: vec![Rgb::grey(PI); count],
                 error: Vec::new(),
-            });
+            }));
         }
         let ray = ray(55.0);
         let expected = brdf(model).albedo(-ray.direction);

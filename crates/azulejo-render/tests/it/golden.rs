@@ -27,6 +27,7 @@ const VERTICES: SecondPass = SecondPass {
     samples_per_pixel: 16,
     gather: FinalGather::Unknown,
     seed: 0,
+    evenness: 0.5,
     max_depth: 1000,
     clamp: None,
     contrast: None,

@@ -108,11 +108,11 @@ fn primitives_show_the_light_of_the_part_that_is_seen() {
     let grid = SurfaceGrid { nu: 1, nv: 1 };
     // Part k carries k, and 1 more toward its corner u = v = 1.
     let part = |k: i32| [0.0, 0.0, 0.0, 1.0].map(|bump| Rgb::grey(PI * (f64::from(k) + bump)));
-    cube.light = Some(SurfaceLight {
+    cube.light = Some(Box::new(SurfaceLight {
         grids: vec![grid; 6],
         irradiance: (0..6).flat_map(part).collect(),
         error: Vec::new(),
-    });
+    }));
     primitive(&mut scene, cube);
     let middle = DVec3::splat(0.5);
     let axes = [

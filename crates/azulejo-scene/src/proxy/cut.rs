@@ -11,14 +11,16 @@
 
 use super::builder::{ProxyMeshBuilder, Weld};
 use super::facet::Facet;
+use super::flat_figure::{Delaunay, GRID, point};
 use super::triangle_pair::{IndexedTriangle, intersect};
+use super::uncrossed::add_edges;
 use crate::math::{Aabb, area_vector};
 use crate::tree::{MeshTriangle, TriangleTree};
 use crate::{Csg, Leaf, Mesh, Operation, Solid};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
-use std::collections::{HashMap, HashSet};
+use spade::{Point2, Triangulation};
+use std::collections::HashMap;
 
 /// Points closer than this fraction of the size coincide.
 const TOUCH: f64 = 1e-8;
@@ -439,10 +441,10 @@ fn weights(triangle: &IndexedTriangle, p: DVec3) -> [f64; 3] {
 struct SplitTriangle {
     origin: DVec3,
     axes: [DVec3; 2],
-    mesh: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    mesh: Delaunay,
     handles: HashMap<u32, FixedVertexHandle>,
     numbers: Vec<u32>,
-    added: HashSet<[u32; 2]>,
+    lines: Vec<[FixedVertexHandle; 2]>,
 }
 
 impl SplitTriangle {
@@ -453,10 +455,10 @@ impl SplitTriangle {
         let mut split = SplitTriangle {
             origin: a,
             axes: [along, triangle.normal.cross(along)].map(|axis| size * axis),
-            mesh: ConstrainedDelaunayTriangulation::new(),
+            mesh: Delaunay::new(),
             handles: HashMap::new(),
             numbers: Vec::new(),
-            added: HashSet::new(),
+            lines: Vec::new(),
         };
         for v in triangle.numbers {
             split.handle(v, positions);
@@ -485,20 +487,20 @@ impl SplitTriangle {
     }
 
     fn add_line(&mut self, [a, b]: [u32; 2], positions: &[DVec3]) {
-        let (Some(from), Some(to)) = (self.handle(a, positions), self.handle(b, positions)) else {
-            return;
-        };
-        if from != to && self.added.insert([a.min(b), a.max(b)]) {
-            self.mesh.add_constraint_and_split(from, to, |p| p);
-            // Intersections of segments are numbered last.
-            self.numbers.resize(self.mesh.num_vertices(), u32::MAX);
+        if let [Some(from), Some(to)] = [a, b].map(|number| self.handle(number, positions)) {
+            self.lines.push([from, to]);
         }
     }
 
     fn pieces(mut self, weld: &mut Weld) -> Vec<[u32; 3]> {
+        let place = |v: FixedVertexHandle| point(self.mesh.vertex(v).position());
+        let lines = self.lines.iter().map(|ends| ends.map(place)).collect();
+        add_edges(&mut self.mesh, lines, GRID);
+        // Intersections of segments are numbered last.
+        self.numbers.resize(self.mesh.num_vertices(), u32::MAX);
         for (number, vertex) in self.numbers.iter_mut().zip(self.mesh.vertices()) {
             if *number == u32::MAX {
-                let p = DVec2::new(vertex.position().x, vertex.position().y);
+                let p = point(vertex.position());
                 let [x, y] = self.axes;
                 *number = weld.number(self.origin + p.x * x + p.y * y);
             }

@@ -4,11 +4,10 @@
 //! special case. The border of what is inside is a chain of pieces of chords; those of one curve become that part of it.
 
 use super::flat_figure::{Delaunay, FlatFigure, Strips, key, point};
-use super::uncrossed::uncrossed;
+use super::uncrossed::add_edges;
 use crate::figure::{Rectangle, Segment};
 use crate::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
-use spade::handles::FixedVertexHandle;
 use spade::{Point2, Triangulation};
 use std::collections::HashMap;
 
@@ -28,12 +27,18 @@ impl Figure {
     /// their left; curves stay curves. Where curves are cut they end within 1e-5 of the figures' size, more for
     /// figures of very many curves.
     pub fn intersection(&self, other: &Figure) -> Figure {
-        combined(&[self, other], 2)
+        combined(&[self, other], |inside| !inside.contains(&false))
     }
 
     /// The points that are inside at least one of several figures. As [`intersection`](Figure::intersection).
     pub fn union(figures: &[&Figure]) -> Figure {
-        combined(figures, 1)
+        combined(figures, |inside| inside.contains(&true))
+    }
+
+    /// The points that are inside this figure and outside all `others`. As [`intersection`](Figure::intersection).
+    pub fn difference(&self, others: &[&Figure]) -> Figure {
+        let figures: Vec<&Figure> = std::iter::once(&self).chain(others).copied().collect();
+        combined(&figures, |inside| inside[0] && !inside[1..].contains(&true))
     }
 
     /// The same inside with contours that do not cross, and have it on their left. Precision as of
@@ -43,8 +48,8 @@ impl Figure {
     }
 }
 
-/// The figure of the points that are inside at least `needed` of several.
-fn combined(figures: &[&Figure], needed: usize) -> Figure {
+/// The figure of the points of which `is_kept` says so, given whether they are inside each of several figures.
+fn combined(figures: &[&Figure], is_kept: impl Fn(&[bool]) -> bool) -> Figure {
     let bounds = (figures.iter()).fold(Rectangle::EMPTY, |b, f| b.union(f.bounds()));
     let size = bounds.size().max_element();
     if !(size > 0.0 && size.is_finite()) {
@@ -54,8 +59,8 @@ fn combined(figures: &[&Figure], needed: usize) -> Figure {
     let mesh = chords.triangulated();
     let windings = chords.windings(figures);
     let is_inside = |p: DVec2| {
-        let around = |(strips, rule): &&(Strips, FillRule)| rule.is_inside(strips.winding(p));
-        windings.iter().filter(around).count() >= needed
+        let around = |(strips, rule): &(Strips, FillRule)| rule.is_inside(strips.winding(p));
+        is_kept(&windings.iter().map(around).collect::<Vec<bool>>())
     };
     // Faces number from 0, the outer one included.
     let mut inside = vec![false; mesh.num_all_faces()];
@@ -172,20 +177,12 @@ impl Chords {
         self.contours.push(corners);
     }
 
-    /// A triangulation that has all chords as edges, divided where they cross. One that still crosses others, which only
-    /// figures beyond all measure have, is left out.
+    /// A triangulation that has all chords as edges, divided where they cross.
     fn triangulated(&self) -> Delaunay {
-        let edges = uncrossed(self.chords.iter().map(|chord| chord.ends).collect(), GRID);
+        let edges: Vec<_> = self.chords.iter().map(|chord| chord.ends).collect();
         let corners = edges.iter().flatten().map(|p| Point2::new(p.x, p.y));
         let mut mesh = Delaunay::bulk_load(corners.collect()).unwrap_or_default();
-        let vertices = mesh.vertices().map(|v| (key(point(v.position())), v.fix()));
-        let vertices: HashMap<_, FixedVertexHandle> = vertices.collect();
-        for [from, to] in edges {
-            let ends = [from, to].map(|p| vertices.get(&key(p)).copied());
-            if let [Some(from), Some(to)] = ends {
-                mesh.try_add_constraint(from, to);
-            }
-        }
+        add_edges(&mut mesh, edges, GRID);
         mesh
     }
 
@@ -404,6 +401,16 @@ mod tests {
         );
         check(
             &square(0.0, 0.0, 1.0).intersection(&square(5.0, 0.0, 1.0)),
+            0,
+            0.0,
+        );
+        // A ring, a disc without the quarter that is in a square, and nothing.
+        let ring = disc(0.0, 0.0, 1.0).difference(&[&disc(0.0, 0.0, 0.5)]);
+        check(&ring, 8, 0.75 * disc_area);
+        let (quarter, whole) = (square(0.0, 0.0, 4.0), disc(0.0, 0.0, 1.0));
+        check(&whole.difference(&[&quarter]), 5, 0.75 * disc_area);
+        check(
+            &whole.difference(&[&quarter, &square(-2.0, -2.0, 4.0)]),
             0,
             0.0,
         );

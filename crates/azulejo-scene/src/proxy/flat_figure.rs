@@ -1,21 +1,20 @@
 //! Plane figures as polygons.
 
 use super::builder::Weld;
+use super::uncrossed::{add_edges, add_whole_edges};
 use crate::figure::{Rectangle, Segment};
 use crate::{Figure, FillRule};
 use glam::DVec2;
-use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
+use spade::handles::{FixedFaceHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::HashMap;
 
 /// Corners are rounded to this fraction of the figure's size, so that equal ones coincide.
-const GRID: f64 = 1.0 / (1u64 << 32) as f64;
+pub(super) const GRID: f64 = 1.0 / (1u64 << 32) as f64;
 /// Ends of lines nearer than this fraction of the figure's size are one.
 const SAME: f64 = 1e-8;
 /// Curves join smoothly if the direction turns by less than 30° between them.
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
-/// Most crossings of contours, beside one per corner; further ones are not resolved.
-const MOST_CROSSINGS: usize = 1 << 14;
 /// Contours with more corners are simplified within the tolerance.
 const MANY_CORNERS: usize = 1 << 12;
 
@@ -243,34 +242,13 @@ impl FlattenedContours {
         self.contours.iter().flat_map(around)
     }
 
-    /// The Delaunay triangulation of all corners and of the ends of `lines`. It has all contours as edges, split where
+    /// The Delaunay triangulation of all corners and of the ends of `lines`. It has all contours as edges, divided where
     /// they cross, and those lines that cross no others.
     fn triangulated(&self, lines: &[[DVec2; 2]]) -> Delaunay {
         let mut mesh = self.delaunay(lines);
-        let corners: HashMap<_, FixedVertexHandle> = mesh
-            .vertices()
-            .map(|v| (key(point(v.position())), v.fix()))
-            .collect();
-        let most = 2 * mesh.num_vertices() + MOST_CROSSINGS;
-        let corner = |p: &DVec2| corners.get(&key(*p)).copied();
-        for contour in &self.contours {
-            let contour: Vec<FixedVertexHandle> = contour.iter().filter_map(corner).collect();
-            for (k, &a) in contour.iter().enumerate() {
-                let b = contour[(k + 1) % contour.len()];
-                if a != b && mesh.num_vertices() < most {
-                    mesh.add_constraint_and_split(a, b, |p| p);
-                }
-            }
-        }
-        for [a, b] in lines {
-            let (Some(a), Some(b)) = (corner(a), corner(b)) else {
-                continue;
-            };
-            // Two that cross come from rounding: their ends are points of the mesh in any case.
-            if a != b && mesh.can_add_constraint(a, b) {
-                mesh.add_constraint(a, b);
-            }
-        }
+        add_edges(&mut mesh, self.edges().collect(), GRID);
+        // Lines that cross others come from rounding: their ends are points of the mesh in any case.
+        add_whole_edges(&mut mesh, lines);
         mesh
     }
 

@@ -231,7 +231,7 @@ mod tests {
     fn good_shapes_are_good() {
         let open = vec![
             primitive(PrimitiveKind::Tube { top: 1.0 }),
-            Solid::Mesh(triangle(1)),
+            Solid::Mesh(Box::new(triangle(1))),
         ];
         let sides = [Solid::Prism(prism()), Solid::Shell(open)];
         let [left, right] = sides.map(|s| vec![s]);
@@ -295,7 +295,7 @@ mod tests {
         open(primitive(PrimitiveKind::Square), "a parallelogram");
         open(primitive(PrimitiveKind::Tube { top: 0.5 }), "a tube");
         open(
-            Solid::Mesh(triangle(0)),
+            Solid::Mesh(Box::new(triangle(0))),
             "a mesh with an edge that does not have two faces",
         );
         let nested = |depth: usize| {
@@ -315,7 +315,7 @@ mod tests {
         let mut two = triangle(0);
         two.push_face(&[0, 2, 1], 1);
         check(
-            Solid::Mesh(two),
+            Solid::Mesh(Box::new(two)),
             "mesh: several materials in a mesh that is a solid",
         );
         let with_proxy = |proxy: Mesh| {

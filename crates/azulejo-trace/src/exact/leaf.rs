@@ -91,7 +91,10 @@ impl ExactLeaf {
     /// Whether there is any hit within `span`.
     #[inline]
     pub(crate) fn any(&self, line: &Line3, span: Span) -> bool {
-        self.first(line, span).is_some()
+        match self {
+            ExactLeaf::Prism(prism) => prism.any(line, span),
+            _ => self.first_of_all(line, span).is_some(),
+        }
     }
 
     fn first_of_all(&self, line: &Line3, span: Span) -> Option<LeafHit> {

@@ -82,6 +82,8 @@ pub(crate) struct Line2 {
 pub(crate) struct Crossing {
     /// Distance along the line.
     pub s: f64,
+    /// How much farther the crossing may be; 0 where the curve was solved for it.
+    pub spread: f64,
     /// Whether the contour crosses to the line's left (1) or from there (−1).
     pub sense: i32,
     /// Index of the curve.
@@ -223,7 +225,24 @@ impl Outline {
         range: [f64; 2],
         visit: impl FnMut(Crossing) -> Option<f64>,
     ) -> i32 {
-        vectorized(CrossLine {
+        vectorized(CrossLine::<true, _> {
+            outline: self,
+            line,
+            range,
+            visit,
+        })
+    }
+
+    /// [`cross`](Outline::cross), but a curve between `s0` and `s1` with its ends on different sides is visited once,
+    /// without solving for where the line crosses it. A range visited is where it may do so, and the parameter is
+    /// arbitrary.
+    pub(crate) fn cross_roughly(
+        &self,
+        line: &Line2,
+        range: [f64; 2],
+        visit: impl FnMut(Crossing) -> Option<f64>,
+    ) -> i32 {
+        vectorized(CrossLine::<false, _> {
             outline: self,
             line,
             range,
@@ -233,7 +252,7 @@ impl Outline {
 
     /// [`cross`](Outline::cross), compiled for the instruction set of the caller.
     #[inline(always)]
-    fn cross_here(
+    fn cross_here<const SOLVED: bool>(
         &self,
         line: &Line2,
         [s0, mut s1]: [f64; 2],
@@ -257,7 +276,11 @@ impl Outline {
                     waiting += 1;
                 }
             } else {
-                for crossing in self.meet(line, current, [s0, s1]).into_iter().flatten() {
+                for crossing in self
+                    .meet::<SOLVED>(line, current, [s0, s1])
+                    .into_iter()
+                    .flatten()
+                {
                     if crossing.s < s0 {
                         continue;
                     }
@@ -281,7 +304,12 @@ impl Outline {
     /// The crossings with one curve. A curve entirely ahead gets a single crossing at infinity for
     /// all.
     #[inline(always)]
-    fn meet(&self, line: &Line2, child: u32, [s0, s1]: [f64; 2]) -> [Option<Crossing>; 3] {
+    fn meet<const SOLVED: bool>(
+        &self,
+        line: &Line2,
+        child: u32,
+        [s0, s1]: [f64; 2],
+    ) -> [Option<Crossing>; 3] {
         let curve = child & INDEX;
         let points = &self.curves[curve as usize];
         let d = points.map(|p| line.distance(p));
@@ -295,6 +323,7 @@ impl Outline {
         }
         let crossing = |s: f64, parameter: f64, sense: i32| Crossing {
             s,
+            spread: 0.0,
             sense,
             curve,
             parameter,
@@ -302,6 +331,18 @@ impl Outline {
         if s.iter().all(|&s| s > s1) {
             let sense = i32::from(sides[3]) - i32::from(sides[0]);
             return [Some(crossing(f64::INFINITY, 1.0, sense)), None, None];
+        }
+        if !SOLVED && sides[0] != sides[3] {
+            let low = s[0].min(s[1]).min(s[2].min(s[3]));
+            let high = s[0].max(s[1]).max(s[2].max(s[3]));
+            if s0 <= low && high <= s1 {
+                let sense = i32::from(sides[3]) - i32::from(sides[0]);
+                let rough = Crossing {
+                    spread: high - low,
+                    ..crossing(low, 0.0, sense)
+                };
+                return [Some(rough), None, None];
+            }
         }
         if child & STRAIGHT != 0 {
             // Only its ends are exact; the inner control points are rounded.
@@ -316,19 +357,22 @@ impl Outline {
 }
 
 /// [`Outline::cross`] as vectorized work: the four runs of a node are tested at once.
-struct CrossLine<'a, V> {
+struct CrossLine<'a, const SOLVED: bool, V> {
     outline: &'a Outline,
     line: &'a Line2,
     range: [f64; 2],
     visit: V,
 }
 
-impl<V: FnMut(Crossing) -> Option<f64>> Vectorized for CrossLine<'_, V> {
+impl<const SOLVED: bool, V> Vectorized for CrossLine<'_, SOLVED, V>
+where
+    V: FnMut(Crossing) -> Option<f64>,
+{
     type Output = i32;
 
     #[inline(always)]
     fn run(self) -> i32 {
-        (self.outline).cross_here(self.line, self.range, self.visit)
+        (self.outline).cross_here::<SOLVED>(self.line, self.range, self.visit)
     }
 }
 
@@ -430,7 +474,7 @@ mod tests {
         };
         let half = [0.0, f64::INFINITY];
         if plain {
-            outline.cross_here(line, half, list)
+            outline.cross_here::<true>(line, half, list)
         } else {
             outline.cross(line, half, list)
         };

@@ -100,8 +100,8 @@ impl ExactPrimitive {
         let is_first = (enter - hit.t).abs() <= (leave - hit.t).abs();
         let nearest = if is_first { enter } else { leave };
         let t = if nearest.is_finite() { nearest } else { hit.t };
-        let point = self.at(&own, t);
         let at = self.hit_at(&own, t);
+        let point = self.shape.point(at.part, at.u, at.v);
         LeafPoint {
             t,
             u: at.u,

@@ -61,6 +61,20 @@ struct Passage {
     planes: [u32; 2],
 }
 
+/// What is known of the hits of a line within a span, without solving for crossings.
+enum Cut {
+    /// There are none: it starts outside and stays there.
+    Nowhere,
+    /// There are none: it starts inside and stays there.
+    Stays,
+    /// It enters, and is inside at this `t`.
+    Inside(f64),
+    /// It starts inside and leaves.
+    Leaves,
+    /// Crossings may be in one place.
+    Unclear,
+}
+
 /// The first crossing of a line with the contours.
 struct Nearest {
     /// The winding number of the point where the line starts.
@@ -186,6 +200,94 @@ impl ExactPrism {
         }
         let leaves = starts_inside && passage.between.last <= span.last;
         leaves.then(|| at_plane(within.last, passage.planes[1], false))
+    }
+
+    /// Whether there is a hit within `span`, as [`first`](ExactPrism::first).
+    pub(crate) fn any(&self, line: &Line3, span: Span) -> bool {
+        let own = line.mapped(&self.figure_from_local);
+        let Some(passage) = Passage::new(&own) else {
+            return false;
+        };
+        let Some(within) = passage.between.and(span) else {
+            return false;
+        };
+        let cut = self.cut(&passage, within, span);
+        let Some(bevel) = &self.section.bevel else {
+            return match cut {
+                Cut::Nowhere | Cut::Stays => false,
+                Cut::Inside(_) | Cut::Leaves => true,
+                Cut::Unclear => self.first(line, span).is_some(),
+            };
+        };
+        match cut {
+            Cut::Nowhere => false,
+            Cut::Inside(t) if bevel.keeps(own.at(t)) => true,
+            _ => self.any_bevelled(bevel, &own, &passage, within, span),
+        }
+    }
+
+    /// Whether there is a hit within `span` with the prism without its bevel, as far as that can be told without solving
+    /// for where the line crosses curves: if where it may cross the nearest one is before all others.
+    fn cut(&self, passage: &Passage, within: Span, span: Span) -> Cut {
+        let outline = &self.section.outline;
+        let [s0, s1] = passage.shadow_span(within);
+        let mut nearest: Option<Crossing> = None;
+        let (mut second, mut last) = (f64::INFINITY, s1);
+        let winding = outline.cross_roughly(&passage.shadow, [s0, s1], |crossing| {
+            last = last.min(crossing.s + crossing.spread + outline.sliver);
+            match &mut nearest {
+                Some(known) if known.s <= crossing.s => second = second.min(crossing.s),
+                _ => second = nearest.replace(crossing).map_or(second, |known| known.s),
+            }
+            Some(last)
+        });
+        let starts_inside = outline.rule.is_inside(winding);
+        if starts_inside && span.first <= passage.between.first {
+            return Cut::Inside(within.first);
+        }
+        let Some(crossing) = nearest.filter(|_| passage.speed > 0.0) else {
+            return if !starts_inside {
+                Cut::Nowhere
+            } else if passage.between.last <= span.last {
+                Cut::Leaves
+            } else {
+                Cut::Stays
+            };
+        };
+        let behind = crossing.s + crossing.spread;
+        let is_apart = second - behind > outline.sliver;
+        let changes = outline.rule.is_inside(winding - crossing.sense) != starts_inside;
+        if !(is_apart && changes) {
+            Cut::Unclear
+        } else if starts_inside {
+            Cut::Leaves
+        } else {
+            Cut::Inside((behind / passage.speed).min(within.last))
+        }
+    }
+
+    /// Whether there is a hit within `span` of a prism with a bevel, of which there is one without it.
+    #[inline(never)]
+    fn any_bevelled(
+        &self,
+        bevel: &ExactBevel,
+        own: &Line3,
+        passage: &Passage,
+        within: Span,
+        span: Span,
+    ) -> bool {
+        // Most lines pass through what no bevel takes away: halfway between where they enter and leave.
+        let comes_in = span.first <= passage.between.first;
+        let (mut entry, mut is_hit) = (None, false);
+        self.unbevelled(passage, within, |hit: LeafHit| match entry.take() {
+            None => entry = Some(hit),
+            Some(enter) => {
+                let starts_outside = enter.part >= CURVES || comes_in;
+                let middle = own.at(0.5 * (enter.t + hit.t));
+                is_hit |= starts_outside && bevel.keeps(middle);
+            }
+        });
+        is_hit || self.first_of_all(own, passage, within, span).is_some()
     }
 
     /// The first crossing, and the distance of the second one.

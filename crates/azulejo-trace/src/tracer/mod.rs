@@ -431,6 +431,15 @@ impl Tracer {
 
     fn other_of(&self, item: u32) -> &Placed {
         assert!(item < self.items, "item {item} of {}", self.items);
+        // Shapes of one item each, of which most scenes consist, need no search.
+        let alone = item.wrapping_sub(self.others[0].first_item()) as usize;
+        if self
+            .others
+            .get(alone)
+            .is_some_and(|o| o.first_item() == item)
+        {
+            return &self.others[alone];
+        }
         let after = self.others.partition_point(|o| o.first_item() <= item);
         &self.others[after - 1]
     }

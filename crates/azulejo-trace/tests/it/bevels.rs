@@ -5,6 +5,7 @@ use crate::prisms::{flat, gear, letter_d, maps, rays, rectangle, tracer};
 use azulejo_scene::math::{Ray, normal_matrix};
 use azulejo_scene::rim::Rim;
 use azulejo_scene::{Bevel, BevelEnds, BevelProfile, Figure, FillRule, Operation, Prism, Solid};
+use azulejo_trace::KernelRay;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -196,6 +197,46 @@ fn bevels_are_where_their_definition_says() {
                     figure,
                     maps()[(k + 1) % 4],
                     bevel(profile, inset, depth, ends),
+                );
+            }
+        }
+    }
+}
+
+/// Whether anything is met is decided without looking for what is met first: both must agree, also on parts of a ray
+/// that begin or end inside, where contours cross, coincide or cancel each other, and between bevels.
+#[test]
+fn anything_is_met_exactly_where_a_first_thing_is() {
+    let mut twice = letter_d();
+    twice.contours.extend(letter_d().contours);
+    let figures = [letter_d(), letter_e(), gear(40), twice]
+        .into_iter()
+        .chain([FillRule::NonZero, FillRule::EvenOdd].map(overlapping));
+    for (k, figure) in figures.enumerate() {
+        let plain = crate::prisms::prism(figure.clone(), maps()[k % 4]);
+        let round = bevel(PROFILES[k % 2], 0.05, 0.2, BevelEnds::Both);
+        for solid in [plain, bevelled(&figure, maps()[k % 4], round)] {
+            let tracer = tracer(vec![solid]);
+            let parts: Vec<KernelRay> = rays(&tracer, 20_000)
+                .iter()
+                .enumerate()
+                .map(|(k, ray)| KernelRay {
+                    t_min: 0.1 * (k % 7) as f32,
+                    t_max: 0.5 + 0.2 * (k % 11) as f32,
+                    ..tracer.kernel_ray(ray)
+                })
+                .collect();
+            let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+            tracer.closest(&parts, &mut hits);
+            tracer.any(&parts, &mut blocked);
+            let met = hits.iter().filter(|h| h.is_hit()).count();
+            assert!((500..19_500).contains(&met) || k == 3, "{k}: {met}");
+            for (j, (hit, blocked)) in hits.iter().zip(&blocked).enumerate() {
+                assert_eq!(
+                    hit.is_hit(),
+                    *blocked,
+                    "figure {k}, ray {j}: {:?}",
+                    parts[j]
                 );
             }
         }

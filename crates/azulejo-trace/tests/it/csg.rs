@@ -44,7 +44,7 @@ fn mesh_of(solid: &Solid) -> Solid {
     mesh.positions
         .iter_mut()
         .for_each(|p| *p = p.to_array().map(weld).into());
-    Solid::Mesh(mesh)
+    Solid::Mesh(Box::new(mesh))
 }
 
 /// Negative inside; near a surface, the distance from it.
@@ -229,7 +229,7 @@ fn meshes_are_solids_whichever_way_their_faces_are_turned() {
         }
         turned.push_face(&face, 0);
     }
-    check("turned", cut(Solid::Mesh(turned)), |p| {
+    check("turned", cut(Solid::Mesh(Box::new(turned))), |p| {
         in_cube(p).max(-in_ball(p))
     });
 }

@@ -67,7 +67,7 @@ fn tessellate_primitive(primitive: &Primitive, chord_error: f64, lit: bool) -> M
         if light.error.len() == light.irradiance.len() {
             let errors = SurfaceLight {
                 irradiance: light.error.clone(),
-                ..light.clone()
+                ..(**light).clone()
             };
             mesh.irradiance_error = irradiance(&errors, &grids);
         }
@@ -138,11 +138,11 @@ mod tests {
     #[test]
     fn light_of_a_primitive_comes_with_its_vertices() {
         let mut primitive = Primitive::new(PrimitiveKind::Square, DAffine3::IDENTITY, 0);
-        primitive.light = Some(SurfaceLight {
+        primitive.light = Some(Box::new(SurfaceLight {
             grids: vec![SurfaceGrid { nu: 2, nv: 1 }],
             irradiance: [0.0, 1.0, 4.0, 0.0, 1.0, 4.0].map(Rgb::grey).to_vec(),
             error: Vec::new(),
-        });
+        }));
         let shape = Shape::Primitive(primitive);
         let lit = display_mesh(&shape, 0.1, true);
         let at = |p: DVec3| {

@@ -1,9 +1,10 @@
 //! What a test of a line with one curve costs, and how often it ends early.
 
-use crate::letters::Page;
 use crate::timed;
+use azulejo_scene::Figure;
 use azulejo_scene::figure::{Segment, bernstein, crossings};
 use glam::DVec2;
+use std::sync::Arc;
 
 /// How tests ended.
 #[derive(Default)]
@@ -18,13 +19,13 @@ struct Ends {
 
 /// Random half-lines that begin in the rectangle around each outline against all its curves, one
 /// by one, without the tree of runs that the tracer has over them.
-pub fn measure(page: &Page, quick: bool) {
+pub fn measure(name: &str, figures: &[Arc<Figure>], quick: bool) {
     let mut random = Random(3);
     let mut ends = Ends::default();
-    let rounds = if quick { 2_000 } else { 50_000 };
+    let rounds = if quick { 2_000 } else { 20_000 };
     let mut sum = 0.0;
     let ((), seconds) = timed(|| {
-        for figure in page.outlines.values() {
+        for figure in figures {
             let curves: Vec<[DVec2; 4]> = figure.segments().filter_map(cubic).collect();
             let bounds = figure.bounds();
             for _ in 0..rounds {
@@ -40,9 +41,9 @@ pub fn measure(page: &Page, quick: bool) {
     let tests = (ends.beside + ends.behind + ends.solved).max(1);
     let share = |n: usize| 100.0 * n as f64 / tests as f64;
     println!(
-        "{}: {:.1} M tests of cubics, {:.1} ns each; beside the line {:.1}%, behind {:.1}%, \
+        "{name:14} {:4} glyphs, {:6.1} M tests of cubics, {:.1} ns each; beside the line {:.1}%, behind {:.1}%, \
          solved {:.1}% (sum {sum:.0})",
-        page.name,
+        figures.len(),
         tests as f64 * 1e-6,
         seconds / tests as f64 * 1e9,
         share(ends.beside),

@@ -124,7 +124,7 @@ impl SolidWriter<'_> {
                 SolidKind::Prism(name, Box::new(p.world_from_figure), p.bevel.clone())
             }
             Solid::Patch(p) => SolidKind::Patch(p.points.clone()),
-            Solid::Mesh(m) => SolidKind::Mesh(Box::new(mesh_block(m.clone()))),
+            Solid::Mesh(m) => SolidKind::Mesh(Box::new(mesh_block((**m).clone()))),
             Solid::Shell(pieces) => SolidKind::Shell(self.blocks(pieces, around)),
             Solid::Csg(csg) => SolidKind::Csg(Box::new(CsgBlock {
                 operation: csg.operation,

@@ -182,7 +182,7 @@ impl<'d> GrfResolver<'d> {
                 points: points.clone(),
                 material: self.named_material(brdf, None, place)?,
             }),
-            SolidKind::Mesh(mesh) => Solid::Mesh(self.solid_mesh(mesh, brdf, place)?),
+            SolidKind::Mesh(mesh) => Solid::Mesh(Box::new(self.solid_mesh(mesh, brdf, place)?)),
             _ => return Ok(()),
         };
         self.push(solid, made);

@@ -160,14 +160,14 @@ fn tetrahedron(materials: u32) -> impl Strategy<Value = Solid> {
         for face in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
             mesh.push_face(&face, material);
         }
-        Solid::Mesh(mesh)
+        Solid::Mesh(Box::new(mesh))
     })
 }
 
 fn any_mesh(materials: u32) -> impl Strategy<Value = Solid> {
     (mesh_of(materials), 0..materials).prop_map(|(mut mesh, material)| {
         mesh.face_materials.fill(material);
-        Solid::Mesh(mesh)
+        Solid::Mesh(Box::new(mesh))
     })
 }
 

@@ -25,11 +25,11 @@ fn lit(mut scene: Scene, level: f64) -> Scene {
             }
             Shape::Primitive(p) => {
                 let grids = vec![SurfaceGrid { nu: 1, nv: 2 }; p.kind.parts()];
-                p.light = Some(SurfaceLight {
+                p.light = Some(Box::new(SurfaceLight {
                     irradiance: vec![Rgb::grey(level); 6 * grids.len()],
                     grids,
                     error: Vec::new(),
-                });
+                }));
             }
             Shape::Exact(exact) => {
                 let materials: Vec<_> = exact.leaves().iter().map(|l| l.material()).collect();

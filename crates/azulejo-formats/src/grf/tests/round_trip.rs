@@ -467,7 +467,7 @@ fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
         .prop_flat_map(|primitive| {
             option::of(surface_light(primitive.kind.parts())).prop_map(move |light| {
                 Shape::Primitive(Primitive {
-                    light,
+                    light: light.map(Box::new),
                     ..primitive.clone()
                 })
             })
