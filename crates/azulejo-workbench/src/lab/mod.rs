@@ -1,4 +1,5 @@
-//! The lab: eight lessons on light, each with a scene, a question, and a number to find with the controls of the window.
+//! The lab: eight lessons on light, each with a scene, a question, and a number to find with the controls of the
+//! window.
 //!
 //! The texts are data, one file per language in the folder `lab` of this crate. Labels of the window stand there in
 //! braces, as in `{Solve}`, and are shown as the window has them. Tests do what the steps of each lesson say, and find
