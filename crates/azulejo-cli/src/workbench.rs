@@ -21,6 +21,12 @@ pub struct WorkbenchArgs {
     /// Write a screenshot (PNG) once all is loaded and the script has run, and exit
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub screenshot: Option<PathBuf>,
+    /// Open a lesson of the lab, 1 to 8, with its scene
+    #[arg(long, value_name = "NUMBER")]
+    pub lab: Option<String>,
+    /// Language of the window: en, es, pt
+    #[arg(long, value_name = "CODE")]
+    pub language: Option<String>,
     /// Neither read nor write preferences and recovery files
     #[arg(long)]
     pub no_preferences: bool,
@@ -31,6 +37,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   azulejo view room.3ds lamp.glb
   azulejo view --script steps.txt --screenshot out.png
+  azulejo view --lab 3 --language es
 
 The workbench is a separate program, azulejo-workbench, next to this one or on the PATH. To build it
 from azulejo's source:
@@ -92,6 +99,10 @@ fn arguments(args: &WorkbenchArgs) -> Vec<OsString> {
         if let Some(value) = value {
             words.extend([option.into(), value.clone().into_os_string()]);
         }
+    }
+    // The workbench knows its lessons and languages.
+    for (option, value) in [("--lab", &args.lab), ("--language", &args.language)] {
+        words.extend(value.iter().flat_map(|value| [option.into(), value.into()]));
     }
     if args.no_preferences {
         words.push("--no-preferences".into());

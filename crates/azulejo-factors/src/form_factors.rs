@@ -62,7 +62,7 @@ use glam::DVec3;
 use group_plan::GroupAreas;
 pub use group_plan::GroupBy;
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
-pub use one_row::{Factor, FactorsFrom, form_factors_from};
+pub use one_row::{Factor, FactorsFrom, GroupFactor, GroupedRow, form_factors_from};
 pub use options::{Closure, FormFactorOptions, MOST_RAYS};
 pub use points::{FactorPoint, PointFactors};
 use rows::RowTracing;

@@ -5,6 +5,7 @@ use crate::document::{
     Edit, Example, ItemId, NewLightKind, NewShapeKind, SurfacePick, TaskPlaneSettings,
 };
 use crate::first_pass::LightSettings;
+use crate::lab::Lesson;
 use crate::preferences::Preferences;
 use crate::view::ModelView;
 use azulejo::scene::MaterialId;
@@ -23,6 +24,10 @@ pub enum Command {
     Open(Vec<PathBuf>),
     /// Opens an example, which has no file.
     OpenExample(Example),
+    /// Shows a lesson of the lab, or hides the lab.
+    ShowLab(Option<Lesson>),
+    /// Opens the scene of the lesson that is shown.
+    OpenLesson,
     /// Loads files into the current document.
     Add(Vec<PathBuf>),
     /// Saves the document to its own file.
@@ -113,6 +118,8 @@ pub enum Command {
     ClearLight,
     /// Computes the form factors of the patch at a picked point.
     FormFactorsFrom(SurfacePick),
+    /// Compares the engines on the patch whose form factors are shown.
+    CompareEngines,
     /// Pins a probe at a picked point.
     AddProbe(SurfacePick),
     /// Removes the probe of this number.

@@ -1,7 +1,7 @@
 //! The first pass as run by the window.
 
 use crate::document::{ItemId, SceneDocument, Solution, SurfacePick};
-use azulejo::factors::form_factors::{Factor, Plan};
+use azulejo::factors::form_factors::{Factor, GroupFactor, Plan};
 use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNormal};
 use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
 use azulejo::scene::math::Ray;
@@ -285,8 +285,8 @@ fn on_surface(document: &SceneDocument, tracer: &Tracer, pick: &SurfacePick) -> 
 pub struct PatchFormFactors {
     /// Unique for each result.
     pub number: u64,
-    /// The object that the patch belongs to.
-    pub item: ItemId,
+    /// The point that was picked.
+    pub pick: SurfacePick,
     /// The patches as triangles, one face each.
     pub patches: Arc<Mesh>,
     /// Form factor from the picked patch to the patch of each face.
@@ -294,7 +294,37 @@ pub struct PatchFormFactors {
     /// Sum over all patches; the difference to 1 leaves the scene.
     pub sum: f64,
     /// Sums over the patches of each visible object, in descending order.
-    pub objects: Vec<(ItemId, f64)>,
+    pub objects: Vec<(ItemId, GroupFactor)>,
+}
+
+/// Rays of a row that is computed by itself: one takes no time worth saving.
+const ROW_RAYS: u32 = 1 << 16;
+
+/// The options of the form factors between the patches that the solver would use. An engine that was chosen by name
+/// gets no help from formulas: it is to be seen as it is.
+pub(crate) fn factor_options(settings: &LightSettings) -> FormFactorOptions {
+    let pass = settings.first_pass();
+    FormFactorOptions {
+        size: pass.size,
+        analytic: pass.engine == Engine::Auto,
+        engine: pass.engine,
+        two_sided: true,
+        rays: ROW_RAYS,
+        ..FormFactorOptions::default()
+    }
+}
+
+/// The row of the side that was picked: rows are the front of each patch, then its back.
+pub(crate) fn picked_row(
+    document: &SceneDocument,
+    tracer: &Tracer,
+    plan: &Plan,
+    pick: &SurfacePick,
+) -> Result<usize, String> {
+    let nowhere = || "there is no patch at that place".to_owned();
+    let surface = on_surface(document, tracer, pick).ok_or_else(nowhere)?;
+    let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
+    Ok(2 * picked + usize::from(!surface.is_front))
 }
 
 /// Computes the form factors of the patch at a picked point, with the patches that the solver would
@@ -311,40 +341,38 @@ pub fn patch_form_factors(
 ) -> Result<Option<PatchFormFactors>, String> {
     let scene = document.scene();
     let tracer = Tracer::new(&scene);
-    let pass = settings.first_pass();
-    let options = FormFactorOptions {
-        size: pass.size,
-        engine: pass.engine,
-        two_sided: true,
-        ..FormFactorOptions::default()
-    };
+    let options = factor_options(settings);
     let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
-    let nowhere = || "there is no patch at that place".to_owned();
-    let surface = on_surface(document, &tracer, pick).ok_or_else(nowhere)?;
-    let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
-    // Rows and columns are sides: the front of a patch, then its back.
-    let row = 2 * picked + usize::from(!surface.is_front);
-    let Ok(sides) = plan.prepare().row(row, progress) else {
+    let row = picked_row(document, &tracer, &plan, pick)?;
+    let objects = document.objects.len();
+    let groups: Vec<Option<u32>> = objects_of_sides(&plan, objects);
+    let Ok(sides) = plan.prepare().grouped_row(row, &groups, objects, progress) else {
         return Ok(None);
     };
-    let both = |side: &[Factor]| Factor {
-        value: side.iter().map(|f| f.value).sum(),
-        error: side.iter().map(|f| f.error * f.error).sum::<f64>().sqrt(),
-    };
-    let factors: Vec<Factor> = sides.chunks(2).map(both).collect();
-    Ok(Some(PatchFormFactors::new(
-        document, pick.item, &plan, picked, &factors,
-    )))
+    let both = |side: &[Factor]| side.iter().map(|f| f.value).sum();
+    let factors: Vec<f64> = sides.factors.chunks(2).map(both).collect();
+    // The scene has the objects of the document, in the same order.
+    let ids = document.objects.iter().map(|item| item.id);
+    let mut objects: Vec<_> = ids.zip(sides.groups).collect();
+    objects.retain(|(_, f)| f.factor.value > 0.0);
+    objects.sort_by(|a, b| b.1.factor.value.total_cmp(&a.1.factor.value));
+    let mut found = PatchFormFactors::new(*pick, &plan, row / 2, &factors);
+    found.objects = objects;
+    Ok(Some(found))
+}
+
+/// The object of each row and column.
+fn objects_of_sides(plan: &Plan, objects: usize) -> Vec<Option<u32>> {
+    let mut owners = vec![None; 2 * plan.patches().len()];
+    for object in 0..objects as u32 {
+        let patches = plan.patches().patches_of(object);
+        owners[2 * patches.start..2 * patches.end].fill(Some(object));
+    }
+    owners
 }
 
 impl PatchFormFactors {
-    fn new(
-        document: &SceneDocument,
-        item: ItemId,
-        plan: &Plan,
-        picked: usize,
-        factors: &[Factor],
-    ) -> PatchFormFactors {
+    fn new(pick: SurfacePick, plan: &Plan, picked: usize, factors: &[f64]) -> PatchFormFactors {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         let mut mesh = Mesh::default();
         let mut values = Vec::new();
@@ -356,33 +384,18 @@ impl PatchFormFactors {
                 // The picked patch itself is displayed as unknown.
                 f64::NAN
             } else {
-                factors.get(patch as usize).map_or(0.0, |f| f.value)
+                factors.get(patch as usize).copied().unwrap_or(0.0)
             });
         }
         PatchFormFactors {
             number: NUMBER.fetch_add(1, Ordering::Relaxed),
-            item,
+            pick,
             patches: Arc::new(mesh),
             factors: values,
-            sum: factors.iter().map(|f| f.value).sum(),
-            objects: by_object(document, plan, factors),
+            sum: factors.iter().sum(),
+            objects: Vec::new(),
         }
     }
-}
-
-/// Sums of form factors over the patches of each object, in descending order.
-fn by_object(document: &SceneDocument, plan: &Plan, factors: &[Factor]) -> Vec<(ItemId, f64)> {
-    let sum = |object: usize| -> f64 {
-        let patches = plan.patches().patches_of(object as u32);
-        let seen = factors.get(patches).unwrap_or_default();
-        seen.iter().map(|f| f.value).sum()
-    };
-    // The scene has the objects of the document, in the same order.
-    let ids = document.objects.iter().enumerate();
-    let mut sums: Vec<(ItemId, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
-    sums.retain(|(_, f)| *f > 0.0);
-    sums.sort_by(|a, b| b.1.total_cmp(&a.1));
-    sums
 }
 
 #[cfg(test)]

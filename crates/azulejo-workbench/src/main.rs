@@ -3,9 +3,11 @@
 use azulejo_workbench::app::{App, UserDirs};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::ending::EndRequest;
+use azulejo_workbench::lab::{LabLink, Lesson};
 use azulejo_workbench::preferences::{Preferences, SMALLEST_WINDOW};
 use azulejo_workbench::script::{self, ScriptPlayer, ScriptStep};
 use azulejo_workbench::ui::{Rescued, Viewport, Workbench};
+use azulejo_workbench::words::Language;
 use clap::Parser;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,6 +28,12 @@ struct Arguments {
     /// Writes a PNG screenshot of the window after the script, or after loading, and quits
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
+    /// Opens a lesson of the lab by its number, 1 to 8, with its scene
+    #[arg(long, value_name = "NUMBER")]
+    lab: Option<Lesson>,
+    /// Language of the window: en, es, pt
+    #[arg(long, value_name = "CODE")]
+    language: Option<Language>,
     /// Neither reads nor writes preferences and recovery copies
     #[arg(long)]
     no_preferences: bool,
@@ -132,6 +140,10 @@ fn app(arguments: &Arguments) -> App {
     if !arguments.files.is_empty() {
         app.execute(Command::Open(arguments.files.clone()));
     }
+    app.follow(LabLink {
+        lesson: arguments.lab,
+        language: arguments.language,
+    });
     app
 }
 

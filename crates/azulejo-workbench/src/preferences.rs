@@ -50,6 +50,8 @@ pub struct Preferences {
     pub tree_width: f32,
     /// Width of the properties in points; 0 for a share of the window.
     pub properties_width: f32,
+    /// Width of the lab in points; 0 for a share of the window.
+    pub lab_width: f32,
     /// Recently opened or saved files, the latest first.
     pub recent: Vec<PathBuf>,
     /// Where the window was at the end of the last session. As a table it is the last in the file.
@@ -105,6 +107,7 @@ impl Default for Preferences {
             shows_properties: true,
             tree_width: 0.0,
             properties_width: 0.0,
+            lab_width: 0.0,
             recent: Vec::new(),
             window: WindowPlace::default(),
         }
@@ -195,7 +198,12 @@ impl Preferences {
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
         self.picture_gather = self.picture_gather.min(MAX_GATHER);
-        for width in [&mut self.tree_width, &mut self.properties_width] {
+        let widths = [
+            &mut self.tree_width,
+            &mut self.properties_width,
+            &mut self.lab_width,
+        ];
+        for width in widths {
             *width = if width.is_finite() {
                 width.clamp(0.0, MAX_WIDTH)
             } else {

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use std::str::FromStr;
 use std::sync::OnceLock;
 
 #[cfg(test)]
@@ -57,6 +58,15 @@ impl Language {
         }
     }
 
+    /// Its code of two letters (ISO 639-1).
+    pub fn code(self) -> &'static str {
+        match self {
+            Language::English => "en",
+            Language::Spanish => "es",
+            Language::Portuguese => "pt",
+        }
+    }
+
     /// A name in quotation marks; of a long one the beginning.
     pub fn quoted(self, name: &str) -> String {
         let mut short: String = name.chars().take(LONGEST_NAME).collect();
@@ -79,6 +89,16 @@ impl Language {
             Language::Portuguese => PT.get_or_init(|| translations(PORTUGUESE)),
         };
         translations.get(english).map_or(english, String::as_str)
+    }
+}
+
+impl FromStr for Language {
+    type Err = String;
+
+    /// Reads the code of a language.
+    fn from_str(text: &str) -> Result<Language, String> {
+        let language = Language::ALL.into_iter().find(|l| l.code() == text);
+        language.ok_or_else(|| format!("language \"{text}\", expected one of en, es, pt"))
     }
 }
 

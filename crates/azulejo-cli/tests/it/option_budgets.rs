@@ -29,7 +29,7 @@ const BUDGETS: [(&str, usize); 25] = [
     ("grf fmt", 1),
     ("grf lint", 2),
     ("grf diff", 13),
-    ("view", 3),
+    ("view", 5),
     ("completions", 0),
 ];
 

@@ -1,8 +1,8 @@
 //! A single row of form factors against the same row of the matrix.
 
-use azulejo_factors::form_factors::Plan;
+use azulejo_factors::form_factors::{Factor, Plan};
 use azulejo_factors::{
-    Closure, Engine, FormFactorOptions, PatchSize, form_factors, form_factors_from,
+    Closure, Engine, FormFactorOptions, Hemicube, PatchSize, form_factors, form_factors_from,
 };
 use azulejo_scene::math::Ray;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room};
@@ -137,4 +137,57 @@ fn a_cancelled_row_is_none() {
     let options = options(Engine::Rays, true);
     let row = form_factors_from(&scene, &Tracer::new(&scene), 0, &options, &progress);
     assert!(row.is_err());
+}
+
+/// Sums over walls have the estimates of their own; with formulas there are none.
+#[test]
+fn a_row_is_summed_over_groups_with_its_estimates() {
+    let scene = cube_room();
+    let tracer = Tracer::new(&scene);
+    for (engine, analytic) in [
+        (Engine::Rays, false),
+        (Engine::Hemicube(Hemicube::default()), false),
+        (Engine::Rays, true),
+        (Engine::Analytic, false),
+    ] {
+        let options = options(engine, analytic);
+        let plan = Plan::new(&scene, &tracer, &options).unwrap();
+        let patches = plan.patches();
+        // The last patch is in no group.
+        let group = |patch: usize| {
+            let face = patches.face(patch).face;
+            (patch + 1 < patches.len()).then_some(face)
+        };
+        let groups: Vec<Option<u32>> = (0..patches.len()).map(group).collect();
+        let row = plan.prepare().grouped_row(0, &groups, 7, &Progress::new());
+        let row = row.unwrap();
+        assert_eq!(row.groups.len(), 7);
+        // The room has six faces.
+        assert_eq!(row.groups[6].factor, Factor::default());
+        for (k, group) in row.groups.iter().enumerate().take(6) {
+            let own = row.factors.iter().zip(&groups);
+            let own = own.filter(|(_, g)| **g == Some(k as u32));
+            let sum: f64 = own.map(|(factor, _)| factor.value).sum();
+            assert!(
+                (group.factor.value - sum).abs() < 1e-6,
+                "{k}: {group:?} {sum}"
+            );
+            let Some(estimates) = group.estimates else {
+                continue;
+            };
+            let mean = estimates.iter().sum::<f64>() / 4.0;
+            assert!(
+                (mean - group.factor.value).abs() < 1e-6,
+                "{estimates:?} {group:?}"
+            );
+            let spread: f64 = estimates.iter().map(|e| (e - mean).powi(2)).sum();
+            let naive = (spread / 12.0).sqrt();
+            assert!(group.factor.error >= 0.7 * naive, "{group:?} {naive}");
+        }
+        let has_estimates = row.groups[0].estimates.is_some();
+        assert_eq!(
+            has_estimates,
+            !analytic && options.engine != Engine::Analytic
+        );
+    }
 }

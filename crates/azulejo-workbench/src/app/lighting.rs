@@ -6,6 +6,7 @@ mod tests;
 
 use super::{App, JobResult};
 use crate::document::{SceneDocument, Solution, SurfacePick};
+use crate::engine_comparison::{EngineRun, compare_engines};
 use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, solve_document};
 use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
@@ -39,6 +40,8 @@ pub struct Lighting {
     pub error_range: Option<IrradianceRange>,
     /// Form factors of the picked patch.
     pub form_factors: Option<PatchFormFactors>,
+    /// The engines compared on that patch.
+    pub engine_runs: Vec<EngineRun>,
     /// A solution for another document state, which arrived while the displayed one was current.
     aside: Option<Arc<Solution>>,
 }
@@ -94,6 +97,7 @@ impl Lighting {
     pub(super) fn document_changed(&mut self, document: &SceneDocument) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
         self.form_factors = None;
+        self.engine_runs.clear();
         let aside = self
             .aside
             .take_if(|s| !self.is_current && s.is_of(document));
@@ -357,6 +361,20 @@ impl App {
                 outbox.send(JobResult::FormFactors(Box::new(factors)));
             }
             Ok(())
+        });
+    }
+
+    /// Compares the engines on the patch whose form factors are shown.
+    pub(super) fn compare_engines(&mut self) {
+        let Some(pick) = self.lighting.form_factors.as_ref().map(|found| found.pick) else {
+            return self.fail(self.tr("choose a patch first"));
+        };
+        self.lighting.engine_runs.clear();
+        let (document, settings) = (self.document.clone(), self.lighting.settings);
+        let title = self.tr("form factors");
+        self.start_job(JobKind::FormFactors, title, move |progress, outbox| {
+            let show = |run| outbox.send(JobResult::EngineRun(run));
+            compare_engines(&document, &settings, &pick, progress, &show)
         });
     }
 }

@@ -10,6 +10,7 @@ mod editing;
 mod exposure;
 mod failures;
 mod files;
+mod lab;
 pub(crate) mod light_unit;
 mod lighting;
 mod materials;
@@ -35,6 +36,7 @@ use crate::command::{Command, FileRequest, Selection};
 use crate::document::{ItemId, SceneDocument};
 use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, JobSender, Jobs, RepaintRequest, in_thread_pool};
+use crate::lab::LabState;
 use crate::preferences::{Preferences, WindowPlace};
 use crate::recovery::Recovery;
 use crate::view::{ModelView, Shading, camera_around, sees_all, sees_most};
@@ -68,6 +70,8 @@ pub enum JobResult {
     Environment(files::LoadedEnvironment),
     /// Form factors of a patch.
     FormFactors(Box<crate::first_pass::PatchFormFactors>),
+    /// One engine with one number of samples, of several that are compared.
+    EngineRun(crate::engine_comparison::EngineRun),
     /// Irradiance measured at probes.
     Measured(Box<ProbeMeasurement>),
     /// A measured task plane.
@@ -134,6 +138,8 @@ pub struct App {
     pub lighting: Lighting,
     /// The last lightmap, and the settings for the next.
     pub lightmap: LightmapState,
+    /// The lab.
+    pub lab: LabState,
     /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
     /// Where the task plane lies, and what was measured on it.
@@ -261,6 +267,7 @@ impl App {
             Command::New
             | Command::Open(_)
             | Command::OpenExample(_)
+            | Command::OpenLesson
             | Command::Quit
             | Command::Recover(_)
                 if self.is_changed() =>
@@ -283,6 +290,8 @@ impl App {
                     Err(refused) => self.report(Severity::Error, refused.0),
                 }
             }
+            Command::ShowLab(lesson) => self.show_lab(lesson),
+            Command::OpenLesson => self.open_lesson(),
             Command::Add(paths) => self.load(paths, false),
             Command::Save => self.save(false),
             Command::SaveAnyway => self.save(true),
@@ -326,6 +335,7 @@ impl App {
             Command::StopSolving => self.stop_solving(),
             Command::ClearLight => self.clear_light(),
             Command::FormFactorsFrom(place) => self.form_factors_from(place),
+            Command::CompareEngines => self.compare_engines(),
             Command::AddProbe(place) => self.add_probe(place),
             Command::RemoveProbe(number) => self.remove_probe(number),
             Command::MeasureProbes => self.measure_probes(),
@@ -387,7 +397,11 @@ impl App {
             JobResult::Baked(baked) => self.take_baked(*baked),
             JobResult::Backplate(texture) => self.take_backplate(texture),
             JobResult::Environment(loaded) => self.take_environment(loaded),
-            JobResult::FormFactors(factors) => self.lighting.form_factors = Some(*factors),
+            JobResult::FormFactors(factors) => {
+                self.lighting.form_factors = Some(*factors);
+                self.lighting.engine_runs.clear();
+            }
+            JobResult::EngineRun(run) => self.lighting.engine_runs.push(run),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
             JobResult::TaskPlane(plane) => self.take_task_plane(*plane),
             JobResult::Note(text) => self.report(Severity::Note, text),

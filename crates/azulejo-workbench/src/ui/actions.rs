@@ -388,9 +388,13 @@ pub const ACTIONS: &[Action] = &[
         from(a, ViewDirection::Corner)
     }),
     action(Menu::View, "Scene tree", key(Key::F3), |a| {
+        // The lab is in the place of a tree that is shown.
+        if a.lab.is_open && a.preferences.shows_tree {
+            return done(Command::ShowLab(None));
+        }
         change_preferences(a, |p| p.shows_tree = !p.shows_tree)
     })
-    .ticked(|a| a.preferences.shows_tree),
+    .ticked(|a| a.preferences.shows_tree && !a.lab.is_open),
     action(Menu::View, "Properties", key(Key::F4), |a| {
         change_preferences(a, |p| p.shows_properties = !p.shows_properties)
     })
@@ -523,6 +527,11 @@ pub const ACTIONS: &[Action] = &[
         let result = a.lightmap.result.as_ref();
         result.map(|_| ActionTarget::Window(WindowAction::ToggleLightmap))
     }),
+    action(Menu::Help, "Lab", key(Key::F1), |a| {
+        let lesson = (!a.lab.is_open).then_some(a.lab.lesson);
+        done(Command::ShowLab(lesson))
+    })
+    .ticked(|a| a.lab.is_open),
     action(
         Menu::Help,
         "Keyboard shortcuts",

@@ -14,6 +14,7 @@ mod group_transform;
 mod help;
 mod inputs;
 mod inspector;
+mod lab;
 mod lamps;
 mod light;
 pub mod lightmap;

@@ -8,6 +8,7 @@ use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
 use super::dialogs::{BakeDialog, BrdfFileChoice, Dialogs, NativeSupport, PrismDialog, TextDialog};
 use super::focus::{self, FocusTrail};
+use super::lab::LabPanel;
 use super::lightmap::{LightmapView, LightmapWindow};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
@@ -56,6 +57,7 @@ pub struct Workbench {
     tree: SceneTree,
     dialogs: Dialogs,
     materials: MaterialPanel,
+    lab: LabPanel,
     /// The window with the lightmap.
     pub lightmap: LightmapWindow,
     shows_messages: bool,
@@ -108,6 +110,7 @@ impl Workbench {
             tree: SceneTree::default(),
             dialogs: Dialogs::default(),
             materials: MaterialPanel::default(),
+            lab: LabPanel::default(),
             lightmap: LightmapWindow::default(),
             shows_messages: false,
             press: 0,
@@ -214,6 +217,7 @@ impl Workbench {
             viewport,
             tree,
             dialogs,
+            lab,
             ..
         } = self;
         let (is_pressed, is_held) = ui.input(|i| {
@@ -246,9 +250,10 @@ impl Workbench {
                 .default_size(130.0)
                 .show(ui, |ui| messages::show(ui, &mut cx));
         }
-        let widths = PanelWidths::of(&app.preferences, window);
+        let widths = PanelWidths::of(&app.preferences, app.lab.is_open, window);
         let before = cx.commands.len();
         SidePanel::Tree.show(ui, &mut cx, widths, window, |ui, cx| tree.show(ui, cx));
+        SidePanel::Lab.show(ui, &mut cx, widths, window, |ui, cx| lab.show(ui, cx));
         if let Some(tab) = tab_of_choice(&cx, &cx.commands[before..], self.tab) {
             self.tab = tab;
         }
@@ -347,6 +352,7 @@ impl Workbench {
 
     /// Shows the tree of the scene, in which things are renamed.
     fn show_tree(&mut self) {
+        self.app.execute(Command::ShowLab(None));
         if !self.app.preferences.shows_tree {
             let mut preferences = self.app.preferences.clone();
             preferences.shows_tree = true;

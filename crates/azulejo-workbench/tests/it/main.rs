@@ -7,6 +7,7 @@ mod ending;
 mod file_dialog;
 mod files;
 mod inspector;
+mod lab;
 mod library;
 mod lightmap;
 mod menus;

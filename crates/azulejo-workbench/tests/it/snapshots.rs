@@ -8,6 +8,7 @@ use azulejo_workbench::command::Command;
 use azulejo_workbench::document::NewLightKind;
 use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
 use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::lab::LabLink;
 use azulejo_workbench::ui::lightmap::LightmapView;
 use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::variants::script_name;
@@ -136,5 +137,14 @@ fn the_dialog_for_a_lightmap_is_shown() {
     if let Some(mut window) = drawn(opened("cornell.grf")) {
         press(&mut window, egui::Modifiers::NONE, egui::Key::F9);
         window.snapshot_options("bake", &tolerance());
+    }
+}
+
+#[test]
+fn a_lesson_is_shown_beside_its_scene() {
+    let mut app = App::quiet();
+    app.follow(LabLink::from_query("?lab=3&lang=es").expect("a link"));
+    if let Some(mut window) = drawn(app) {
+        window.snapshot_options("lab", &tolerance());
     }
 }

@@ -10,6 +10,9 @@ use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, Plo
 /// Smaller fractions of the radius are not drawn.
 const SEEN: f64 = 5e-4;
 
+/// Rays at larger angles are nearly level, degrees.
+const LEVEL: f64 = 70.0;
+
 /// Draws the lobes of one model, or of two: the second is dashed.
 pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&[LobeSlice]]) {
     // One radial scale for all lobes makes models comparable: it ends at their maximum.
@@ -191,7 +194,13 @@ impl PolarAxes<'_> {
                 let words = format!("{:.1} %", 100.0 * mirrored);
                 // Beside the ray, away from the label of its angle.
                 let position = at(slice.incidence.max(3.0), 1.03);
-                self.text(plot, position, &words, color, Align2::LEFT_CENTER);
+                // There is no room at the right of a ray that is nearly level.
+                let anchor = if slice.incidence > LEVEL {
+                    Align2::RIGHT_BOTTOM
+                } else {
+                    Align2::LEFT_CENTER
+                };
+                self.text(plot, position, &words, color, anchor);
             }
         }
     }

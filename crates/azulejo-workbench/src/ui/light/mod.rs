@@ -2,6 +2,7 @@
 
 mod control;
 mod energy;
+mod engines;
 mod factors;
 mod plot;
 mod probes;

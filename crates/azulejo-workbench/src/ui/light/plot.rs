@@ -10,6 +10,7 @@ use azulejo::trace::Measure;
 use egui::{Color32, Grid, Ui, WidgetInfo};
 use egui_plot::{
     Corner, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints,
+    PlotUi,
 };
 use std::time::Instant;
 
@@ -104,19 +105,8 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let aim = cx.app.lighting.settings.error.max(1e-9).log10();
     let ys = curves.errors.iter().chain(&curves.patch_errors);
     // Errors are shares: as percentages they are two decades larger.
-    let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]))
-        .x_axis_label(cx.tr("seconds"))
-        .x_grid_spacer(decades)
-        .x_axis_formatter(|mark, _| plain(mark.value))
-        .y_axis_formatter(|mark, _| format!("{} %", plain(mark.value + 2.0)))
-        .label_formatter(|at| {
-            let (name, [x, y]) = near(at)?;
-            Some(format!(
-                "{name}: {}, {} s",
-                percent(10f64.powf(y)),
-                number(10f64.powf(x))
-            ))
-        });
+    let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]));
+    let plot = error_and_seconds(plot, cx);
     let (of_light, of_patches) = (cx.tr("irradiance"), cx.tr("patches"));
     let aimed = cx.tr("target");
     let shown = plot.show(ui, |plot| {
@@ -129,14 +119,7 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
             (of_light, &curves.errors, blue),
         ];
         for (name, points, color) in curves {
-            // A line through a single point would be invisible.
-            if let [_] = points[..] {
-                let dot = egui_plot::Points::new(name, PlotPoints::from(points.clone()));
-                plot.points(dot.color(color).radius(3.0));
-            } else if !points.is_empty() {
-                let line = Line::new(name, PlotPoints::from(points.clone()));
-                plot.line(line.color(color).width(1.8));
-            }
+            curve(plot, name, points, color);
         }
     });
     // To a screen reader the plot is an image with a title.
@@ -145,8 +128,36 @@ fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, title));
 }
 
+/// Relative error against seconds, both by their logarithms: the axes of a plot, and what is said about a point.
+pub(super) fn error_and_seconds<'a>(plot: Plot<'a>, cx: &PanelContext) -> Plot<'a> {
+    // Errors are shares: as percentages they are two decades larger.
+    plot.x_axis_label(cx.tr("seconds"))
+        .x_grid_spacer(decades)
+        .x_axis_formatter(|mark, _| plain(mark.value))
+        .y_axis_formatter(|mark, _| format!("{} %", plain(mark.value + 2.0)))
+        .label_formatter(|at| {
+            let (name, [x, y]) = near(at)?;
+            Some(format!(
+                "{name}: {}, {} s",
+                percent(10f64.powf(y)),
+                number(10f64.powf(x))
+            ))
+        })
+}
+
+/// Draws a curve; a line through a single point would be invisible.
+pub(super) fn curve(plot: &mut PlotUi, name: &str, points: &[[f64; 2]], color: Color32) {
+    if let [_] = points {
+        let dot = egui_plot::Points::new(name, PlotPoints::from(points.to_vec()));
+        plot.points(dot.color(color).radius(3.0));
+    } else if !points.is_empty() {
+        let line = Line::new(name, PlotPoints::from(points.to_vec()));
+        plot.line(line.color(color).width(1.8));
+    }
+}
+
 /// A fixed plot whose range is rounded to whole decades.
-fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot<'a> {
+pub(super) fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot<'a> {
     let (low, high) = ys.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
         (low.min(y), high.max(y))
     });

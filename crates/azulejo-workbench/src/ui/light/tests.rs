@@ -6,6 +6,7 @@ use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
 use crate::jobs::JobKind;
 use crate::words::Language;
 use azulejo::factors::EngineUsed;
+use azulejo::factors::form_factors::{Factor, GroupFactor};
 use azulejo::radiosity::gather::{ErrorParts, QuarterError};
 use azulejo::radiosity::{EnergyBalance, Method, Report};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -349,18 +350,26 @@ fn probes_are_pinned_measured_and_removed() {
 fn form_factors_are_listed_by_object() {
     let mut app = cornell();
     let ids: Vec<_> = app.document.objects.iter().map(|i| i.id).collect();
+    let found = |value| GroupFactor {
+        factor: Factor { value, error: 0.01 },
+        estimates: None,
+    };
     app.lighting.form_factors = Some(PatchFormFactors {
         number: 1,
-        item: ids[0],
+        pick: SurfacePick {
+            item: ids[0],
+            position: DVec3::ZERO,
+            normal: DVec3::Y,
+        },
         patches: Arc::new(Mesh::default()),
         factors: Vec::new(),
         sum: 0.75,
-        objects: vec![(ids[1], 0.5), (ids[2], 0.25)],
+        objects: vec![(ids[1], found(0.5)), (ids[2], found(0.25))],
     });
     let mut harness = bench(app);
     harness.run_ok();
     harness.get_by_label("Sum 0.7500; 25 % leaves the scene");
-    harness.get_by_label("0.5000");
+    harness.get_by_label("0.5000 ± 0.0100");
     let name = harness
         .state()
         .app

@@ -1,6 +1,8 @@
 //! The text of a script, read into steps.
 
-use super::fields::{name, number, numbers, one_of, path, split, two_points, variant, whole};
+use super::fields::{
+    name, number, numbers, one_of, path, split, two_points, unless, variant, whole,
+};
 use super::selected::{material_named, selected_one};
 use super::step::{ScriptStep, StepResult, command, commands};
 use super::{bake, light, material, scene, solver, view};
@@ -45,6 +47,8 @@ fn step(line: &str) -> StepResult {
         "open" => file(|path| Command::Open(vec![path])),
         "add" => file(|path| Command::Add(vec![path])),
         "example" => Ok(command(Command::OpenExample(variant(word, rest)?))),
+        "lab" => lab(rest),
+        "lab-scene" => Ok(command(Command::OpenLesson)),
         "recipe" => file(Command::ApplyRecipe),
         "environment" => file(|path| Command::LoadEnvironment(path, None)),
         "action" => action(rest).map(ScriptStep::Action),
@@ -73,6 +77,7 @@ fn step(line: &str) -> StepResult {
         "tab" => variant(word, rest).map(ScriptStep::Tab),
         "probe" => two_points(rest).map(ScriptStep::Probe),
         "form-factors" => two_points(rest).map(ScriptStep::FormFactors),
+        "compare-engines" => Ok(command(Command::CompareEngines)),
         "remove-probe" => {
             let number = whole(rest, u32::MAX)?;
             Ok(command(Command::RemoveProbe(u64::from(number))))
@@ -115,15 +120,21 @@ fn step(line: &str) -> StepResult {
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
 const STEPS: &str = "\
-    size, open, add, example, recipe, environment, save, export, save-render, screenshot, \
+    size, open, add, example, lab, lab-scene, recipe, environment, save, export, save-render, screenshot, \
     action, select, select-material, select-faces, rename, move, turn, scale, place, cone, \
     text, prism, material, light, background, fog, units, shading, view, camera, fov, \
     take-view, look-through, exposure, range, color-map, logarithmic, isolines, backdrop, \
     show-in, compare, hide-backs, section, orientation-cube, tab, engine, patches, time, \
     bounces, keep-mesh, solve, probe, remove-probe, save-probes, task-plane, \
-    save-task-plane, remove-task-plane, form-factors, render, stop-render, resume-render, \
+    save-task-plane, remove-task-plane, form-factors, compare-engines, render, stop-render, resume-render, \
     close-render, bake, lightmap, save-lightmap, save-error-map, preference, \
     clear-messages, wait, quit";
+
+/// `lab N` or `lab none`: a lesson by its number, or no lab.
+fn lab(text: &str) -> StepResult {
+    let lesson = unless("none", text, |number| number.parse())?;
+    Ok(command(Command::ShowLab(lesson)))
+}
 
 /// `select all`, `select nothing`, or everything of this name.
 fn select(name: &str) -> ScriptStep {

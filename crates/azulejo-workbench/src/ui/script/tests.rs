@@ -47,7 +47,7 @@ const MODEL: &str =
     "o plate\nv 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nusemtl tiles\nf 4 3 2 1\nf 1 2 3 4\n";
 
 /// The steps of all scripts together send every command; `DIR` is a folder.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 5] = [
     // Objects and materials.
     "open SHAPES\n add DIR/plate.obj\n select column\n rename pillar\n move 0 0.1 0\n\
      place 1 0 0 0 45 0 1 2 1\n action Duplicate\n action Hide\n action Show all\n action Delete\n\
@@ -81,6 +81,8 @@ const SCRIPTS: [&str; 4] = [
     "open DIR/plate.obj\n action Studio\n bake size=32 error=100% light=direct\n lightmap error\n\
      save-lightmap DIR/baked.glb\n save-error-map DIR/error.exr\n lightmap none\n\
      save DIR/plate.grf\n action Quit\n",
+    // The lab.
+    "lab 1\n lab-scene\n form-factors 0 0.5 0 0 0 0\n compare-engines\n lab none\n quit\n",
 ];
 
 /// A folder with the files that the scripts name; deleted at the end.

@@ -59,6 +59,10 @@ impl StartScreen {
                     ui.add_space(18.0);
                     ui.strong(cx.tr("Examples"));
                     self.examples(ui, cx);
+                    let lab = cx.tr("Lab: eight lessons with a number to find");
+                    if !cx.app.lab.is_open && ui.link(lab).clicked() {
+                        cx.send(Command::ShowLab(Some(cx.app.lab.lesson)));
+                    }
                     ui.add_space(18.0);
                     steps(ui, cx);
                 });

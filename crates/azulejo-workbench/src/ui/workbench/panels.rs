@@ -17,26 +17,29 @@ pub(super) enum SidePanel {
     Tree,
     /// The properties, at the right.
     Properties,
+    /// The lab, at the left in place of the tree.
+    Lab,
 }
 
-/// The widths of both panels in points; 0 where one is hidden.
+/// The widths of the panels in points; 0 where one is hidden.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PanelWidths {
     tree: f32,
     properties: f32,
+    lab: f32,
 }
 
 impl PanelWidths {
     /// The widths in a window of this width: those that the user has set, or else a share of the
-    /// window. Both shrink where they would leave too little to the view.
-    pub fn of(preferences: &Preferences, window: f32) -> PanelWidths {
+    /// window. They shrink where they would leave too little to the view.
+    pub fn of(preferences: &Preferences, shows_lab: bool, window: f32) -> PanelWidths {
         let width = |is_shown: bool, set: f32, usual: f32| match (is_shown, set > 0.0) {
             (false, _) => 0.0,
             (true, true) => set.max(NARROWEST),
             (true, false) => usual,
         };
         let tree = width(
-            preferences.shows_tree,
+            preferences.shows_tree && !shows_lab,
             preferences.tree_width,
             (0.2 * window).min(220.0),
         );
@@ -45,10 +48,12 @@ impl PanelWidths {
             preferences.properties_width,
             (0.38 * window).min(380.0),
         );
-        let shrink = ((1.0 - VIEW) * window / (tree + properties).max(1.0)).min(1.0);
+        let lab = width(shows_lab, preferences.lab_width, (0.27 * window).min(340.0));
+        let shrink = ((1.0 - VIEW) * window / (tree + properties + lab).max(1.0)).min(1.0);
         PanelWidths {
             tree: shrink * tree,
             properties: shrink * properties,
+            lab: shrink * lab,
         }
     }
 
@@ -56,25 +61,27 @@ impl PanelWidths {
         match panel {
             SidePanel::Tree => self.tree,
             SidePanel::Properties => self.properties,
+            SidePanel::Lab => self.lab,
         }
     }
 
     /// The most that a panel can be widened to in a window of this width.
     fn most(&self, panel: SidePanel, window: f32) -> f32 {
         let other = match panel {
-            SidePanel::Tree => self.properties,
-            SidePanel::Properties => self.tree,
+            SidePanel::Tree | SidePanel::Lab => self.properties,
+            SidePanel::Properties => self.tree + self.lab,
         };
         ((1.0 - VIEW) * window - other).max(self.get(panel))
     }
 
-    /// The preferences after a panel was resized. What is displayed of the other one is kept, too,
-    /// if its width was set: it may have been shrunk, and would move otherwise.
+    /// The preferences after a panel was resized. What is displayed of the others is kept, too,
+    /// if their width was set: they may have been shrunk, and would move otherwise.
     fn resized(&self, preferences: &Preferences, panel: SidePanel, width: f32) -> Preferences {
         let mut new = preferences.clone();
         for (stored, shown) in [
             (&mut new.tree_width, self.tree),
             (&mut new.properties_width, self.properties),
+            (&mut new.lab_width, self.lab),
         ] {
             if *stored > 0.0 && shown > 0.0 {
                 *stored = shown.round();
@@ -83,6 +90,7 @@ impl PanelWidths {
         match panel {
             SidePanel::Tree => new.tree_width = width,
             SidePanel::Properties => new.properties_width = width,
+            SidePanel::Lab => new.lab_width = width,
         }
         new
     }
@@ -93,6 +101,7 @@ impl SidePanel {
         match self {
             SidePanel::Tree => "tree",
             SidePanel::Properties => "panel",
+            SidePanel::Lab => "lab",
         }
     }
 
@@ -116,7 +125,7 @@ impl SidePanel {
             set_width(ui, id, width);
         }
         let panel = match self {
-            SidePanel::Tree => Panel::left(self.salt()),
+            SidePanel::Tree | SidePanel::Lab => Panel::left(self.salt()),
             SidePanel::Properties => Panel::right(self.salt()),
         };
         let shown = panel
@@ -155,7 +164,7 @@ mod tests {
     use super::*;
 
     fn widths(preferences: &Preferences, window: f32) -> [f32; 2] {
-        let widths = PanelWidths::of(preferences, window);
+        let widths = PanelWidths::of(preferences, false, window);
         [widths.tree, widths.properties]
     }
 
@@ -185,8 +194,22 @@ mod tests {
             ..Preferences::default()
         };
         assert_eq!(widths(&alone, 800.0), [0.0, 400.0]);
-        let shown = PanelWidths::of(&alone, 800.0);
+        let shown = PanelWidths::of(&alone, false, 800.0);
         assert!((shown.most(SidePanel::Properties, 800.0) - 480.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_lab_takes_the_place_of_the_tree() {
+        let usual = Preferences::default();
+        let shown = PanelWidths::of(&usual, true, 1280.0);
+        assert_eq!(
+            [shown.tree, shown.properties, shown.lab],
+            [0.0, 380.0, 340.0]
+        );
+        let narrow = PanelWidths::of(&usual, true, 480.0);
+        assert!(narrow.properties + narrow.lab < (1.0 - VIEW) * 480.0 + 0.1);
+        let new = shown.resized(&usual, SidePanel::Lab, 260.0);
+        assert_eq!((new.lab_width, new.tree_width), (260.0, 0.0));
     }
 
     #[test]
@@ -196,11 +219,11 @@ mod tests {
             properties_width: 700.0,
             ..Preferences::default()
         };
-        let shown = PanelWidths::of(&wide, 800.0);
+        let shown = PanelWidths::of(&wide, false, 800.0);
         let new = shown.resized(&wide, SidePanel::Properties, 250.0);
         assert_eq!(widths(&new, 800.0), [200.0, 250.0]);
         let usual = Preferences::default();
-        let shown = PanelWidths::of(&usual, 800.0);
+        let shown = PanelWidths::of(&usual, false, 800.0);
         let new = shown.resized(&usual, SidePanel::Tree, 120.0);
         // The other one still follows the window.
         assert_eq!((new.tree_width, new.properties_width), (120.0, 0.0));
