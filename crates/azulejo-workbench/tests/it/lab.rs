@@ -72,7 +72,7 @@ fn shown_factor(window: &TestWindow, row: usize) -> (f64, Option<f64>) {
     let found = texts
         .iter()
         .filter(|text| text.starts_with("0.") && !text.ends_with('%'));
-    let cell = found.skip(row).next().expect("a form factor");
+    let cell = found.nth(row).expect("a form factor");
     let mut parts = cell.split(" ± ");
     let value = number(parts.next().unwrap());
     (value, parts.next().map(number))
