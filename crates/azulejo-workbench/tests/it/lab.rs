@@ -69,7 +69,7 @@ fn after(window: &TestWindow, name: &str) -> String {
 /// The form factor to an object, and its standard error if there is one, as the table shows them.
 fn shown_factor(window: &TestWindow, row: usize) -> (f64, Option<f64>) {
     let texts = texts(window);
-    let found = texts
+    let mut found = texts
         .iter()
         .filter(|text| text.starts_with("0.") && !text.ends_with('%'));
     let cell = found.nth(row).expect("a form factor");
