@@ -13,6 +13,7 @@ pub mod gpu;
 mod history;
 pub mod jobs;
 mod library;
+pub mod platform;
 pub mod preferences;
 mod projection;
 pub mod recovery;
