@@ -57,7 +57,7 @@ addEventListener("error", (event) => {
 canvas.addEventListener("webglcontextlost", () => fail("The browser has taken the graphics card away."));
 addEventListener("beforeunload", (event) => {
   try {
-    if (!hasFailed && azulejo.is_changed()) event.preventDefault();
+    if (globalThis.azulejo.asks && !hasFailed && azulejo.is_changed()) event.preventDefault();
   } catch {
     // The program is at work.
   }
@@ -67,6 +67,8 @@ for (const kind of ["dragover", "drop"]) addEventListener(kind, (event) => event
 
 /** For tests, and for whoever wants to control the page from its console. */
 globalThis.azulejo = {
+  /** Whether the user is asked before changes are lost. */
+  asks: true,
   /** Plays lines of the workbench's scripts; resolves when they are done. */
   async command(script) {
     azulejo.play(script);
@@ -82,11 +84,11 @@ globalThis.azulejo = {
   put: (name, bytes, opens = true) => azulejo.put_file(name, bytes, opens),
   get: (path) => azulejo.get_file(path),
   scene: () => azulejo.scene(),
-  bits: (name, text) => azulejo.bits(name, text),
+  bits: (name, text) => azulejo.bits_of(name, text),
 };
 
 try {
-  await init();
+  await init({ module_or_path: new URL("azulejo_web_bg.wasm", import.meta.url) });
   await azulejo.start(canvas, location.search);
   card.hidden = true;
   globalThis.azulejo.started = performance.now();

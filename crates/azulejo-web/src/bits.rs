@@ -27,9 +27,10 @@ pub fn form_factors(text: &[u8]) -> Result<Vec<u8>, String> {
         ..FormFactorOptions::default()
     };
     let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
+    let rows = plan.patches().len();
     let (plan, progress) = (plan.prepare(), Progress::new());
     let mut bytes = Vec::new();
-    for row in 0..plan.patches().len() {
+    for row in 0..rows {
         let row = plan.row(row, &progress).map_err(|e| e.to_string())?;
         bytes.extend(row.iter().flat_map(|f| f.value.to_le_bytes()));
     }

@@ -10,8 +10,9 @@ use azulejo_workbench::preferences::Preferences;
 use azulejo_workbench::script::{self, ScriptPlayer};
 use azulejo_workbench::ui::{Viewport, Workbench};
 use azulejo_workbench::words::Language;
-use eframe::{WebOptions, WebRunner};
+use eframe::{App as _, WebOptions, WebRunner, egui};
 use serde_json::json;
+use std::any::Any;
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex};
 use wasm_bindgen::prelude::*;
@@ -23,6 +24,27 @@ thread_local! {
     static RUNNER: RefCell<Option<WebRunner>> = const { RefCell::new(None) };
     /// Of the script that was played last.
     static OUTCOME: RefCell<Option<Outcome>> = const { RefCell::new(None) };
+}
+
+/// The window, which the page's functions find again.
+struct PageWindow(Workbench);
+
+impl eframe::App for PageWindow {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.0.ui(ui, frame);
+    }
+
+    fn logic(&mut self, context: &egui::Context, frame: &mut eframe::Frame) {
+        self.0.logic(context, frame);
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
+    fn as_any_mut(&mut self) -> Option<&mut dyn Any> {
+        Some(self)
+    }
 }
 
 /// Shows the workbench on a canvas. `query` is what follows the `?` of the page's address: `open=cornell`,
@@ -39,7 +61,7 @@ pub async fn start(canvas: HtmlCanvasElement, query: String) -> Result<(), JsVal
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
         let window = Workbench::in_window(app, viewport, context);
-        Ok(Box::new(window) as Box<dyn eframe::App>)
+        Ok(Box::new(PageWindow(window)) as Box<dyn eframe::App>)
     };
     runner
         .start(canvas, WebOptions::default(), Box::new(open))
@@ -117,8 +139,8 @@ pub fn run_job(id: f64) {
 /// Works on the window, if it is open and not at work itself.
 fn with_window<T>(work: impl FnOnce(&mut Workbench) -> T) -> Option<T> {
     RUNNER.with_borrow(|runner| {
-        let mut window = runner.as_ref()?.app_mut::<Workbench>()?;
-        Some(work(&mut window))
+        let mut window = runner.as_ref()?.app_mut::<PageWindow>()?;
+        Some(work(&mut window.0))
     })
 }
 
@@ -183,7 +205,7 @@ pub fn scene() -> Option<Vec<u8>> {
 /// # Errors
 /// Those of the function, or there is none of this name.
 #[wasm_bindgen]
-pub fn bits(name: &str, text: &[u8]) -> Result<Vec<u8>, JsValue> {
+pub fn bits_of(name: &str, text: &[u8]) -> Result<Vec<u8>, JsValue> {
     let bytes = match name {
         "form_factors" => bits::form_factors(text),
         "solution" => bits::solution(text),

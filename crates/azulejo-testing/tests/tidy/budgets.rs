@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
-const BUDGETS: [(&str, usize); 14] = [
+const BUDGETS: [(&str, usize); 15] = [
     ("azulejo", 5800),
     ("azulejo-bake", 5600),
     ("azulejo-cli", 24_720),
@@ -20,7 +20,8 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-scene", 17_140),
     ("azulejo-testing", 540),
     ("azulejo-trace", 13_950),
-    ("azulejo-workbench", 27_400),
+    ("azulejo-web", 260),
+    ("azulejo-workbench", 28_500),
 ];
 
 /// Share of a budget that has to be used.

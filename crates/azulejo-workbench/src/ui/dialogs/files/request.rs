@@ -5,6 +5,7 @@ use crate::bake::LightmapFile;
 use crate::command::FileRequest;
 use crate::library::slug;
 use crate::ui::panel_context::PanelContext;
+use std::path::PathBuf;
 
 /// Extensions of readable models, for the file dialog; the format is detected from the content.
 const MODELS: [&str; 34] = [
