@@ -27,7 +27,7 @@ thread_local! {
 }
 
 /// The window, which the page's functions find again.
-struct PageWindow(Workbench);
+struct PageWindow(Workbench, egui::Context);
 
 impl eframe::App for PageWindow {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
@@ -61,7 +61,7 @@ pub async fn start(canvas: HtmlCanvasElement, query: String) -> Result<(), JsVal
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
         let window = Workbench::in_window(app, viewport, context);
-        Ok(Box::new(PageWindow(window)) as Box<dyn eframe::App>)
+        Ok(Box::new(PageWindow(window, context.egui_ctx.clone())) as Box<dyn eframe::App>)
     };
     runner
         .start(canvas, WebOptions::default(), Box::new(open))
@@ -140,6 +140,8 @@ pub fn run_job(id: f64) {
 fn with_window<T>(work: impl FnOnce(&mut Workbench) -> T) -> Option<T> {
     RUNNER.with_borrow(|runner| {
         let mut window = runner.as_ref()?.app_mut::<PageWindow>()?;
+        // Nothing else wakes a window whose user does nothing.
+        window.1.request_repaint();
         Some(work(&mut window.0))
     })
 }
@@ -149,6 +151,7 @@ fn with_window<T>(work: impl FnOnce(&mut Workbench) -> T) -> Option<T> {
 pub fn put_file(name: &str, bytes: Vec<u8>, opens: bool) -> Result<(), JsValue> {
     if opens {
         platform::put_dropped(name, bytes);
+        with_window(|_| ());
         return Ok(());
     }
     let path = std::path::Path::new("/").join(name);
