@@ -43,7 +43,20 @@ function fail(message) {
   choice("Start again", () => location.reload());
 }
 
+/** What the program exports. */
+let program;
+
 // Called by the program.
+/** The number of JavaScript's objects that the program knows, and which of them a worker has under the same name. */
+globalThis.azulejoReferences = () => {
+  const table = program.__wbindgen_externrefs;
+  const named = [];
+  for (let k = 0; k < table.length; k++) {
+    if (table.get(k) === performance) named.push([k, "performance"]);
+    if (table.get(k) === globalThis) named.push([k, "globalThis"]);
+  }
+  return { count: table.length, named };
+};
 globalThis.azulejoKeep = (bytes) => {
   kept = bytes.slice();
 };
@@ -88,7 +101,7 @@ globalThis.azulejo = {
 };
 
 try {
-  await init({ module_or_path: new URL("azulejo_web_bg.wasm", import.meta.url) });
+  program = await init({ module_or_path: new URL("azulejo_web_bg.wasm", import.meta.url) });
   await azulejo.start(canvas, location.search);
   card.hidden = true;
   globalThis.azulejo.started = performance.now();

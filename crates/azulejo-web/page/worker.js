@@ -8,8 +8,9 @@ onmessage = ({ data: { module, memory, references, id } }) => {
   const missing = (memory.byteLength - wasm.memory.buffer.byteLength) / PAGE;
   if (missing > 0) wasm.memory.grow(missing);
   new Uint8Array(wasm.memory.buffer).set(new Uint8Array(memory));
-  // The memory knows how long the table of JavaScript's objects is; here nobody uses the page's.
+  // The memory knows JavaScript's objects by their numbers: clocks have to be where they were.
   const table = wasm.__wbindgen_externrefs;
-  if (table && references > table.length) table.grow(references - table.length);
+  if (references.count > table.length) table.grow(references.count - table.length);
+  for (const [number, name] of references.named) table.set(number, globalThis[name]);
   run_job(id);
 };

@@ -192,8 +192,11 @@ fn try_begin(id: u64, listener: Listener) -> Result<(), JsValue> {
     let message = Object::new();
     Reflect::set(&message, &"module".into(), &wasm_bindgen::module())?;
     Reflect::set(&message, &"memory".into(), &copy)?;
-    let references = Reflect::get(&wasm_bindgen::exports(), &"__wbindgen_externrefs".into())?;
-    let references = Reflect::get(&references, &"length".into()).unwrap_or_default();
+    // JavaScript's objects are not in memory, which knows them by their numbers; the page tells which ones every worker
+    // has itself.
+    let global = js_sys::global();
+    let references = Reflect::get(&global, &"azulejoReferences".into())?;
+    let references = references.dyn_into::<js_sys::Function>()?.call0(&global)?;
     Reflect::set(&message, &"references".into(), &references)?;
     Reflect::set(&message, &"id".into(), &JsValue::from_f64(id as f64))?;
     worker.post_message_with_transfer(&message, &Array::of1(&copy))?;
