@@ -8,10 +8,10 @@ use crate::samples::{PageSampler, Rows, Samples, gather_point};
 use azulejo_radiosity::sites::{SiteCells, SiteDirect, SiteLight, interpolated_direct};
 use azulejo_trace::run::batches::{BLOCK, in_counted_batches};
 use azulejo_trace::sampling::{hash, uniform};
+use azulejo_trace::time::Instant;
 use azulejo_trace::{Cancelled, DirectLight, GatherPoint, Gathered, Gatherer, Harmonics, Run};
 use glam::DVec2;
 use rayon::prelude::*;
-use std::time::Instant;
 
 /// Samples that are gathered together.
 const BATCH: usize = 64;

@@ -4,11 +4,11 @@ use crate::Receiver;
 use crate::layout::{Layout, NO_CHART, ReceiverLayout};
 use crate::thin;
 use crate::unwrap_mesh::UnwrapMesh;
+use azulejo_trace::time::Instant;
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
 
 /// Largest width and height of a page, texels: what graphics cards take.

@@ -25,6 +25,7 @@ pub mod abaqus;
 pub mod brdf;
 pub mod camera_json;
 pub mod cityjson;
+pub mod disk;
 pub mod dxf;
 pub mod energyplus;
 pub mod gltf;

@@ -14,10 +14,10 @@ use azulejo_factors::estimator::Estimator;
 use azulejo_factors::row::{Columns, Side, side};
 use azulejo_factors::{Engine, Patches};
 use azulejo_trace::sampling::hash;
+use azulejo_trace::time::{Duration, Instant};
 use azulejo_trace::{Cancelled, Gatherer, Progress, Termination};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 /// Sides of patches that are timed together before all others are begun.
 const TIMED: usize = 1024;

@@ -9,13 +9,13 @@ use crate::gathering::{
 use azulejo_scene::Rgb;
 use azulejo_trace::run::{LoopSize, Record, RecordReader, write_list};
 use azulejo_trace::sampling::hash;
+use azulejo_trace::time::Instant;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
     Measure, REPLICATES, Run, RunStage, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
 use std::ops::Range;
-use std::time::Instant;
 
 /// Points whose time is measured before a first pass that has a deadline.
 const PACE_POINTS: u32 = 64;

@@ -6,7 +6,7 @@ use crate::system::RadiositySolution;
 use crate::vertices::{Targets, targets};
 use azulejo_factors::{Patches, ProxyScene};
 use azulejo_scene::Irradiance;
-use std::time::{Duration, Instant};
+use azulejo_trace::time::{Duration, Instant};
 
 /// Least time between two previews of a stage.
 const PAUSE: Duration = Duration::from_secs(1);

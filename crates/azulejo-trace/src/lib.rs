@@ -40,6 +40,7 @@ mod progress;
 pub mod run;
 pub mod sampling;
 mod surfaces;
+pub mod time;
 mod tracer;
 
 pub use gather::{

@@ -1,10 +1,10 @@
 //! Progress reports, pausing and cancelling of long computations.
 
+use crate::time::{Duration, Instant};
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Largest number of measures that are stored until they are taken; older ones are dropped.
 const MOST_MEASURES: usize = 4096;
@@ -27,6 +27,7 @@ pub struct Progress {
     /// The work was resumed or cancelled.
     released: Condvar,
     measures: Mutex<VecDeque<Measured>>,
+    observer: OnceLock<fn(&Progress)>,
 }
 
 /// The state that depends on the time.
@@ -113,6 +114,12 @@ impl Progress {
         Progress::default()
     }
 
+    /// Calls `observer` at every step from now on, by the thread that makes it: for observers without a thread of
+    /// their own. Only the first one counts.
+    pub fn observe(&self, observer: fn(&Progress)) {
+        let _ = self.observer.set(observer);
+    }
+
     /// Begins a stage of `total` steps; `stage` is its short name for the user ("form factors").
     pub fn begin(&self, stage: &str, total: u64) {
         stage.clone_into(&mut lock(&self.stage));
@@ -126,6 +133,9 @@ impl Progress {
     /// [`Cancelled`] once [`cancel`](Progress::cancel) was called.
     pub fn advance(&self, steps: u64) -> Result<(), Cancelled> {
         self.done.fetch_add(steps, Ordering::Relaxed);
+        if let Some(observer) = self.observer.get() {
+            observer(self);
+        }
         if self.is_paused() {
             self.wait();
         }
@@ -330,6 +340,20 @@ mod tests {
                 now => before = now,
             }
         }
+    }
+
+    #[test]
+    fn an_observer_sees_every_step_and_may_end_the_work() {
+        let progress = Progress::new();
+        progress.observe(|progress| {
+            if progress.done() == 3 {
+                progress.cancel();
+            }
+        });
+        assert_eq!(
+            (0..9).take_while(|_| progress.advance(1).is_ok()).count(),
+            2
+        );
     }
 
     #[test]

@@ -16,8 +16,8 @@ use azulejo::lightmap::{
 };
 use azulejo::radiosity::{FirstPass, SolveError};
 use azulejo::scene::Scene;
+use azulejo::trace::time::{Duration, Instant};
 use azulejo::trace::{Progress, Tracer};
-use std::time::{Duration, Instant};
 
 /// Largest width and height of pages whose resolution is given, texels.
 const MAX_SIZE: u32 = 8192;

@@ -7,10 +7,12 @@ use crate::jobs::RepaintRequest;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+#[cfg(not(target_arch = "wasm32"))]
 use std::time::Duration;
 
 /// The time that a window has to close. One that is stuck, or whose display is gone, must not keep
 /// the session from ending.
+#[cfg(not(target_arch = "wasm32"))]
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What became of unsaved changes: the path of their copy, `None` if there were none, or why no
@@ -29,11 +31,12 @@ struct EndState {
 }
 
 impl EndRequest {
-    /// Listens to the signals from now on.
+    /// Listens to the signals from now on; a web page gets none.
     ///
     /// # Errors
     ///
     /// A message if they cannot be received.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn listen(&self) -> Result<(), String> {
         let request = self.clone();
         ctrlc::set_handler(move || request.on_signal())
@@ -41,6 +44,7 @@ impl EndRequest {
     }
 
     /// A second signal does not wait for the window.
+    #[cfg(not(target_arch = "wasm32"))]
     fn on_signal(&self) {
         if self.is_asked() {
             std::process::exit(1);

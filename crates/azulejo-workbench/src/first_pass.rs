@@ -6,13 +6,13 @@ use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNorm
 use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Irradiance, Mesh, Scene};
+use azulejo::trace::time::{Duration, Instant};
 use azulejo::trace::{Progress, Tracer};
 use clap::ValueEnum;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 /// How form factors are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -372,8 +372,13 @@ fn objects_of_sides(plan: &Plan, objects: usize) -> Vec<Option<u32>> {
 }
 
 impl PatchFormFactors {
-    fn new(pick: SurfacePick, plan: &Plan, picked: usize, factors: &[f64]) -> PatchFormFactors {
+    /// The number of a new result.
+    pub(crate) fn next_number() -> u64 {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
+        NUMBER.fetch_add(1, Ordering::Relaxed)
+    }
+
+    fn new(pick: SurfacePick, plan: &Plan, picked: usize, factors: &[f64]) -> PatchFormFactors {
         let mut mesh = Mesh::default();
         let mut values = Vec::new();
         for (patch, corners) in plan.patches().triangles() {
@@ -388,7 +393,7 @@ impl PatchFormFactors {
             });
         }
         PatchFormFactors {
-            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+            number: PatchFormFactors::next_number(),
             pick,
             patches: Arc::new(mesh),
             factors: values,

@@ -4,12 +4,12 @@
 //! that the window empties in every frame. A panic in a job is an error of that job: the window
 //! stays open.
 
+use crate::platform;
 use azulejo::trace::Progress;
+use azulejo::trace::time::Instant;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::Instant;
-use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
 /// A function that requests a repaint of the window.
 pub type RepaintRequest = Arc<dyn Fn() + Send + Sync>;
@@ -56,6 +56,35 @@ pub struct Job {
     pub started: Instant,
 }
 
+/// What a job may send.
+#[cfg(not(target_arch = "wasm32"))]
+pub trait JobOutput: Send + 'static {}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl<T: Send + 'static> JobOutput for T {}
+
+/// What a job may send. In a page long jobs have a memory of their own, from which results come as bytes.
+#[cfg(target_arch = "wasm32")]
+pub trait JobOutput: Send + 'static {
+    /// A result as bytes.
+    fn packed(&self) -> Vec<u8>;
+
+    /// The result for these bytes, which need not be understood yet.
+    fn arrived(bytes: Vec<u8>) -> Self;
+}
+
+impl JobKind {
+    /// Whether it takes long in a page, where other jobs run at once while nothing else happens.
+    #[cfg(target_arch = "wasm32")]
+    fn is_long(self) -> bool {
+        use JobKind::*;
+        matches!(
+            self,
+            Autosave | FormFactors | Probe | Render | Solve | TaskPlane
+        )
+    }
+}
+
 /// A message from a job.
 pub enum JobMessage<T> {
     /// A result; more may follow.
@@ -71,18 +100,30 @@ pub struct JobSender<T> {
     repaint: RepaintRequest,
 }
 
-impl<T> JobSender<T> {
+impl<T: JobOutput> JobSender<T> {
     /// Sends a result.
     pub fn send(&self, result: T) {
         self.post(JobMessage::Output(result));
     }
 
     fn post(&self, news: JobMessage<T>) {
+        #[cfg(target_arch = "wasm32")]
+        if platform::is_worker() {
+            return platform::post(match news {
+                JobMessage::Output(result) => platform::WorkerMessage::Output(result.packed()),
+                JobMessage::Ended(why) => platform::WorkerMessage::Ended(why),
+            });
+        }
         // Nobody receives the message if the window has been closed.
         let _ = self.sender.send((self.id, news));
         (self.repaint)();
     }
 }
+
+/// While the camera moves, every frame requests another render: only one that is still wanted after this time
+/// gets a worker and a copy of the memory.
+#[cfg(target_arch = "wasm32")]
+const START_DELAY: std::time::Duration = std::time::Duration::from_millis(60);
 
 /// All running jobs.
 pub struct Jobs<T> {
@@ -93,13 +134,13 @@ pub struct Jobs<T> {
     next: u64,
 }
 
-impl<T: Send + 'static> Default for Jobs<T> {
+impl<T: JobOutput> Default for Jobs<T> {
     fn default() -> Jobs<T> {
         Jobs::new(Arc::new(|| ()))
     }
 }
 
-impl<T: Send + 'static> Jobs<T> {
+impl<T: JobOutput> Jobs<T> {
     /// Creates an empty list.
     pub fn new(repaint: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
@@ -139,7 +180,11 @@ impl<T: Send + 'static> Jobs<T> {
             progress: Arc::clone(&progress),
             started: Instant::now(),
         });
+        #[cfg(target_arch = "wasm32")]
+        let (shown, sender) = (Arc::clone(&progress), self.sender.clone());
         let run = move || {
+            #[cfg(target_arch = "wasm32")]
+            progress.observe(platform::report);
             let result = catch_unwind(AssertUnwindSafe(|| work(&progress, &outbox)));
             let end = match result {
                 Ok(done) => done.err(),
@@ -147,12 +192,26 @@ impl<T: Send + 'static> Jobs<T> {
             };
             outbox.post(JobMessage::Ended(end));
         };
-        let spawned = std::thread::Builder::new()
-            .name(format!("{kind:?}"))
-            .spawn(run);
-        if let Err(error) = spawned {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Err(error) = platform::start_thread(format!("{kind:?}"), run) {
             let message = format!("cannot start a thread: {error}");
             let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
+        }
+        #[cfg(target_arch = "wasm32")]
+        if kind.is_long() {
+            let repaint = Arc::clone(&self.repaint);
+            let listen = move |message| {
+                let news = match message {
+                    platform::WorkerMessage::Progress(report) => return report.show(&shown),
+                    platform::WorkerMessage::Output(bytes) => JobMessage::Output(T::arrived(bytes)),
+                    platform::WorkerMessage::Ended(why) => JobMessage::Ended(why),
+                };
+                let _ = sender.send((id, news));
+                repaint();
+            };
+            platform::start_worker(id, START_DELAY, Box::new(run), listen);
+        } else {
+            run();
         }
         id
     }
@@ -198,6 +257,8 @@ impl<T: Send + 'static> Jobs<T> {
             let goes = which(job);
             if goes {
                 job.progress.cancel();
+                #[cfg(target_arch = "wasm32")]
+                platform::end_worker(job.id);
             }
             !goes
         });
@@ -230,20 +291,9 @@ pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> 
         most => most.min(processors),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    match pool.start_handler(|_| lower_priority()).build() {
+    match pool.start_handler(|_| platform::lower_priority()).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
-    }
-}
-
-/// Lowers the priority of this thread, where the system supports it.
-fn lower_priority() {
-    // On a scale from 0 to 99 on which threads start at 49. Equivalent to niceness 5 where that
-    // exists: the window gets three quarters of a contended processor, and other programs do not
-    // starve the job.
-    const BELOW_OTHERS: u8 = 35;
-    if let Ok(value) = ThreadPriorityValue::try_from(BELOW_OTHERS) {
-        let _ = set_current_thread_priority(ThreadPriority::Crossplatform(value));
     }
 }
 

@@ -15,6 +15,7 @@ mod history;
 pub mod jobs;
 pub mod lab;
 mod library;
+pub mod platform;
 pub mod preferences;
 mod projection;
 pub mod recovery;

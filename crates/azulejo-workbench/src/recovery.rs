@@ -4,11 +4,11 @@
 //! with a note about its original file. Each session holds a lock on its note while it runs; copies
 //! whose lock is free belong to sessions that crashed, and are offered for recovery.
 
+use azulejo::formats::disk::{self, File, OpenOptions};
+use azulejo::trace::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
-use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// A copy left by a crashed session.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +55,16 @@ fn path_of(units: &[u16]) -> Option<PathBuf> {
     use std::os::unix::ffi::OsStringExt;
     let bytes: Result<Vec<u8>, _> = units.iter().map(|&u| u8::try_from(u)).collect();
     Some(std::ffi::OsString::from_vec(bytes.ok()?).into())
+}
+
+#[cfg(not(any(unix, windows)))]
+fn units(_: &Path) -> Vec<u16> {
+    Vec::new()
+}
+
+#[cfg(not(any(unix, windows)))]
+fn path_of(_: &[u16]) -> Option<PathBuf> {
+    None
 }
 
 #[cfg(windows)]
@@ -208,9 +218,9 @@ impl Drop for Recovery {
 
 impl RecoverySession {
     fn begin(folder: &Path) -> Option<RecoverySession> {
-        std::fs::create_dir_all(folder).ok()?;
+        disk::create_dir_all(folder).ok()?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
-        let name = format!("{}-{}", std::process::id(), now.as_nanos());
+        let name = format!("{}-{}", azulejo::machine::process(), now.as_nanos());
         let note = folder.join(format!("{name}.toml"));
         let mut options = OpenOptions::new();
         let lock = options.write(true).create_new(true).open(&note).ok()?;
@@ -237,10 +247,10 @@ impl RecoverySession {
 
 fn remove(copy: &Path) {
     for picture in pictures(copy) {
-        let _ = std::fs::remove_file(picture);
+        let _ = disk::remove_file(picture);
     }
-    let _ = std::fs::remove_file(copy);
-    let _ = std::fs::remove_file(copy.with_extension("toml"));
+    let _ = disk::remove_file(copy);
+    let _ = disk::remove_file(copy.with_extension("toml"));
 }
 
 /// Texture files beside a copy, whose names begin with its name.
@@ -252,7 +262,7 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
         let name = path.file_name().unwrap_or_default();
         kind && name.to_string_lossy().starts_with(&begin)
     };
-    let entries = copy.parent().and_then(|f| std::fs::read_dir(f).ok());
+    let entries = copy.parent().and_then(|f| disk::read_dir(f).ok());
     let paths = entries.into_iter().flatten().flatten().map(|e| e.path());
     paths.filter(is_picture).collect()
 }
@@ -260,7 +270,7 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
 /// Copies in `folder` whose session is not running, the newest first. Notes without a copy are
 /// deleted.
 fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
-    let Ok(entries) = std::fs::read_dir(folder) else {
+    let Ok(entries) = disk::read_dir(folder) else {
         return Vec::new();
     };
     let paths = entries.flatten().map(|e| e.path());
@@ -274,13 +284,17 @@ fn orphan(note: &Path) -> Option<Recoverable> {
     let file = File::open(note).ok()?;
     file.try_lock_shared().ok()?;
     let copy = note.with_extension("grf");
-    let Ok(meta) = std::fs::metadata(&copy) else {
-        let _ = std::fs::remove_file(note);
+    let Ok(meta) = disk::metadata(&copy) else {
+        let _ = disk::remove_file(note);
         return None;
     };
-    let text = std::fs::read_to_string(note).unwrap_or_default();
+    let text = disk::read_to_string(note).unwrap_or_default();
     let note: RecoveryNote = toml::from_str(&text).unwrap_or_default();
-    let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    let written = meta
+        .modified()
+        .ok()?
+        .duration_since(UNIX_EPOCH)
+        .ok()?;
     Some(Recoverable {
         copy,
         original: note.original(),

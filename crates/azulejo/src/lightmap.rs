@@ -30,11 +30,11 @@ use azulejo_radiosity::sites::SiteStatistics;
 use azulejo_radiosity::{FirstPass, Report, SolveError};
 use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
+use azulejo_trace::time::Instant;
 use azulejo_trace::{Cancelled, Progress, Run, Tracer};
 use charts::Charts;
 use pages::Pages;
 use std::fmt;
-use std::time::Instant;
 
 /// Chord error of tessellated primitives, relative to their size.
 const CHORD_ERROR: f64 = 1e-3;

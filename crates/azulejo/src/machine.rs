@@ -18,6 +18,15 @@ pub fn memory() -> Option<u64> {
     }
 }
 
+/// The number of this process; 0 in a web page, which has none.
+pub fn process() -> u32 {
+    if cfg!(target_arch = "wasm32") {
+        0
+    } else {
+        std::process::id()
+    }
+}
+
 /// Default of [`FirstPass::memory`](crate::radiosity::FirstPass): half of the memory of the machine,
 /// or 2 GiB if that is unknown, in bytes.
 pub fn memory_budget() -> u64 {

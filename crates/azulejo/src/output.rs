@@ -20,9 +20,9 @@
 mod leftovers;
 
 use crate::files::Refused;
+use azulejo_formats::disk::{self as fs, File, OpenOptions};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
-use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;

@@ -1,9 +1,10 @@
 //! Access to the files that a model names.
 
 use super::fonts::{FontFile, FontRequest};
+use crate::disk as fs;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
-use std::{fmt, fs, io};
+use std::{fmt, io};
 
 /// Provides readers with the files that a model names, by the name used in the model.
 ///

@@ -12,9 +12,9 @@ use super::nodes::Nodes;
 use super::rays::{NodeNoise, allocated};
 use crate::path_pairs::{PairTargets, PathPair};
 use azulejo_scene::Rgb;
+use azulejo_trace::time::Instant;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, REPLICATES, Run, sequence_gain};
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// Most divisions of cells.
 const MOST_ROUNDS: u32 = 6;

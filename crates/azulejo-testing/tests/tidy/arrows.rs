@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 15] = [
     ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
@@ -88,6 +88,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
             "azulejo-bake",
         ],
     ),
+    ("azulejo-web", &["azulejo", "azulejo-workbench"]),
 ];
 
 /// Names of our crates in every section of a manifest whose name passes `counts`.

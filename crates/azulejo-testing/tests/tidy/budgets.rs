@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Most lines of each crate's shipped code: those that are neither blank nor comments, without tests, benches and
 /// examples. A crate that is far below its budget gets a smaller one.
-const BUDGETS: [(&str, usize); 14] = [
+const BUDGETS: [(&str, usize); 15] = [
     ("azulejo", 5870),
     ("azulejo-bake", 5600),
     ("azulejo-cli", 25_070),
@@ -20,7 +20,8 @@ const BUDGETS: [(&str, usize); 14] = [
     ("azulejo-scene", 17_220),
     ("azulejo-testing", 540),
     ("azulejo-trace", 14_090),
-    ("azulejo-workbench", 28_100),
+    ("azulejo-web", 260),
+    ("azulejo-workbench", 29_200),
 ];
 
 /// Share of a budget that has to be used.

@@ -8,8 +8,11 @@
 use super::bvh::KernelTriangle;
 use super::prepared_ray::can_hit;
 use super::ray::{KernelHit, KernelRay};
+#[cfg(any(unix, windows))]
 use libloading::Library;
 use std::ffi::{OsString, c_char, c_int, c_uint, c_void};
+#[cfg(not(any(unix, windows)))]
+use std::io;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use std::ptr::null_mut;
@@ -17,6 +20,22 @@ use std::sync::Arc;
 use std::{error, fmt};
 
 type Pointer = *mut c_void;
+
+/// A system that loads no libraries.
+#[cfg(not(any(unix, windows)))]
+#[derive(Debug)]
+struct Library;
+
+#[cfg(not(any(unix, windows)))]
+impl Library {
+    unsafe fn new(_: &std::ffi::OsStr) -> io::Result<Library> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    unsafe fn get<T>(&self, _: &str) -> io::Result<&T> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+}
 
 // Constants of rtcore_common.h, rtcore_buffer.h, rtcore_geometry.h and rtcore_device.h, common to
 // Embree 3 and 4.

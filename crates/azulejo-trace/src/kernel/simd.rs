@@ -8,12 +8,10 @@
 )]
 
 use super::build::DEEPEST;
-use super::bvh::{BvhNode, WIDTH};
+use super::bvh::WIDTH;
 use super::portable::Portable;
-use super::prepared_ray::PreparedRay;
 use super::ray::{KernelHit, KernelRay};
 use super::traversal::{Instructions, KernelScene, OtherShapes, trace};
-use super::triangle::{Packet, PacketHits};
 use std::mem::MaybeUninit;
 
 /// Room for all siblings along the longest path, and for one more node.
@@ -237,8 +235,10 @@ pub(crate) use avx2::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::super::triangle::{PACKET, THIN, intersect_exactly};
-    use super::{BvhNode, Instructions, Packet, PacketHits, PreparedRay, Stack, WIDTH};
+    use super::super::bvh::BvhNode;
+    use super::super::prepared_ray::PreparedRay;
+    use super::super::triangle::{PACKET, Packet, PacketHits, THIN, intersect_exactly};
+    use super::{Instructions, Stack, WIDTH};
     use std::arch::x86_64::*;
     use std::mem::MaybeUninit;
 

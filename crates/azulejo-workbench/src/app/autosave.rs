@@ -5,8 +5,8 @@ use super::{App, JobResult};
 use crate::jobs::JobKind;
 use azulejo::models;
 use azulejo::trace::Progress;
+use azulejo::trace::time::{Duration, Instant};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 impl App {
     /// Lets the window close, whatever changes are lost.

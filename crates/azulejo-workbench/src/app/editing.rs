@@ -5,8 +5,8 @@ use crate::command::Selection;
 use crate::document::{Edit, ItemId, SceneDocument};
 use crate::jobs::JobKind;
 use azulejo::scene::{Material, Shape};
+use azulejo::trace::time::Instant;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Memory that the undo history may use beside the document, in bytes: half a gigabyte. For a
 /// document larger than half of that, twice its own size; otherwise an edit of everything could

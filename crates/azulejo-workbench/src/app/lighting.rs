@@ -11,9 +11,9 @@ use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, sol
 use crate::jobs::{Job, JobKind};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
+use azulejo::trace::time::{Duration, Instant};
 use azulejo::trace::{Measure, Measured};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// The solved light and the state of the solver.
 #[derive(Clone, Debug, Default)]

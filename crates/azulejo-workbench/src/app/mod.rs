@@ -14,6 +14,8 @@ mod lab;
 pub(crate) mod light_unit;
 mod lighting;
 mod materials;
+#[cfg(any(test, target_arch = "wasm32"))]
+mod parcel;
 mod probes;
 mod recipes;
 mod render;
@@ -42,11 +44,11 @@ use crate::recovery::Recovery;
 use crate::view::{ModelView, Shading, camera_around, sees_all, sees_most};
 use azulejo::formats::Warning;
 use azulejo::scene::{Camera, Image, LightKind, Texture};
+use azulejo::trace::time::Instant;
 use azulejo::trace::{Progress, Tracer};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// A result sent by a job.
 pub enum JobResult {
@@ -78,6 +80,9 @@ pub enum JobResult {
     TaskPlane(Box<TaskPlane>),
     /// A message for the user.
     Note(String),
+    /// One of these from a worker of a page, as bytes.
+    #[cfg(target_arch = "wasm32")]
+    Parcel(Vec<u8>),
 }
 
 /// Severity of a message.
@@ -115,6 +120,7 @@ pub struct UserDirs {
 
 impl UserDirs {
     /// The standard locations on this system.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn of_system() -> UserDirs {
         let dirs = directories::ProjectDirs::from("", "", "azulejo");
         UserDirs {
@@ -203,6 +209,9 @@ pub struct App {
     /// The document in which the probes were measured.
     measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
+    /// The documents of jobs that run in workers, by their numbers.
+    #[cfg(target_arch = "wasm32")]
+    sent: Vec<(u64, SceneDocument)>,
     /// All commands and edits so far.
     #[cfg(test)]
     pub(crate) executed: (Vec<Command>, Vec<crate::document::Edit>),
@@ -405,6 +414,14 @@ impl App {
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
             JobResult::TaskPlane(plane) => self.take_task_plane(*plane),
             JobResult::Note(text) => self.report(Severity::Note, text),
+            #[cfg(target_arch = "wasm32")]
+            JobResult::Parcel(bytes) => match self.open_parcel(job.id, &bytes) {
+                Some(result) => self.take(job, result),
+                None => self.report(
+                    Severity::Error,
+                    format!("{}: internal error: damaged result", job.title),
+                ),
+            },
         }
     }
 
@@ -459,9 +476,16 @@ impl App {
     ) {
         self.jobs.cancel_kind(kind);
         let threads = self.preferences.threads;
-        self.jobs.start(kind, title, move |progress, outbox| {
+        let _id = self.jobs.start(kind, title, move |progress, outbox| {
             in_thread_pool(threads, || work(progress, outbox))
         });
+        #[cfg(target_arch = "wasm32")]
+        {
+            let jobs = &self.jobs;
+            let runs = |id: u64| jobs.running().iter().any(|job| job.id == id);
+            self.sent.retain(|(id, _)| runs(*id));
+            self.sent.push((_id, self.document.clone()));
+        }
     }
 
     /// Adds an entry to the message list.

@@ -49,6 +49,25 @@ pub struct ProbeMeasurement {
     estimates: Vec<(u64, Estimate)>,
 }
 
+impl ProbeMeasurement {
+    /// Estimates by the numbers of the probes, in a document.
+    pub(super) fn new(
+        document: SceneDocument,
+        estimates: Vec<(u64, Estimate)>,
+    ) -> ProbeMeasurement {
+        ProbeMeasurement {
+            document,
+            estimates,
+        }
+    }
+
+    /// The estimates by the numbers of the probes.
+    #[cfg(any(test, target_arch = "wasm32"))]
+    pub(super) fn estimates(&self) -> &[(u64, Estimate)] {
+        &self.estimates
+    }
+}
+
 impl Probe {
     /// Updates the probe if the surface or its light may have changed.
     fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
@@ -272,10 +291,7 @@ impl App {
         self.start_job(JobKind::Probe, title, move |progress, outbox| {
             let estimates = measure(&document, &settings, &places, progress)?;
             let estimates = numbers.into_iter().zip(estimates).collect();
-            let measurement = ProbeMeasurement {
-                document,
-                estimates,
-            };
+            let measurement = ProbeMeasurement::new(document, estimates);
             outbox.send(JobResult::Measured(Box::new(measurement)));
             Ok(())
         });

@@ -108,7 +108,7 @@ impl App {
         self.start_job(JobKind::Render, title, move |progress, outbox| {
             // While the camera moves, every frame requests another render: only the one that is
             // still current a little later copies the scene and builds its BVH.
-            std::thread::sleep(QUIET);
+            crate::platform::sleep(QUIET);
             if progress.advance(0).is_ok() {
                 work.run(progress, outbox);
             }

@@ -5,6 +5,7 @@ use super::{App, DocumentState, JobResult, Severity};
 use crate::command::{Command, FileRequest};
 use crate::document::SceneDocument;
 use crate::jobs::{JobKind, JobSender};
+use azulejo::formats::disk;
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
@@ -85,12 +86,12 @@ impl OnDisk {
 
 /// Whether two paths refer to the same file, symbolic links included.
 fn is_same_file(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    let real = |path: &Path| disk::canonicalize(path).ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
 fn stamp(path: &Path) -> FileStamp {
-    let meta = std::fs::metadata(path).ok()?;
+    let meta = disk::metadata(path).ok()?;
     Some((meta.modified().ok()?, meta.len()))
 }
 
@@ -129,7 +130,11 @@ impl App {
         });
         match writable {
             None => self.asking = Some(FileRequest::SaveAs),
-            Some(file) if file.has_changed() && file.path.exists() && !anyway => {
+            Some(file)
+                if file.has_changed()
+                    && disk::exists(&file.path).unwrap_or_default()
+                    && !anyway =>
+            {
                 self.question = Some(PendingQuestion::ChangedOnDisk(file.path));
             }
             Some(file) => self.save_as(file.path),
@@ -296,7 +301,7 @@ impl App {
             return;
         }
         let path = file.path.clone();
-        if path.exists() {
+        if disk::exists(&path).unwrap_or_default() {
             self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
             let message = self.tr("the file no longer exists; save to write it again");

@@ -57,6 +57,21 @@ pub struct TaskPlaneFigures {
 }
 
 impl TaskPlane {
+    /// A new result.
+    pub(super) fn new(
+        grid: TaskGrid,
+        cells: Vec<Option<Estimate>>,
+        document: SceneDocument,
+    ) -> TaskPlane {
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
+        TaskPlane {
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+            grid,
+            cells,
+            document,
+        }
+    }
+
     /// The figures of all cells outside of solids; `None` if there are none.
     pub fn figures(&self) -> Option<TaskPlaneFigures> {
         let values = self.cells.iter().flatten();
@@ -113,13 +128,8 @@ impl App {
             };
             let points: Vec<PointNormal> = grid.centres().map(place).collect();
             if let Some(cells) = measure_in_space(&document, &settings, &points, progress)? {
-                static NUMBER: AtomicU64 = AtomicU64::new(1);
-                outbox.send(JobResult::TaskPlane(Box::new(TaskPlane {
-                    number: NUMBER.fetch_add(1, Ordering::Relaxed),
-                    grid,
-                    cells,
-                    document,
-                })));
+                let plane = TaskPlane::new(grid, cells, document);
+                outbox.send(JobResult::TaskPlane(Box::new(plane)));
             }
             Ok(())
         });

@@ -38,6 +38,25 @@ impl Solution {
         }
     }
 
+    /// The placed shapes with irradiance, in the order of the objects.
+    pub fn shapes(&self) -> impl ExactSizeIterator<Item = &Shape> {
+        self.shapes.iter().map(|(_, shape)| &**shape)
+    }
+
+    /// The solution of a document with these [shapes](Self::shapes).
+    pub fn of_shapes(
+        document: SceneDocument,
+        shapes: Vec<Shape>,
+        report: Option<Report>,
+    ) -> Solution {
+        let ids = document.objects.iter().map(|i| i.id);
+        Solution {
+            shapes: ids.zip(shapes.into_iter().map(Arc::new)).collect(),
+            of: document,
+            report,
+        }
+    }
+
     /// The light stored in a file, if every surface has some.
     pub fn of_file(document: &SceneDocument) -> Option<Solution> {
         let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;

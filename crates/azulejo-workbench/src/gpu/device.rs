@@ -15,6 +15,7 @@ pub struct HeadlessDevice {
     pub queue: wgpu::Queue,
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl HeadlessDevice {
     /// Opens the best adapter of one of `backends`, hardware before software. `WGPU_BACKEND`
     /// narrows the choice.
@@ -65,6 +66,7 @@ impl HeadlessDevice {
 }
 
 /// Rank of an adapter: hardware before software, Vulkan before OpenGL.
+#[cfg(not(target_arch = "wasm32"))]
 fn rank(info: &wgpu::AdapterInfo) -> u8 {
     let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -76,6 +78,7 @@ fn rank(info: &wgpu::AdapterInfo) -> u8 {
     2 * kind + u8::from(info.backend != wgpu::Backend::Vulkan)
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 fn can_draw(adapter: &wgpu::Adapter) -> bool {
     let usages = |format| adapter.get_texture_format_features(format).allowed_usages;
     [super::target::COLOR, super::target::DEPTH]

@@ -5,6 +5,7 @@ use crate::app::App;
 use crate::command::{Command, FileRequest, Selection};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::jobs::JobKind;
+use crate::platform::IS_PAGE;
 use crate::preferences::Preferences;
 use crate::view::{Comparison, SectionPlane, Shading, ViewDirection};
 use crate::words::Language;
@@ -27,6 +28,11 @@ pub struct Action {
 }
 
 impl Action {
+    /// Whether a page in a browser cannot do it, and this is one.
+    pub fn lacks_page(&self) -> bool {
+        IS_PAGE && matches!(self.label, "Bake a lightmap…" | "Pause" | "Quit" | "Resume")
+    }
+
     const fn ticked(mut self, is_on: fn(&App) -> bool) -> Action {
         self.is_on = Some(is_on);
         self
@@ -258,7 +264,9 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
         Some(ActionTarget::Window(WindowAction::Preferences))
     }),
-    action(Menu::File, "Quit", ctrl(Key::Q), |_| done(Command::Quit)),
+    action(Menu::File, "Quit", ctrl(Key::Q), |_| {
+        enabled_if(!IS_PAGE, Command::Quit)
+    }),
     action(Menu::Edit, "Undo", ctrl(Key::Z), |a| {
         enabled_if(a.undo_labels().0.is_some(), Command::Undo)
     }),
@@ -496,7 +504,7 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Light, "Pause", key(Key::F6), |a| {
         let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
-        enabled_if(runs, Command::Pause)
+        enabled_if(runs && !IS_PAGE, Command::Pause)
     }),
     action(Menu::Light, "Resume", shift(Key::F6), |a| {
         let rests = a.is_busy(JobKind::Solve) && a.lighting.is_paused;
@@ -521,7 +529,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Light, "Bake a lightmap…", key(Key::F9), |a| {
         let can_bake = !a.document.objects.is_empty() && a.document.has_light();
         let is_free = !a.is_busy(JobKind::Bake);
-        (can_bake && is_free).then_some(ActionTarget::Window(WindowAction::Bake))
+        (can_bake && is_free && !IS_PAGE).then_some(ActionTarget::Window(WindowAction::Bake))
     }),
     action(Menu::Light, "Lightmap", shift(Key::F9), |a| {
         let result = a.lightmap.result.as_ref();

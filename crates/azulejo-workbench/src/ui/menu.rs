@@ -104,7 +104,11 @@ fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget
     if let Some(key) = &key {
         button = button.shortcut_text(key.clone());
     }
-    let response = ui.add_enabled(target.is_some(), button);
+    let mut response = ui.add_enabled(target.is_some(), button);
+    if action.lacks_page() {
+        response = response
+            .on_disabled_hover_text(cx.tr("Not in a page: only where azulejo is installed."));
+    }
     if is_switch {
         // Without the tick, which is a state.
         let words = key.map_or_else(|| name.clone(), |key| format!("{name} {key}"));

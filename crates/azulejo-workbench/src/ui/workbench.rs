@@ -20,6 +20,8 @@ use crate::app::{App, Severity};
 use crate::command::Command;
 use crate::document::{Edit, SurfacePick};
 use crate::ending::EndRequest;
+#[cfg(target_arch = "wasm32")]
+use crate::platform;
 use crate::preferences::{Theme, WindowPlace};
 use crate::variants::all;
 use azulejo::output::Output;
@@ -28,7 +30,7 @@ use azulejo::trace::Progress;
 use clap::ValueEnum;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use panels::{PanelWidths, SidePanel};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -162,6 +164,11 @@ impl Workbench {
     /// Lets the window end at a request of the system.
     pub fn end_on(&mut self, request: EndRequest) {
         self.ending = request;
+    }
+
+    /// Whether a script is running.
+    pub fn is_playing(&self) -> bool {
+        self.player.is_some()
     }
 
     /// The size of the viewport in pixels.
@@ -442,7 +449,33 @@ impl Workbench {
 
     fn open_dropped_files(&mut self, context: &egui::Context) {
         let dropped = context.input(|i| i.raw.dropped_files.clone());
-        let paths: Vec<_> = dropped.iter().map(|f| f.path().to_owned()).collect();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.open_files(dropped.iter().map(|f| f.path().to_owned()).collect());
+        #[cfg(target_arch = "wasm32")]
+        self.open_arrived(&dropped, context);
+    }
+
+    /// Reads what is dropped on the page, and opens what has been read.
+    #[cfg(target_arch = "wasm32")]
+    fn open_arrived(&mut self, dropped: &[egui::DroppedFileHandle], context: &egui::Context) {
+        let files = dropped
+            .iter()
+            .filter_map(|f| f.web_file().cloned())
+            .collect::<Vec<_>>();
+        if !files.is_empty() {
+            let context = context.clone();
+            platform::read_dropped(files, move || context.request_repaint());
+        }
+        for arrived in platform::take_dropped() {
+            for error in arrived.errors {
+                self.app.report(Severity::Error, error);
+            }
+            self.open_files(arrived.paths);
+        }
+    }
+
+    /// Opens files, or adds them to what is there.
+    fn open_files(&mut self, paths: Vec<PathBuf>) {
         if paths.is_empty() {
             return;
         }
@@ -532,6 +565,8 @@ impl eframe::App for Workbench {
     /// A hidden window is not drawn, but its jobs continue.
     fn logic(&mut self, context: &egui::Context, _: &mut eframe::Frame) {
         self.app.poll();
+        #[cfg(target_arch = "wasm32")]
+        platform::download_saved();
         self.end_if_asked(context);
     }
 

@@ -1,9 +1,9 @@
 //! Textures of a model that is written to another folder.
 
+use azulejo_formats::disk as fs;
 use azulejo_formats::picture::{hdr, png};
 use azulejo_formats::{Files, Folder, read_picture};
 use azulejo_scene::{Image, Scene, Texture};
-use std::fs;
 use std::io;
 use std::path::Path;
 

@@ -3,6 +3,7 @@
 use crate::files::Refused;
 #[cfg(feature = "fonts")]
 use crate::fonts::Fonts;
+use azulejo_formats::disk::{self as fs, File};
 use azulejo_formats::{
     FileError, Files, Folder, Format, ReadError, ReadOptions, RecognizedModel, gltf, recognize,
 };
@@ -11,7 +12,6 @@ use azulejo_formats::{FontFile, FontRequest};
 use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
-use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 

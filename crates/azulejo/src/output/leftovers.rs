@@ -1,13 +1,14 @@
 //! Drafts of processes that were killed before they could remove them.
 
+use crate::machine;
+use azulejo_formats::disk::{self as fs, File};
 use std::collections::HashSet;
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// The name of a draft of this process.
 pub(super) fn draft_name(number: u32) -> String {
-    format!(".azulejo-{}-{number}.tmp", std::process::id())
+    format!(".azulejo-{}-{number}.tmp", machine::process())
 }
 
 /// The process that wrote a draft, by its name.
@@ -48,7 +49,7 @@ pub(super) fn remove(target: &Path) {
 fn is_gone(process: u32) -> bool {
     let processes = Path::new("/proc");
     let is_known = processes.join("self").exists();
-    process != std::process::id() && !(is_known && processes.join(process.to_string()).exists())
+    process != machine::process() && !(is_known && processes.join(process.to_string()).exists())
 }
 
 /// Whether no process, of this machine or another one, has locked a draft.

@@ -6,9 +6,9 @@
 use super::RecipeError;
 use crate::files::Refused;
 use crate::output::{Output, OutputError};
+use azulejo_formats::disk as fs;
 use azulejo_trace::Progress;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 

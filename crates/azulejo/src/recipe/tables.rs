@@ -165,7 +165,7 @@ pub(super) struct RecipeSource {
 impl RecipeSource {
     /// Reads a recipe.
     pub fn read(path: &Path) -> Result<(RecipeTables, RecipeSource), RecipeError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = azulejo_formats::disk::read_to_string(path).map_err(|error| {
             RecipeError::File(Refused {
                 deed: "read",
                 path: path.to_owned(),

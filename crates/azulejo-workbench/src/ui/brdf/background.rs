@@ -1,14 +1,17 @@
 //! Background computations of which only the latest result matters.
 
+use crate::platform::IS_PAGE;
+use azulejo::trace::time::{Duration, Instant};
 use azulejo::trace::{Cancelled, Progress};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::{Duration, Instant};
 
 /// An outdated task may still finish within this time, so that something is displayed while
 /// dragging; a slower one is cancelled.
 const PATIENCE: Duration = Duration::from_millis(250);
+/// The same in a page, where nothing else happens meanwhile: what is shown by then stays.
+const PAGE_LIMIT: Duration = Duration::from_millis(150);
 
 /// One thread separate from the solver's, so that the editor does not wait behind long jobs.
 pub(super) struct BackgroundWorker {
@@ -23,8 +26,10 @@ impl BackgroundWorker {
         BackgroundWorker { pool: pool.ok() }
     }
 
+    /// Runs a job soon; in a page at once, as there is no other thread.
     pub fn spawn(&self, job: impl FnOnce() + Send + 'static) {
         match &self.pool {
+            _ if IS_PAGE => job(),
             Some(pool) => pool.spawn(job),
             None => rayon::spawn(job),
         }
@@ -35,6 +40,8 @@ impl BackgroundWorker {
 pub(super) struct LatestResult<K, T> {
     running: Option<RunningTask<K, T>>,
     found: Option<(K, T)>,
+    /// How long the next task may take in a page, which stands still meanwhile.
+    page_limit: Duration,
 }
 
 struct RunningTask<K, T> {
@@ -50,6 +57,7 @@ impl<K, T> Default for LatestResult<K, T> {
         LatestResult {
             running: None,
             found: None,
+            page_limit: PAGE_LIMIT,
         }
     }
 }
@@ -84,7 +92,8 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
             }
         }
         if !self.found.as_ref().is_some_and(|(known, _)| known == key) {
-            self.running = Some(start(key.clone(), job, worker, ctx.clone()));
+            let limit = IS_PAGE.then_some(self.page_limit);
+            self.running = Some(start(key.clone(), job, worker, ctx.clone(), limit));
         }
     }
 
@@ -103,11 +112,22 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> LatestResult<K, T
                 Err(TryRecvError::Disconnected) => break,
             }
         }
+        let is_found = running.has_shown;
         self.running = None;
+        // What was cut off without a result gets more time.
+        self.page_limit = if is_found {
+            PAGE_LIMIT
+        } else {
+            2 * self.page_limit
+        };
     }
 
     /// Waits for a first result, for a time too short to notice.
     pub fn wait(&mut self, longest: Duration) {
+        if IS_PAGE {
+            // What could be had in time is there.
+            return self.collect();
+        }
         let Some(running) = self.running.as_mut().filter(|r| !r.has_shown) else {
             return;
         };
@@ -148,6 +168,7 @@ fn start<K, T>(
     job: BackgroundTask<K, T>,
     worker: &BackgroundWorker,
     ctx: egui::Context,
+    limit: Option<Duration>,
 ) -> RunningTask<K, T>
 where
     K: Clone + Send + 'static,
@@ -156,6 +177,14 @@ where
     let (sender, results) = channel();
     let progress = Arc::new(Progress::new());
     let (own_key, own_progress) = (key.clone(), progress.clone());
+    if let Some(limit) = limit {
+        progress.set_deadline(Instant::now() + limit);
+        progress.observe(|progress| {
+            if progress.out_of_time() {
+                progress.cancel();
+            }
+        });
+    }
     worker.spawn(move || {
         let mut show = |result| {
             // The receiver may be gone.

@@ -114,7 +114,7 @@ fn start(materials: Vec<Material>, context: Context) -> RunningPictures {
 mod tests {
     use super::*;
     use azulejo::scene::Rgb;
-    use std::time::{Duration, Instant};
+    use azulejo::trace::time::{Duration, Instant};
 
     #[test]
     fn each_material_gets_a_picture_and_none_blocks() {

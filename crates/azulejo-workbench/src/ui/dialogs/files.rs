@@ -1,16 +1,20 @@
 //! The file dialog: the desktop's, or a field for a path where there is none.
 
+#[cfg_attr(target_arch = "wasm32", path = "files/in_page.rs")]
 mod native;
 mod path_dialog;
 mod request;
 mod typed_path;
 
 use crate::command::{Command, FileRequest};
+use crate::platform;
 use crate::ui::panel_context::PanelContext;
+use azulejo::formats::disk;
 use egui::{Context, Id, Modal, Ui};
+use native::NativeDialog;
 pub use native::NativeSupport;
-use native::{FileAnswer, NativeDialog, NativeFileRequest};
 use path_dialog::PathDialog;
+use request::{FileAnswer, NativeFileRequest};
 use std::path::{Path, PathBuf};
 
 /// The file dialog, and the question before a file is replaced.
@@ -121,7 +125,8 @@ impl FileChooser {
             .as_ref()
             .filter(|f| what == FileRequest::SaveAs && f.path == first);
         may_replace |= own.is_some_and(|f| !f.has_changed());
-        if request::saves(what) && first.exists() && !may_replace {
+        let is_there = disk::exists(&first).unwrap_or_default();
+        if request::saves(what) && is_there && !may_replace {
             self.replacing = Some((what, first));
             return None;
         }
@@ -168,7 +173,7 @@ impl FileChooser {
 
     /// The desktop's dialog if it has one, or a field for a path.
     fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialogKind {
-        if self.native.is_known() {
+        if self.native.offers(request::saves(what)) {
             return FileDialogKind::NativeWanted(Box::new(self.native_request(what, cx)));
         }
         let folder = self.folder(cx).unwrap_or_default();
@@ -191,8 +196,8 @@ impl FileChooser {
     fn folder(&self, cx: &PanelContext) -> Option<PathBuf> {
         let folder = self.folder.clone();
         let folder = folder.or_else(|| known_file(cx).and_then(Path::parent).map(Path::to_owned));
-        let folder = folder.filter(|f| f.is_dir());
-        folder.or_else(|| std::env::current_dir().ok())
+        let folder = folder.filter(|f| disk::metadata(f).is_ok_and(|meta| meta.is_dir()));
+        folder.or_else(platform::current_folder)
     }
 }
 

@@ -39,7 +39,8 @@ pub(super) fn show(ui: &Ui, cx: &mut PanelContext, is_answered: &mut bool) {
 
 /// How long ago a recovery copy was written.
 fn age(written: u64, cx: &PanelContext) -> String {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let now =
+        azulejo::trace::time::SystemTime::now().duration_since(azulejo::trace::time::UNIX_EPOCH);
     let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
     match seconds {
         0..3_600 => format!("{} min", seconds / 60),

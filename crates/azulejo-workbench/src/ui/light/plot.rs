@@ -7,12 +7,12 @@ use super::series::ConvergenceCurves;
 use crate::ui::help::{self, HelpTerm};
 use crate::ui::viewport::number;
 use azulejo::trace::Measure;
+use azulejo::trace::time::Instant;
 use egui::{Color32, Grid, Ui, WidgetInfo};
 use egui_plot::{
     Corner, GridInput, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints,
     PlotUi,
 };
-use std::time::Instant;
 
 /// Draws the latest measures as numbers, and all of them as curves.
 pub fn show(ui: &mut Ui, cx: &PanelContext) {

@@ -1,7 +1,7 @@
 //! Convergence measures as curves.
 
+use azulejo::trace::time::Instant;
 use azulejo::trace::{Measure, Measured};
-use std::time::Instant;
 
 /// Limit on the points of a curve: more than a panel has pixels.
 const MAX_POINTS: usize = 400;

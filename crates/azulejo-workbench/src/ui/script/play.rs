@@ -10,13 +10,13 @@ use crate::ui::actions::ACTIONS;
 use azulejo::output::Output;
 use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
+use azulejo::trace::time::{Duration, Instant};
 use egui::{ColorImage, ScreenshotCallback, ViewportCommand};
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 /// Runs a script in a window, step by step.
 pub struct ScriptPlayer {

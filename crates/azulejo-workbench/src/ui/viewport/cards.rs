@@ -6,6 +6,7 @@ use super::super::panel_context::PanelContext;
 use crate::app::RenderedImage;
 use crate::command::Command;
 use crate::jobs::{Job, JobKind};
+use crate::platform::IS_PAGE;
 use crate::view::Shading;
 use azulejo::radiosity::SolveError;
 use egui::{
@@ -74,7 +75,7 @@ pub fn show_progress(ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> bool {
                 } else {
                     (cx.tr("Pause"), Command::Pause)
                 };
-                if ui.button(name).clicked() {
+                if !IS_PAGE && ui.button(name).clicked() {
                     cx.send(command);
                 }
                 if ui.button(cx.tr("Stop")).clicked() {

@@ -6,6 +6,7 @@ use crate::app::THUMBNAIL;
 use crate::command::Command;
 use crate::document::Example;
 use crate::variants::{all, script_name};
+use azulejo::formats::disk;
 use azulejo::render::srgb_from_linear;
 use egui::{
     Align2, Button, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense,
@@ -36,7 +37,9 @@ impl StartScreen {
     pub fn show(&mut self, ui: &mut Ui, rect: Rect, cx: &mut PanelContext) -> Vec<ActionTarget> {
         let recent = &cx.app.preferences.recent;
         let files = self.files.get_or_insert_with(|| {
-            let there = recent.iter().filter(|path| path.is_file());
+            let there = recent
+                .iter()
+                .filter(|path| disk::metadata(path).is_ok_and(|meta| meta.is_file()));
             there.take(MAX_RECENT).cloned().collect()
         });
         let files = files.clone();
@@ -76,7 +79,7 @@ impl StartScreen {
                 let kept = cx.app.thumbnails.path(path);
                 let context = ui.ctx().clone();
                 let picture = self.recent.entry(path.clone()).or_insert_with(|| {
-                    let bytes = std::fs::read(kept?).ok()?;
+                    let bytes = disk::read(kept?).ok()?;
                     texture(&context, &path.to_string_lossy(), &bytes)
                 });
                 let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -4,10 +4,12 @@ use super::Workbench;
 use crate::preferences::WindowPlace;
 
 /// So much of a window must be on a screen for it to be found and moved, pixels.
+#[cfg(not(target_arch = "wasm32"))]
 const GRIP: i32 = 80;
 
 impl Workbench {
     /// Notes where the window is. A maximized window keeps the size that it had before.
+    #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn note_place(&mut self, frame: &eframe::Frame) {
         let Some(window) = frame.winit_window() else {
             return;
@@ -29,6 +31,10 @@ impl Workbench {
         self.place = Some(place);
     }
 
+    /// A page is where its browser is.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn note_place(&mut self, _: &eframe::Frame) {}
+
     /// Keeps the place of the window for the next session, unless a script has chosen its size.
     pub(super) fn keep_place(&mut self) {
         if let Some(place) = self.place.filter(|_| !self.is_sized_by_script) {
@@ -38,9 +44,14 @@ impl Workbench {
 }
 
 /// Height of a title bar and of the bar of a desktop, points: so much less than a screen has a window.
+#[cfg(not(target_arch = "wasm32"))]
 const TITLE: f64 = 60.0;
 
+#[cfg(target_arch = "wasm32")]
+pub(super) fn bring_back(_: &eframe::CreationContext<'_>, _: WindowPlace) {}
+
 /// Shrinks a new window that is higher than its screen, and moves it to a screen if it was made where it last was and that screen is gone.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn bring_back(context: &eframe::CreationContext<'_>, place: WindowPlace) {
     let Some(window) = context.winit_window() else {
         return;
@@ -80,6 +91,7 @@ pub(super) fn bring_back(context: &eframe::CreationContext<'_>, place: WindowPla
 
 /// Whether the upper edge of a window, where it is moved, is on one of the screens, each with its
 /// position and size.
+#[cfg(not(target_arch = "wasm32"))]
 fn is_within(screens: &[[[i32; 2]; 2]], position: [i32; 2], size: [i32; 2]) -> bool {
     let [x, y] = position;
     screens.iter().any(|[[left, top], [width, height]]| {

@@ -1,5 +1,7 @@
 //! The file dialog of the desktop.
 
+use super::request::{FileAnswer, NativeFileRequest};
+use azulejo::trace::time::{Duration, Instant};
 use eframe::Frame;
 use egui::Context;
 use rfd::{AsyncFileDialog, FileHandle};
@@ -7,7 +9,6 @@ use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
 
 /// Whether the desktop has a file dialog. The default is a window that does not ask for one.
 #[derive(Clone, Debug, Default)]
@@ -32,6 +33,11 @@ impl NativeSupport {
     #[cfg(test)]
     pub fn known() -> NativeSupport {
         NativeSupport(Arc::new(OnceLock::from(true)))
+    }
+
+    /// Whether it is known to have one, for writing files or for opening them.
+    pub fn offers(&self, _saves: bool) -> bool {
+        self.is_known()
     }
 
     /// Whether it is known to have one.
@@ -65,33 +71,6 @@ fn is_offered() -> bool {
         .await
     };
     std::env::var_os("SSH_CONNECTION").is_none() && pollster::block_on(ask).is_ok()
-}
-
-/// What the dialog asks for.
-#[derive(Clone, Debug)]
-pub struct NativeFileRequest {
-    pub title: String,
-    /// Whether a file is written.
-    pub saves: bool,
-    /// Whether several files may be chosen.
-    pub many: bool,
-    /// The folder in which it opens.
-    pub folder: Option<PathBuf>,
-    /// The proposed name.
-    pub name: String,
-    /// Names of file types, each with its extensions; `*` for all files.
-    pub types: Vec<(String, Vec<String>)>,
-}
-
-/// How a dialog was left.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FileAnswer {
-    /// Files were chosen.
-    Chosen(Vec<PathBuf>),
-    /// The user chose none.
-    Cancelled,
-    /// The desktop's dialog did not open, or the user would rather type a path.
-    Failed,
 }
 
 /// A dialog of the desktop that is open.

@@ -1,6 +1,6 @@
 //! The dialog where the desktop has none: one field for a path.
 
-use super::native::FileAnswer;
+use super::request::FileAnswer;
 use super::typed_path::{PathProblem, check, stem_length};
 use crate::ui::panel_context::PanelContext;
 use egui::text::{CCursor, CCursorRange};

@@ -5,6 +5,7 @@ use crate::bake::LightmapFile;
 use crate::command::FileRequest;
 use crate::library::slug;
 use crate::ui::panel_context::PanelContext;
+use std::path::PathBuf;
 
 /// Extensions of readable models, for the file dialog; the format is detected from the content.
 const MODELS: [&str; 35] = [
@@ -115,4 +116,35 @@ pub fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::SaveProbes => cx.tr("Save the probes"),
         FileRequest::SaveTaskPlane => cx.tr("Save the task plane"),
     }
+}
+
+/// What the dialog asks for.
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    target_arch = "wasm32",
+    expect(dead_code, reason = "a browser asks in its own way")
+)]
+pub struct NativeFileRequest {
+    pub title: String,
+    /// Whether a file is written.
+    pub saves: bool,
+    /// Whether several files may be chosen.
+    pub many: bool,
+    /// The folder in which it opens.
+    pub folder: Option<PathBuf>,
+    /// The proposed name.
+    pub name: String,
+    /// Names of file types, each with its extensions; `*` for all files.
+    pub types: Vec<(String, Vec<String>)>,
+}
+
+/// How a dialog was left.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FileAnswer {
+    /// Files were chosen.
+    Chosen(Vec<PathBuf>),
+    /// The user chose none.
+    Cancelled,
+    /// The desktop's dialog did not open, or the user would rather type a path.
+    Failed,
 }

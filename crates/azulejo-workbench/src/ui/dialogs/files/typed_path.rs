@@ -1,5 +1,7 @@
 //! Paths as they are typed.
 
+use crate::platform;
+use azulejo::formats::disk;
 use std::path::{Component, MAIN_SEPARATOR, Path, PathBuf};
 
 /// Why a typed path is not a file that can be opened or written.
@@ -20,20 +22,23 @@ pub enum PathProblem {
 /// The reason why it cannot be opened, or, if it `saves`, written: then it need not exist, but its
 /// folder must.
 pub fn check(saves: bool, folder: &Path, text: &str) -> Result<PathBuf, PathProblem> {
-    let home = directories::UserDirs::new();
     let text = text.trim();
-    let path = resolve(folder, home.as_ref().map(|h| h.home_dir()), text);
-    if path.is_dir() {
+    let path = resolve(folder, platform::home().as_deref(), text);
+    if is_folder(&path) {
         return Err(PathProblem::IsFolder(path));
     }
     if text.ends_with(is_separator) {
         return Err(PathProblem::NoFolder(path));
     }
-    match path.parent().filter(|above| !above.is_dir()) {
+    match path.parent().filter(|above| !is_folder(above)) {
         Some(above) => Err(PathProblem::NoFolder(above.to_owned())),
-        None if saves || path.exists() => Ok(path),
+        None if saves || disk::exists(&path).unwrap_or_default() => Ok(path),
         None => Err(PathProblem::NoFile(path)),
     }
+}
+
+fn is_folder(path: &Path) -> bool {
+    disk::metadata(path).is_ok_and(|meta| meta.is_dir())
 }
 
 /// The path that is meant by `text` in `folder`: an absolute or relative one, or one that begins
