@@ -1,6 +1,8 @@
 //! Models and drawings of any supported format: recognized once, then read by the format's
 //! own reader.
 
+#[cfg(feature = "pdf")]
+use crate::outline::pdf;
 use crate::outline::{Drawing, svg};
 use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
@@ -193,20 +195,32 @@ fn divide_in_shared_meshes(scene: &mut Scene) -> usize {
     count
 }
 
-/// Reads an SVG or DXF drawing, recognized by its content. `name` is used in messages; `files` provides the fonts of
-/// its texts.
+/// Reads an SVG, DXF or PDF drawing, recognized by its content. `name` is used in messages; `files` provides the fonts of
+/// texts in SVG and DXF. PDF needs the feature `pdf`.
 ///
 /// # Errors
-/// Another format, and the errors of [`svg::read`] and [`dxf::read_figures`].
+/// Another format, a page of a drawing that has none, and the errors of [`svg::read`], [`dxf::read_figures`] and
+/// `pdf::read`.
 pub fn read_drawing(
     bytes: &[u8],
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Drawing, ReadError> {
-    const EXPECTED: &str = "a drawing in SVG or DXF";
+    const EXPECTED: &str = "a drawing in SVG, DXF or PDF";
     let bytes = &*decoded(bytes);
-    if svg::is_svg(bytes) {
+    let is_svg = svg::is_svg(bytes);
+    #[cfg(feature = "pdf")]
+    if !is_svg && pdf::is_pdf(bytes) {
+        return counted_first(bytes.len(), options, |options| {
+            pdf::read(bytes, name, options)
+        });
+    }
+    if let Some(page) = options.page {
+        let found = format!("page {page} of a file that is no PDF");
+        return Err(ReadError::whole(name, found, "a name without a page"));
+    }
+    if is_svg {
         return counted_first(bytes.len(), options, |options| {
             svg::read(bytes, name, files, options)
         });

@@ -219,7 +219,9 @@ const tests = {
         assert.equal((await state()).failure, null);
     },
     async "has the bits of a desktop"() {
-        for (const file of existsSync(expected) ? readdirSync(expected).sort() : []) {
+        const all = readdirSync(expected).sort();
+        assert.notEqual(all.length, 0, "there is something to compare with");
+        for (const file of all) {
             const [scene, name] = file.split("@");
             const text = readFileSync(join(workspace, "examples", `${scene}.grf`)).toString("base64");
             const start = Date.now();

@@ -182,7 +182,7 @@ pub enum Command {
 pub enum PrismBase {
     /// A regular polygon with this number of sides.
     Regular(u32),
-    /// The filled contours of an SVG or DXF drawing.
+    /// The filled contours of an SVG, DXF or PDF drawing.
     Drawing(PathBuf),
 }
 

@@ -91,7 +91,7 @@ pub enum Command {
         #[command(subcommand)]
         command: FontCommand,
     },
-    /// Extrude a drawing (SVG or DXF) to a solid
+    /// Extrude a drawing (SVG, DXF or PDF) to a solid
     #[command(after_help = EXTRUDE_EXAMPLES)]
     Extrude(ExtrudeArgs),
     /// Evaluate, plot, check and fit reflection models

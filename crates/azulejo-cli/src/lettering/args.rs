@@ -263,7 +263,8 @@ fn paint_order(text: &str) -> Result<PaintOrder, String> {
 /// `extrude`
 #[derive(Debug, Args)]
 pub struct ExtrudeArgs {
-    /// Filled and stroked shapes and texts of an SVG, or outlines and texts of a DXF drawing
+    /// Filled and stroked shapes and texts of an SVG or of a page of a PDF (a.pdf#2 for the second), or outlines and
+    /// texts of a DXF drawing
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
@@ -329,4 +330,5 @@ Examples:
   azulejo extrude logo.svg --depth 2 -o logo.grf
   azulejo extrude badge.svg --depth 2 --layers 0.3 -o badge.glb
   azulejo extrude plate.svg --depth 5 --bevel chamfer:0.5:both -o plate.stl
-  azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb";
+  azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb
+  azulejo extrude brochure.pdf#2 --depth 2 -o title.grf";

@@ -2,6 +2,7 @@
 
 use super::args::{ExtrudeArgs, PaintOrder};
 use super::solid;
+use super::typeface::numbered;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
@@ -27,10 +28,14 @@ const MOST_TESTS: usize = 50_000_000;
 pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check(&args.output)?.with_tolerance(args.polygons.tolerance)?;
     session.claim_stdout(output.is_stdout())?;
-    let path = args.drawing.display().to_string();
-    let bytes = read_bytes(&args.drawing)?;
+    let (path, page) = numbered(&args.drawing);
+    let bytes = read_bytes(&path)?;
     let fonts = fonts(args)?;
-    let read = read_drawing(&bytes, &path, &fonts, &ReadOptions::default());
+    let options = ReadOptions {
+        page,
+        ..ReadOptions::default()
+    };
+    let read = read_drawing(&bytes, &path.display().to_string(), &fonts, &options);
     let mut drawing = read.map_err(Failure::failed)?;
     drawing.warnings.iter().for_each(|w| session.warn(w));
     if args.layers.is_none() && is_painted_over(&drawing.shapes) {
@@ -42,11 +47,7 @@ pub fn run(args: &ExtrudeArgs, session: &mut Session) -> Result<Report, Failure>
     if args.layers == Some(PaintOrder::Inlay) {
         inlay(&mut drawing.shapes);
     }
-    let stem = args
-        .drawing
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = args
         .surface
         .name

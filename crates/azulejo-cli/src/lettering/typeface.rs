@@ -12,6 +12,7 @@ use azulejo_scene::{Encoding, Font, Line, PlacedGlyph};
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// The content of a font file.
 pub enum FontFile {
@@ -49,13 +50,17 @@ impl FontFile {
 
 /// Splits the index of a face off a name, unless a file has all of it as its name.
 fn face_of(path: &Path) -> (PathBuf, u32) {
-    let whole = || (path.to_owned(), 0);
-    let Some((file, face)) = path.to_str().and_then(|p| p.rsplit_once('#')) else {
-        return whole();
-    };
-    match face.parse() {
-        Ok(face) if !path.exists() => (PathBuf::from(file), face),
-        _ => whole(),
+    let (path, face) = numbered(path);
+    (path, face.unwrap_or(0))
+}
+
+/// Splits a number after `#` off a name, unless a file has all of it as its name.
+pub fn numbered<T: FromStr>(path: &Path) -> (PathBuf, Option<T>) {
+    let parts = path.to_str().and_then(|p| p.rsplit_once('#'));
+    let parts = parts.and_then(|(file, number)| Some((file, number.parse().ok()?)));
+    match parts {
+        Some((file, number)) if !path.exists() => (PathBuf::from(file), Some(number)),
+        _ => (path.to_owned(), None),
     }
 }
 

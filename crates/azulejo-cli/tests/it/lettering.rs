@@ -256,9 +256,14 @@ fn lettering_that_has_no_meaning_is_refused() {
         ),
         ("extrude a.svg --depth 1 -o a.grf", 1, "nothing to extrude"),
         (
+            "extrude a.svg#2 --depth 1 -o a.grf",
+            1,
+            "page 2 of a file that is no PDF",
+        ),
+        (
             "extrude tiny.ttf --depth 1 -o a.grf",
             1,
-            "expected a drawing in SVG or DXF",
+            "expected a drawing in SVG, DXF or PDF",
         ),
         ("font sheet tiny.ttf -o a.jpg", 2, "expected .png"),
         (
@@ -739,5 +744,36 @@ fn illuminance_has_a_scale() {
         &format!("{line} -o e.png --exposure 1"),
         2,
         "--exposure does not apply",
+    );
+}
+
+#[test]
+fn pages_become_solids() {
+    let folder = Folder::new();
+    // Without its tables, which are repaired.
+    let pages = [
+        (3, 5, "1 0 0 rg 9 9 72 36 re f"),
+        (4, 6, "9 9 m 81 9 l 9 81 l f"),
+    ];
+    let mut text = "%PDF-1.7\n1 0 obj\n<</Type/Catalog/Pages 2 0 R>>\nendobj\n\
+                    2 0 obj\n<</Type/Pages/Kids[3 0 R 4 0 R]/Count 2/MediaBox[0 0 99 99]>>\nendobj\n"
+        .to_owned();
+    for (page, content, drawn) in pages {
+        let length = drawn.len();
+        text +=
+            &format!("{page} 0 obj\n<</Type/Page/Parent 2 0 R/Contents {content} 0 R>>\nendobj\n");
+        text +=
+            &format!("{content} 0 obj\n<</Length {length}>>\nstream\n{drawn}\nendstream\nendobj\n");
+    }
+    text += "trailer\n<</Root 1 0 R>>\n";
+    folder.write("two.pdf", text);
+    for (name, top) in [("two.pdf", 45.0), ("two.pdf#2", 81.0)] {
+        let report = folder.json(&format!("extrude {name} --depth 2 -o a.grf"));
+        check(bounds(&report), [9.0, 9.0, -2.0, 81.0, top, 0.0]);
+    }
+    folder.fails(
+        "extrude two.pdf#3 --depth 2 -o b.grf",
+        1,
+        "a page from 1 to 2",
     );
 }

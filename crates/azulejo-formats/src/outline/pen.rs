@@ -3,6 +3,7 @@
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
+use kurbo::{PathEl, Point};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// Draws the contours of a figure. Every contour is closed, by a straight line if necessary.
@@ -103,6 +104,20 @@ impl Pen {
         self.move_to(first);
         self.arc_to(ellipse, 0.0, TAU, first);
         self.close();
+    }
+
+    /// Draws a path.
+    pub fn trace(&mut self, path: impl IntoIterator<Item = PathEl>) {
+        let place = |p: Point| DVec2::new(p.x, p.y);
+        for element in path {
+            match element {
+                PathEl::MoveTo(to) => self.move_to(place(to)),
+                PathEl::LineTo(to) => self.line_to(place(to)),
+                PathEl::QuadTo(control, to) => self.quadratic_to(place(control), place(to)),
+                PathEl::CurveTo(a, b, to) => self.cubic_to(place(a), place(b), place(to)),
+                PathEl::ClosePath => _ = self.close(),
+            }
+        }
     }
 
     /// The curves of the current contour, which stays open.

@@ -28,6 +28,8 @@ pub struct ReadOptions {
     pub sectors: Option<u32>,
     /// The set of lamps of a luminaire in EULUMDAT, from 1; without it the first, with a warning if there are more.
     pub lamp_set: Option<usize>,
+    /// The page of a PDF, from 1; without it the first, with a warning if there are more.
+    pub page: Option<usize>,
 }
 
 /// What the numbers of vertex colours are.
@@ -79,6 +81,7 @@ impl Default for ReadOptions {
             vertex_colors: None,
             sectors: None,
             lamp_set: None,
+            page: None,
         }
     }
 }

@@ -12,7 +12,7 @@ const BUDGETS: [(&str, usize); 15] = [
     ("azulejo-cli", 25_070),
     ("azulejo-exchange", 8350),
     ("azulejo-factors", 18_410),
-    ("azulejo-formats", 72_080),
+    ("azulejo-formats", 72_700),
     ("azulejo-gpu", 2200),
     ("azulejo-python", 3100),
     ("azulejo-radiosity", 7960),

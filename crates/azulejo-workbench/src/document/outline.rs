@@ -41,7 +41,7 @@ impl PrismOutline {
         PrismOutline::of("prism".into(), vec![figure], height)
     }
 
-    /// The filled contours of an SVG or DXF drawing, and warnings. `name` is the file name used in
+    /// The filled contours of an SVG, DXF or PDF drawing, and warnings. `name` is the file name used in
     /// messages.
     ///
     /// # Errors

@@ -1,97 +1,12 @@
-//! Strokes as figures: the inside of what a pen of some width draws.
-//!
-//! Offsets of curves by kurbo (Levien, *Cleaner parallel curves with Euler spirals*, 2021).
+//! The path of a shape, to be stroked.
 
-use super::style::StrokeStyle;
-use super::values::{LARGEST, LengthUnits, numbers};
-use crate::outline::pen::Pen;
+use super::values::{LengthUnits, numbers};
+use azulejo_scene::Figure;
 use azulejo_scene::figure::Segment;
-use azulejo_scene::{Figure, FillRule};
 use glam::DVec2;
-use kurbo::{BezPath, ParamCurveArclen, PathEl, Point, Shape, Stroke, StrokeOpts};
+use kurbo::{BezPath, Point};
 use roxmltree::Node;
 use svgtypes::{SimplePathSegment, SimplifyingPathParser};
-
-/// Thinnest pen, as a share of the largest coordinate: single precision, in which most models are stored.
-const THINNEST: f64 = 1e-7;
-
-/// How far the edges of a stroke may be off, as a share of its width.
-const TOLERANCE: f64 = 1e-3;
-
-/// The same as a share of the size of the shape, below which edges are not divided further.
-const FINEST: f64 = 1e-7;
-
-/// Most dashes of a stroke.
-const MOST_DASHES: f64 = 20_000.0;
-
-/// Why a shape has no stroke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum StrokeProblem {
-    /// It has no curve, or an unknown unit, which has been said.
-    NoCurve,
-    /// Its pen is so thin that its edges are one line in the precision of numbers.
-    Vanishes,
-    /// Its dashes are too many to be drawn.
-    TooManyDashes,
-}
-
-/// The figure of the stroke of a shape, whose outline `figure` is, in its own coordinates.
-///
-/// # Errors
-/// [`StrokeProblem`].
-pub(super) fn stroked(
-    element: Node,
-    figure: &Figure,
-    style: &StrokeStyle,
-    pen: &Stroke,
-    units: &LengthUnits,
-) -> Result<Figure, StrokeProblem> {
-    let path = path(element, figure, units).ok_or(StrokeProblem::NoCurve)?;
-    let bounds = path.bounding_box();
-    let size = bounds.width().max(bounds.height());
-    let is_usable = size.is_finite() && size.max(pen.width) < LARGEST;
-    if path.elements().len() < 2 || !is_usable {
-        return Err(StrokeProblem::NoCurve);
-    }
-    let farthest = [bounds.x0, bounds.x1, bounds.y0, bounds.y1].map(f64::abs);
-    if pen.width <= THINNEST * farthest.into_iter().fold(0.0, f64::max) {
-        return Err(StrokeProblem::Vanishes);
-    }
-    let tolerance = (TOLERANCE * pen.width).max(FINEST * size);
-    let path = dashed(path, style, tolerance)?;
-    let edges = kurbo::stroke(path, pen, &StrokeOpts::default(), tolerance);
-    let place = |p: Point| DVec2::new(p.x, p.y);
-    let mut pen = Pen::default();
-    for edge in edges {
-        match edge {
-            PathEl::MoveTo(to) => pen.move_to(place(to)),
-            PathEl::LineTo(to) => pen.line_to(place(to)),
-            PathEl::QuadTo(control, to) => pen.quadratic_to(place(control), place(to)),
-            PathEl::CurveTo(a, b, to) => pen.cubic_to(place(a), place(b), place(to)),
-            PathEl::ClosePath => _ = pen.close(),
-        }
-    }
-    let figure = pen.finish(FillRule::NonZero);
-    if figure.contours.is_empty() {
-        return Err(StrokeProblem::NoCurve);
-    }
-    Ok(figure)
-}
-
-/// The dashes of a path.
-fn dashed(path: BezPath, style: &StrokeStyle, accuracy: f64) -> Result<BezPath, StrokeProblem> {
-    let period: f64 = style.dashes.iter().sum();
-    if !(period > 0.0 && period.is_finite()) {
-        return Ok(path);
-    }
-    let length: f64 = path.segments().map(|s| s.arclen(accuracy)).sum();
-    let count = style.dashes.len() as f64 * (length + style.dash_offset.abs()) / period;
-    if count > MOST_DASHES {
-        return Err(StrokeProblem::TooManyDashes);
-    }
-    let offset = style.dash_offset;
-    Ok(kurbo::dash(path.into_iter(), offset, &style.dashes).collect())
-}
 
 /// The path of a shape: what is open stays so.
 pub(super) fn path(element: Node, figure: &Figure, units: &LengthUnits) -> Option<BezPath> {

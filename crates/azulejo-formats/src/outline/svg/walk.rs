@@ -1,17 +1,18 @@
 //! Converts the elements of a document to figures of what they fill and stroke.
 
-use super::clip::Clip;
 use super::path::PathProblems;
 use super::shapes;
-use super::stroke::{self, StrokeProblem};
+use super::stroke::path;
 use super::style::{OwnStyle, Paint, Style};
 use super::style_sheet::StyleSheet;
 use super::values::{LengthUnits, transform};
 use super::viewport;
+use crate::outline::clip::Clip;
 use crate::outline::drawing::{Drawing, Filled};
 #[cfg(feature = "fonts")]
 use crate::outline::letters::Letters;
 use crate::outline::pen::Pen;
+use crate::outline::stroke::{StrokeProblem, stroked};
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
@@ -320,7 +321,8 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
     pub fn stroked(&mut self, figure: &Figure, site: &PendingElement) -> Option<Figure> {
         let (element, style) = (site.element, &site.style.stroke);
         let pen = style.pen()?;
-        match stroke::stroked(element, figure, style, &pen, &site.units()) {
+        let path = path(element, figure, &site.units())?;
+        match stroked(path, &pen, &style.dashes, style.dash_offset) {
             Ok(stroked) => Some(stroked),
             Err(StrokeProblem::NoCurve) => None,
             Err(StrokeProblem::Vanishes) => {

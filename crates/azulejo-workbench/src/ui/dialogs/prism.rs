@@ -57,7 +57,8 @@ impl PrismDialog {
             let name = self.drawing.as_deref().and_then(Path::file_name);
             let name = name.map(|n| n.to_string_lossy().into_owned());
             let name = name.unwrap_or_else(|| cx.tr("From a drawing…").to_owned());
-            let about = cx.tr("Filled shapes of an SVG, or closed outlines of a DXF drawing");
+            let about =
+                cx.tr("Filled shapes of an SVG or PDF, or closed outlines of a DXF drawing");
             if ui.button(name).on_hover_text(about).clicked() {
                 cx.send(Command::RequestFile(FileRequest::Outline));
             }

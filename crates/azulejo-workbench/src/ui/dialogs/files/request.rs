@@ -89,7 +89,7 @@ pub fn extensions(what: FileRequest) -> &'static [&'static str] {
         FileRequest::SaveRender => &["png", "exr", "hdr"],
         FileRequest::SaveLightmap(LightmapFile::Model) => &["glb", "gltf"],
         FileRequest::SaveLightmap(_) => &["exr"],
-        FileRequest::Outline => &["svg", "dxf"],
+        FileRequest::Outline => &["svg", "dxf", "pdf"],
         FileRequest::SaveProbes | FileRequest::SaveTaskPlane => &["csv"],
         FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => &[],
     }
