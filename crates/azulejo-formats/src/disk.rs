@@ -8,6 +8,10 @@
 pub use std::fs::*;
 
 #[cfg(any(test, target_arch = "wasm32"))]
+#[cfg_attr(
+    not(target_arch = "wasm32"),
+    allow(dead_code, reason = "its tests take a part")
+)]
 mod in_memory;
 #[cfg(target_arch = "wasm32")]
 pub use in_memory::*;

@@ -290,11 +290,7 @@ fn orphan(note: &Path) -> Option<Recoverable> {
     };
     let text = disk::read_to_string(note).unwrap_or_default();
     let note: RecoveryNote = toml::from_str(&text).unwrap_or_default();
-    let written = meta
-        .modified()
-        .ok()?
-        .duration_since(UNIX_EPOCH)
-        .ok()?;
+    let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,
         original: note.original(),

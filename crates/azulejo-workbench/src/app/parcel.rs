@@ -3,9 +3,11 @@
 use super::probes::ProbeMeasurement;
 use super::task_plane::TaskPlane;
 use super::{App, JobResult};
-use crate::document::{ItemId, SceneDocument, Solution, TaskGrid};
-use crate::first_pass::PatchFormFactors;
+use crate::document::{ItemId, SceneDocument, Solution, SurfacePick, TaskGrid};
+use crate::engine_comparison::EngineRun;
+use crate::first_pass::{EngineChoice, PatchFormFactors};
 use azulejo::factors::EngineUsed;
+use azulejo::factors::form_factors::{Factor, GroupFactor};
 use azulejo::radiosity::strata::{ErrorParts, QuarterError};
 use azulejo::radiosity::{EnergyBalance, Estimate, Method, Report};
 use azulejo::scene::{
@@ -81,6 +83,10 @@ structs! {
         quarters, path_traced, rays_needed, interpolated
     }
     TaskGrid { corner, sides, counts, up }
+    SurfacePick { item, position, normal }
+    Factor { value, error }
+    GroupFactor { factor, estimates }
+    EngineRun { engine, samples, seconds, error }
 }
 
 impl Parcel for usize {
@@ -112,6 +118,20 @@ impl Parcel for Method {
         let all = [Method::Matrix, Method::Stochastic, Method::Paths];
         let code = u8::take(from)?;
         all.into_iter().find(|method| *method as u8 == code)
+    }
+}
+
+impl Parcel for EngineChoice {
+    fn put(&self, to: &mut Vec<u8>) {
+        (*self as u8).put(to);
+    }
+
+    fn take(from: &mut &[u8]) -> Option<EngineChoice> {
+        use EngineChoice::{Analytic, Auto, Hemicube, Hybrid, Rays};
+        let code = u8::take(from)?;
+        [Auto, Rays, Hemicube, Hybrid, Analytic]
+            .into_iter()
+            .find(|engine| *engine as u8 == code)
     }
 }
 
@@ -284,7 +304,7 @@ pub(super) fn pack(result: &JobResult) -> Vec<u8> {
         }
         JobResult::FormFactors(factors) => {
             4u8.put(to);
-            factors.item.put(to);
+            factors.pick.put(to);
             factors.patches.as_ref().put(to);
             factors.factors.put(to);
             factors.sum.put(to);
@@ -297,6 +317,10 @@ pub(super) fn pack(result: &JobResult) -> Vec<u8> {
         JobResult::Note(text) => {
             6u8.put(to);
             text.put(to);
+        }
+        JobResult::EngineRun(run) => {
+            7u8.put(to);
+            run.put(to);
         }
         _ => {}
     }
@@ -320,7 +344,7 @@ pub(super) fn unpack(mut bytes: &[u8], document: &SceneDocument) -> Option<JobRe
         }
         4 => JobResult::FormFactors(Box::new(PatchFormFactors {
             number: PatchFormFactors::next_number(),
-            item: Parcel::take(from)?,
+            pick: Parcel::take(from)?,
             patches: Arc::new(Parcel::take(from)?),
             factors: Parcel::take(from)?,
             sum: Parcel::take(from)?,
@@ -328,6 +352,7 @@ pub(super) fn unpack(mut bytes: &[u8], document: &SceneDocument) -> Option<JobRe
         })),
         5 => JobResult::Autosaved(u64::take(from)?),
         6 => JobResult::Note(Parcel::take(from)?),
+        7 => JobResult::EngineRun(Parcel::take(from)?),
         _ => return None,
     })
 }

@@ -71,9 +71,10 @@ fn unpacked_size(data: &mut &[u8], depth: usize, most: u64) -> (u64, bool) {
     let mut reader: Box<dyn BufRead + '_> = Box::new(data);
     for _ in 0..depth {
         let start = reader.fill_buf().unwrap_or_default();
-        reader = match is_zlib(start) {
-            true => Box::new(BufReader::new(ZlibDecoder::new(reader))),
-            false => Box::new(BufReader::new(DeflateDecoder::new(reader))),
+        reader = if is_zlib(start) {
+            Box::new(BufReader::new(ZlibDecoder::new(reader)))
+        } else {
+            Box::new(BufReader::new(DeflateDecoder::new(reader)))
         };
     }
     let is_packed = is_zlib(reader.fill_buf().unwrap_or_default());
