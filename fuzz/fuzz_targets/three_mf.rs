@@ -2,10 +2,10 @@
 #![no_main]
 
 use azulejo_formats::{Memory, ReadOptions, three_mf};
+use libfuzzer_sys::fuzz_target;
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
-use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let options = ReadOptions::in_proportion(bytes.len());
