@@ -9,6 +9,8 @@ use azulejo::trace::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+// Files have the clock of the standard library also in a page.
+use std::time::SystemTime as FileTime;
 
 /// A copy left by a crashed session.
 #[derive(Clone, Debug, PartialEq)]
@@ -290,7 +292,11 @@ fn orphan(note: &Path) -> Option<Recoverable> {
     };
     let text = disk::read_to_string(note).unwrap_or_default();
     let note: RecoveryNote = toml::from_str(&text).unwrap_or_default();
-    let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    let written = meta
+        .modified()
+        .ok()?
+        .duration_since(FileTime::UNIX_EPOCH)
+        .ok()?;
     Some(Recoverable {
         copy,
         original: note.original(),

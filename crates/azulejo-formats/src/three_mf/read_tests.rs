@@ -282,7 +282,7 @@ fn damage_says_where() {
     with(
         &word,
         "",
-        "a.3mf/3D/a.model:3:134: found x=\"one\", expected a number",
+        "a.3mf/3D/a.model:3:145: found x=\"one\", expected a number",
     );
     let circle = r#"<object id="1"><components><component objectid="2"/></components></object>
 <object id="2"><components><component objectid="1"/></components></object>"#;
