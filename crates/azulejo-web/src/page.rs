@@ -5,12 +5,13 @@ use azulejo::formats::grf;
 use azulejo_workbench::app::{App, Severity, UserDirs};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::document::Example;
+use azulejo_workbench::lab::LabLink;
 use azulejo_workbench::platform;
 use azulejo_workbench::preferences::Preferences;
 use azulejo_workbench::script::{self, ScriptPlayer};
 use azulejo_workbench::ui::{Viewport, Workbench};
 use azulejo_workbench::words::Language;
-use eframe::{App as _, WebOptions, WebRunner, egui};
+use eframe::{WebOptions, WebRunner, egui};
 use serde_json::json;
 use std::any::Any;
 use std::cell::RefCell;
@@ -48,7 +49,7 @@ impl eframe::App for PageWindow {
 }
 
 /// Shows the workbench on a canvas. `query` is what follows the `?` of the page's address: `open=cornell`,
-/// `open=mirror` or `open=letters` opens an example, `lang=es` sets the language.
+/// `open=mirror` or `open=letters` opens an example, `lab=3` a lesson, `lang=es` sets the language.
 ///
 /// # Errors
 /// The browser has neither WebGPU nor WebGL 2.
@@ -56,8 +57,7 @@ impl eframe::App for PageWindow {
 pub async fn start(canvas: HtmlCanvasElement, query: String) -> Result<(), JsValue> {
     let runner = WebRunner::new();
     report_panics();
-    let query = UrlSearchParams::new_with_str(&query)?;
-    let app = app(&query);
+    let app = app(&query, &UrlSearchParams::new_with_str(&query)?);
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
         let window = Workbench::in_window(app, viewport, context);
@@ -70,7 +70,7 @@ pub async fn start(canvas: HtmlCanvasElement, query: String) -> Result<(), JsVal
     Ok(())
 }
 
-fn app(query: &UrlSearchParams) -> App {
+fn app(text: &str, query: &UrlSearchParams) -> App {
     let preferences = Preferences {
         language: language(query),
         ..Preferences::default()
@@ -96,6 +96,10 @@ fn app(query: &UrlSearchParams) -> App {
                 );
             }
         }
+    }
+    match LabLink::from_query(text) {
+        Ok(link) => app.follow(link),
+        Err(why) => app.report(Severity::Error, why),
     }
     app
 }

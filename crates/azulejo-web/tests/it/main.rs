@@ -1,4 +1,4 @@
-//! The page in a browser: used as users do, and compared to the last bit with the same functions here.
+//! The page in a browser: used as users do, and compared with the same functions here.
 //!
 //! Needs Node.js, Chromium and a page in `dist/web`, or in the folder `AZULEJO_PAGE`; skipped where one is missing.
 //! Making the page takes minutes, so that no test does it.
@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 
 #[test]
-fn the_page_is_used_and_has_the_bits_of_a_desktop() {
+fn the_page_is_used_and_has_the_results_of_a_desktop() {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let page = std::env::var_os("AZULEJO_PAGE").map_or(workspace.join("dist/web"), Into::into);
     let folder = std::env::temp_dir().join(format!("azulejo-page-{}", std::process::id()));
