@@ -1,4 +1,4 @@
-//! Any bytes as a drawing in SVG or DXF: its figures must make a valid scene, and polygons.
+//! Any bytes as a drawing in SVG, DXF or PDF: its figures must make a valid scene, and polygons.
 #![no_main]
 
 use azulejo_formats::outline::Filled;

@@ -63,11 +63,7 @@ impl SecondPass {
 
 /// What paths of a picture cost, from one path in the middle of each block of pixels.
 fn pilot(integrator: &Integrator, camera: &Camera, (width, height): (u32, u32)) -> PathCost {
-    let film = Film {
-        width,
-        height,
-        seed: integrator.seed(),
-    };
+    let film = Film::new((width, height), integrator.seed());
     let lens = Lens::new(camera, f64::from(width) / f64::from(height));
     let middles = |length: u32| {
         (0..length.div_ceil(STRIDE)).map(move |k| (k * STRIDE + STRIDE / 2).min(length - 1))

@@ -46,6 +46,19 @@ pub(crate) struct Tile {
 }
 
 impl Film {
+    /// A film of a size in pixels; panics if these are 2³² or more.
+    pub fn new((width, height): (u32, u32), seed: u32) -> Film {
+        assert!(
+            width.checked_mul(height).is_some(),
+            "a picture of {width} × {height} pixels is too large"
+        );
+        Film {
+            width,
+            height,
+            seed,
+        }
+    }
+
     /// All pixels, each in one tile, row by row.
     pub fn tiles(&self) -> Vec<Tile> {
         let (columns, rows) = (self.width.div_ceil(TILE), self.height.div_ceil(TILE));

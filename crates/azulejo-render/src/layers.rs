@@ -61,15 +61,7 @@ pub fn picture_layers(
     samples: u32,
     progress: &Progress,
 ) -> Result<PictureLayers, Cancelled> {
-    assert!(
-        width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
-    );
-    let film = Film {
-        width,
-        height,
-        seed: hash(&[0x1a7e5]),
-    };
+    let film = Film::new((width, height), hash(&[0x1a7e5]));
     let finder = LayerFinder {
         scene: RenderScene::new(scene, tracer),
         lens: Lens::new(camera, f64::from(width) / f64::from(height)),

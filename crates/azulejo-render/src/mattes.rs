@@ -55,15 +55,7 @@ pub fn mattes(
     samples: u32,
     progress: &Progress,
 ) -> Result<Mattes, Cancelled> {
-    assert!(
-        width.checked_mul(height).is_some(),
-        "a picture of {width} × {height} pixels is too large"
-    );
-    let film = Film {
-        width,
-        height,
-        seed: hash(&[0x3a77e]),
-    };
+    let film = Film::new((width, height), hash(&[0x3a77e]));
     let finder = MatteFinder {
         surfaces: Surfaces::new(scene, tracer),
         tracer,

@@ -139,11 +139,7 @@ pub fn render_irradiance(
     let mut image = measure(integrator, camera, options, progress)?.image;
     let (width, height) = options.size;
     let lens = Lens::new(camera, f64::from(width) / f64::from(height));
-    let film = Film {
-        width,
-        height,
-        seed: 0,
-    };
+    let film = Film::new(options.size, 0);
     let middles = (0..width * height).map(|k| film.pixel(k).middle());
     let rays: Vec<KernelRay> = middles.map(|at| tracer.kernel_ray(&lens.ray(at))).collect();
     let mut hits = Vec::new();
@@ -164,15 +160,7 @@ fn measure(
     progress: &Progress,
 ) -> Result<MeasuredImage, Cancelled> {
     let (width, height) = options.size;
-    assert!(
-        width.checked_mul(height).is_some(),
-        "an image of {width} × {height} pixels is too large"
-    );
-    let film = Film {
-        width,
-        height,
-        seed: integrator.seed(),
-    };
+    let film = Film::new(options.size, integrator.seed());
     let pass = ImagePass {
         integrator: integrator.behind(camera, options.size),
         lens: Lens::new(camera, f64::from(width) / f64::from(height)),

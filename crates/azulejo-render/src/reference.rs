@@ -78,17 +78,9 @@ pub fn reference(
     progress: &Progress,
 ) -> Result<MeasuredImage, Cancelled> {
     let (width, height) = options.size;
-    assert!(
-        width.checked_mul(height).is_some(),
-        "an image of {width} × {height} pixels is too large"
-    );
     let mut path_tracer = PathTracer::new(scene, tracer, options);
     path_tracer.scene = path_tracer.scene.behind(camera, options.size);
-    let film = Film {
-        width,
-        height,
-        seed: path_tracer.seed,
-    };
+    let film = Film::new(options.size, path_tracer.seed);
     let lens = Lens::new(camera, f64::from(width) / f64::from(height));
     progress.begin("reference", u64::from(width) * u64::from(height));
     let tile = |scratch: &mut Scratch, tile: Tile| -> Result<Vec<PixelSums>, Cancelled> {

@@ -122,8 +122,8 @@ impl<'s> PdfDevice<'s> {
 
     /// What everything is inside of.
     fn clip(&self) -> Rc<Clip> {
-        let page = self.clips.last().or(self.clips.first());
-        page.expect("the page is never popped").clone()
+        let innermost = self.clips.last();
+        innermost.expect("the page is never popped").clone()
     }
 
     /// Adds what of a figure is inside the clip; `map` leads from its coordinates to the device.
