@@ -1,7 +1,8 @@
 //! The page in a browser: used as users do, and compared with the same functions here.
 //!
 //! Needs Node.js, Chromium and a page in `dist/web`, or in the folder `AZULEJO_PAGE`; skipped where one is missing.
-//! Making the page takes minutes, so that no test does it.
+//! Making the page takes minutes, so that no test does it. How long things took is printed, for BENCHMARKS.md.
+#![allow(clippy::print_stderr, reason = "what was measured is for --nocapture")]
 
 // The crate itself is for browsers alone.
 #[path = "../../src/bits.rs"]
@@ -47,4 +48,5 @@ fn the_page_is_used_and_has_the_results_of_a_desktop() {
     let text = String::from_utf8_lossy(&output.stdout);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}{errors}");
+    eprint!("{text}");
 }
